@@ -1,0 +1,5 @@
+"""`python -m canwright`."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,70 @@
+"""One finding about a spec, and how it is printed."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Severity(str, Enum):
+    """An error stops generation, a warning does not."""
+
+    ERROR = "error"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True)
+class Position:
+    """Where a finding is: file as the user named it, line and column from 1, and the source line itself."""
+
+    file: str
+    line: int
+    column: int
+    length: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """What is wrong, where, by which rule, and what to do about it."""
+
+    severity: Severity
+    rule: str
+    message: str
+    position: Position
+    hint: str = ""
+
+    def __str__(self) -> str:
+        """`file:line:col: severity: message [rule]`, the source line, a caret, and the hint."""
+        at = self.position
+        lines = [f"{at.file}:{at.line}:{at.column}: {self.severity.value}: {self.message} [{self.rule}]"]
+        if at.text:
+            margin = "".join("\t" if c == "\t" else " " for c in at.text[: at.column - 1])
+            marked = max(1, min(at.length, len(at.text) - at.column + 1))
+            lines += [f"  {at.text}", f"  {margin}{'^' * marked}"]
+        if self.hint:
+            lines.append(f"  {self.hint}")
+        return "\n".join(lines)
+
+
+class SpecError(Exception):
+    """A spec that cannot be used; carries every finding of the run."""
+
+    def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
+        self.diagnostics = tuple(
+            sorted(diagnostics, key=lambda d: (d.position.file, d.position.line, d.position.column))
+        )
+        super().__init__("\n".join(map(str, self.diagnostics)))
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """A hint that names the nearest of `known`, or lists them when none is near and they are few."""
+    names = sorted(set(known))
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+    if close:
+        return f"did you mean `{close[0]}`?"
+    if 0 < len(names) <= 12:
+        return "there are: " + ", ".join(f"`{n}`" for n in names)
+    return ""

@@ -1,0 +1,398 @@
+"""The resolved edition: frozen, complete and exact. This is all that targets read.
+
+Positions are bits. In the data, bit `n` is bit `n % 8` (0 is the least significant) of byte `n // 8`; in the id, bit 0
+is the least significant. Every number is an int or a Fraction; nothing here is a float.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from fractions import Fraction
+
+from .quantities import (
+    IDENTITY as IDENTITY,
+)
+from .quantities import (
+    Assignment as Assignment,
+)
+from .quantities import (
+    Bound as Bound,
+)
+from .quantities import (
+    Dependent as Dependent,
+)
+from .quantities import (
+    Encoding as Encoding,
+)
+from .quantities import (
+    Linear as Linear,
+)
+from .quantities import (
+    Member as Member,
+)
+from .quantities import (
+    Order as Order,
+)
+from .quantities import (
+    Parameter as Parameter,
+)
+from .quantities import (
+    ParameterValue as ParameterValue,
+)
+from .quantities import (
+    Path as Path,
+)
+from .quantities import (
+    Range as Range,
+)
+from .quantities import (
+    Text as Text,
+)
+from .quantities import (
+    Type as Type,
+)
+from .quantities import (
+    Unit as Unit,
+)
+
+
+class Direction(str, Enum):
+    """Who sends the frame: the host a request, the node a reply."""
+
+    REQUEST = "request"
+    REPLY = "reply"
+
+
+class Space(str, Enum):
+    """Where bits stand: in the data bytes or in the CAN id."""
+
+    DATA = "data"
+    ID = "id"
+
+
+class ReplyForm(str, Enum):
+    """How the reply of a command comes about."""
+
+    NONE = "none"
+    ECHO = "echo"
+    """The node sends the request back."""
+    OWN = "own"
+    """The fields stand with the command."""
+    LAYOUT = "layout"
+    """The fields are those of a shared layout."""
+    OTHER = "other"
+    """The frame is the reply of another command."""
+
+
+class Level(str, Enum):
+    """How much an effect matters to whoever sends the command."""
+
+    NOTE = "note"
+    WARNING = "warning"
+    DANGER = "danger"
+
+
+@dataclass(frozen=True)
+class Segment:
+    """Bits of a field that lie in one byte: `raw |= (byte >> low & (1 << width) - 1) << raw_low`.
+
+    In the id space there is one segment, its `byte` is 0 and `low` counts from bit 0 of the id.
+    """
+
+    byte: int
+    low: int
+    width: int
+    raw_low: int
+
+
+@dataclass(frozen=True)
+class Element:
+    """One place on the wire: the only one of a field, or one of an array, then with its index."""
+
+    index: int | None
+    segments: tuple[Segment, ...]
+
+    @property
+    def bits(self) -> tuple[int, ...]:
+        """Frame bits from the least significant raw bit up."""
+        return tuple(s.byte * 8 + s.low + i for s in self.segments for i in range(s.width))
+
+
+@dataclass(frozen=True)
+class Field:
+    """A run of bits with a type; an array has one element for each index.
+
+    `only` names the value of the layout's parameter under which the field is there; empty means always.
+    `constant` is the raw value of a field that always holds it: it is written, checked, and not part of the message.
+    """
+
+    name: str
+    type: Type
+    space: Space
+    elements: tuple[Element, ...]
+    is_array: bool
+    only: tuple[str, ...]
+    constant: int | None
+    title: Text
+    about: Text
+    manual: str
+    path: Path = field(compare=False)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The fields of a layout under some values of its parameter; `values` is empty when it has no parameter."""
+
+    values: tuple[str, ...]
+    fields: tuple[Field, ...]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Fields with their bits. `shared` layouts have a name in the spec; the others belong to one message.
+
+    `parameter` is the choice that decides which fields are there, `variants` the outcomes, in spec order.
+    Bits that no field covers are reserved: written as 0, ignored when read.
+    """
+
+    name: str
+    fields: tuple[Field, ...]
+    parameter: str | None
+    variants: tuple[Variant, ...]
+    shared: bool
+    title: Text
+    about: Text
+    manual: str
+    path: Path = field(compare=False)
+
+    def variant(self, assignment: Assignment) -> Variant | None:
+        """The variant under `assignment`; None when the parameter it needs is not assigned."""
+        if self.parameter is None:
+            return self.variants[0]
+        value = assignment.get(self.parameter)
+        return next((v for v in self.variants if value in v.values), None)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of all choice parameters that fields, scales and ranges of this layout depend on."""
+        names = ([self.parameter] if self.parameter else []) + [p for f in self.fields for p in f.type.parameters]
+        return tuple(dict.fromkeys(names))
+
+
+@dataclass(frozen=True)
+class IdRule:
+    """A rule from node to CAN id, and back: `id = base + (node << node_shift)`, without the bits of keys and fields.
+
+    `nodes` is None for a fixed id. `extended` means 29 bits instead of 11.
+    """
+
+    base: int
+    node_shift: int
+    nodes: range | None
+    extended: bool
+
+
+@dataclass(frozen=True)
+class Address:
+    """Where requests go and replies come from; often the same rule."""
+
+    name: str
+    request: IdRule
+    reply: IdRule
+    title: Text
+    about: Text
+    manual: str
+    path: Path = field(compare=False)
+
+
+@dataclass(frozen=True)
+class Key:
+    """Bits that must hold `value` for a frame to be a given message; the selector and, where there is one, a second."""
+
+    name: str
+    space: Space
+    order: Order
+    width: int
+    segments: tuple[Segment, ...]
+    value: int
+
+
+@dataclass(frozen=True)
+class Message:
+    """One frame form in one direction.
+
+    `keys` select it; `accept` are further values that a receiver takes for `keys[0]`. `claims` are the values of
+    `keys[0]` that `edition.messages(direction)` attributes to this message when nothing else is known: two messages
+    may share a first byte, and then the one whose command has that code is meant.
+    """
+
+    name: str
+    command: str
+    direction: Direction
+    address: str
+    id: IdRule
+    keys: tuple[Key, ...]
+    accept: tuple[int, ...]
+    claims: tuple[int, ...]
+    dlc: int
+    remote: bool
+    layout: Layout
+    path: Path = field(compare=False)
+
+    @property
+    def id_mask(self) -> int:
+        """Bits of the id that keys and fields fill; the rest is the id rule's."""
+        segments = [s for k in self.keys if k.space is Space.ID for s in k.segments]
+        segments += [s for f in self.layout.fields if f.space is Space.ID for e in f.elements for s in e.segments]
+        return sum(((1 << s.width) - 1) << s.low for s in segments)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What sending a command does besides its reply, as data for tools and a sentence for people."""
+
+    name: str
+    level: Level
+    title: Text
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A limit that is set on the node by other means than this protocol."""
+
+    name: str
+    only: Mapping[str, tuple[str, ...]]
+    title: Text
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A way to run the bus; commands of different modes exclude each other."""
+
+    name: str
+    bit_rates_kbps: tuple[int, ...]
+    default_kbps: int | None
+    title: Text
+    about: Text
+
+
+@dataclass(frozen=True)
+class Bus:
+    """What host and nodes must agree on before the first frame."""
+
+    host: str
+    dlc: int
+    max_nodes: int | None
+    reply_within_ms: Fraction | None
+    modes: tuple[Mode, ...]
+    manual: str
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """Where the manual is wrong or silent, and what the spec does about it. `where` are dotted paths into the spec."""
+
+    id: str
+    where: tuple[str, ...]
+    manual: str
+    printed: Text
+    used: Text
+    why: Text
+
+
+@dataclass(frozen=True)
+class Command:
+    """A code with its request and its reply.
+
+    `code` is None when no selector tells it. `only` maps a parameter to the values that have the command.
+    `from_each` are the nodes that reply, one frame each in this order; empty when only the addressed node does.
+    `reply_to` is the command whose reply this one shares (`ReplyForm.OTHER`).
+    """
+
+    name: str
+    code: int | None
+    address: str
+    mode: str | None
+    only: Mapping[str, tuple[str, ...]]
+    request: Message | None
+    reply: Message | None
+    reply_form: ReplyForm
+    reply_of: str | None
+    from_each: tuple[int, ...]
+    implemented: bool
+    effects: tuple[Effect, ...]
+    limited_by: tuple[Setting, ...]
+    not_limited_by: tuple[Setting, ...]
+    title: Text
+    about: Text
+    notes: tuple[Text, ...]
+    manual: str
+    path: Path = field(compare=False)
+
+    def available(self, assignment: Assignment) -> bool:
+        """False when an assigned parameter has a value that lacks the command."""
+        return all(assignment.get(name, values[0]) in values for name, values in self.only.items())
+
+
+@dataclass(frozen=True)
+class Edition:
+    """One exact protocol, resolved. `hash` is the SHA-256 of the spec's text, in hex."""
+
+    family: str
+    name: str
+    date: str
+    languages: tuple[str, ...]
+    title: Text
+    about: Text
+    manual: Text
+    hash: str
+    order: Order
+    bus: Bus
+    parameters: tuple[Parameter, ...]
+    settings: tuple[Setting, ...]
+    effects: tuple[Effect, ...]
+    addresses: tuple[Address, ...]
+    types: tuple[Type, ...]
+    layouts: tuple[Layout, ...]
+    commands: tuple[Command, ...]
+    errata: tuple[Erratum, ...]
+
+    @property
+    def identifier(self) -> str:
+        """The edition's name as an identifier: `v2.35-2024-02` is `v2_35_2024_02`."""
+        return "".join(c if c.isalnum() else "_" for c in self.name)
+
+    def messages(self, direction: Direction) -> Iterator[Message]:
+        """The distinct messages of one direction, in spec order."""
+        for command in self.commands:
+            message = command.request if direction is Direction.REQUEST else command.reply
+            if message is not None and message.command == command.name:
+                yield message
+
+    def all_messages(self) -> Iterator[Message]:
+        """The distinct messages of both directions."""
+        for direction in Direction:
+            yield from self.messages(direction)
+
+    def command(self, name: str) -> Command:
+        return next(c for c in self.commands if c.name == name)
+
+    def parameter(self, name: str) -> Parameter:
+        return next(p for p in self.parameters if p.name == name)
+
+    def address(self, name: str) -> Address:
+        return next(a for a in self.addresses if a.name == name)
+
+    def errata_of(self, command: Command) -> tuple[Erratum, ...]:
+        """The errata that a user of `command` meets: its own and those of the layouts and types it uses."""
+        messages = [m for m in (command.request, command.reply) if m is not None]
+        paths = [command.path, *(m.layout.path for m in messages)]
+        paths += [f.type.path for m in messages for f in m.layout.fields]
+        touched = {".".join(map(str, path)) for path in paths}
+
+        def meets(where: str) -> bool:
+            return any(where == path or where.startswith(path + ".") for path in touched)
+
+        return tuple(e for e in self.errata if any(map(meets, e.where)))

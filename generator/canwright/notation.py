@@ -1,0 +1,157 @@
+"""The small notations of the language: rationals, ranges, id rules, positions and raw formats.
+
+Each parser takes the text as written and returns exact values, or raises ValueError with a sentence for the writer.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+
+from .model import Bound, Encoding, Order, Range, Space
+
+_NUMBER = r"[+-]?(?:0x[0-9A-Fa-f]+|\d+(?:\.\d+)?)"
+NUMBER = re.compile(_NUMBER)
+RATIONAL_PATTERN = rf"^{_NUMBER}(/{_NUMBER})?$"
+_BOUND = rf"{_NUMBER}(?:\*[a-z][a-z0-9_]*(?:[+-]\d+(?:\.\d+)?)?)?"
+RANGE_PATTERN = rf"^{_BOUND}\.\.{_BOUND}$"
+NODES_PATTERN = r"^\d+\.\.\d+$"
+RAW_PATTERN = r"^(?:[ui](?:[1-9]|[1-5][0-9]|6[0-4])|f32|f64)$"
+AT_PATTERN = r"^(?:\d+(?:\.[0-7])?|id\.\d+)$"
+_TERM = r"(?:0x[0-9A-Fa-f]+|\d+|node(?: *<< *\d+)?)"
+ID_PATTERN = rf"^{_TERM}(?: *\+ *{_TERM})*$"
+
+
+def number(text: str) -> Fraction:
+    """One number as written, exact: `-2048`, `0x1F`, `16.5`."""
+    if not NUMBER.fullmatch(text):
+        raise ValueError(f"`{text}` is not a number; write an integer, a hexadecimal like 0x1F or a decimal like 0.01")
+    if "x" in text:
+        return Fraction(int(text, 16))
+    return Fraction(Decimal(text))
+
+
+def rational(text: str) -> Fraction:
+    """A number, or a quotient of two as a manual prints it: `16.5/2048`."""
+    above, slash, below = text.replace(" ", "").partition("/")
+    if not slash:
+        return number(above)
+    divisor = number(below)
+    if divisor == 0:
+        raise ValueError(f"`{text}` divides by zero")
+    return number(above) / divisor
+
+
+@dataclass(frozen=True)
+class Printed:
+    """A rational, exact, and the way it was written."""
+
+    value: Fraction
+    text: str
+
+
+def printed(text: str) -> Printed:
+    """A rational that people read as it was written: `360/16384` and not 45/2048."""
+    return Printed(rational(text), text.replace(" ", ""))
+
+
+def span(text: str) -> Range:
+    """A range `low..high`, both ends included; an end may be `36000*gear_ratio-1`."""
+    low, dots, high = text.replace(" ", "").partition("..")
+    if not dots:
+        raise ValueError(f"`{text}` is not a range; write it as low..high, for example -850..850")
+    result = Range(_bound(low), _bound(high))
+    if result.is_constant and result.low.constant > result.high.constant:
+        raise ValueError(f"the range `{text}` is empty: its low end is above its high end")
+    return result
+
+
+def _bound(text: str) -> Bound:
+    match = re.fullmatch(rf"({_NUMBER})(?:\*([a-z][a-z0-9_]*)([+-]\d+(?:\.\d+)?)?)?", text)
+    if match is None:
+        raise ValueError(f"`{text}` is not an end of a range; write a number, or number*parameter+number")
+    value, parameter, constant = match.groups()
+    if parameter is None:
+        return Bound(number(value))
+    return Bound(number(constant or "0"), number(value), parameter)
+
+
+def nodes(text: str) -> range:
+    """Nodes or indices `1..32`, both ends included."""
+    if not re.fullmatch(NODES_PATTERN, text.replace(" ", "")):
+        raise ValueError(f"`{text}` is not a range of whole numbers; write it as 1..32")
+    first, last = (int(part) for part in text.replace(" ", "").split(".."))
+    if first > last:
+        raise ValueError(f"the range `{text}` is empty: {first} is above {last}")
+    return range(first, last + 1)
+
+
+@dataclass(frozen=True)
+class IdExpression:
+    """`0x140 + node`, `node << 5`, or a fixed id; `node_shift` is None when no node is in it."""
+
+    base: int
+    node_shift: int | None
+
+
+def id_expression(text: str) -> IdExpression:
+    """A sum of numbers and at most one `node`, which may be shifted: `0x140 + node`, `(node << 5)` without brackets."""
+    base = 0
+    shift: int | None = None
+    for term in (part.strip() for part in text.split("+")):
+        match = re.fullmatch(r"node(?: *<< *(\d+))?", term)
+        if match and shift is None:
+            shift = int(match.group(1) or 0)
+        elif match:
+            raise ValueError(f"`{text}` names node twice")
+        elif re.fullmatch(r"0x[0-9A-Fa-f]+|\d+", term):
+            base += int(term, 0)
+        else:
+            raise ValueError(f"`{term}` does not belong in an id; write it like 0x140 + node, node << 5 or 0x280")
+    return IdExpression(base, shift)
+
+
+@dataclass(frozen=True)
+class At:
+    """Where a field starts. `bit` is None when only the byte is given, and the byte order decides."""
+
+    space: Space
+    byte: int
+    bit: int | None
+
+
+def at(text: str) -> At:
+    """`4` is byte 4; `4.3` is bit 3 of byte 4; `id.5` is bit 5 of the CAN id."""
+    match = re.fullmatch(r"(\d+)(?:\.([0-7]))?|id\.(\d+)", text)
+    if match is None:
+        raise ValueError(f"`{text}` is not a position; write a byte (4), a byte and a bit (4.3) or an id bit (id.5)")
+    byte, bit, id_bit = match.groups()
+    if id_bit is not None:
+        return At(Space.ID, 0, int(id_bit))
+    return At(Space.DATA, int(byte), None if bit is None else int(bit))
+
+
+def raw_format(text: str) -> tuple[Encoding, int]:
+    """`u16` unsigned, `i56` signed, `f32` and `f64` IEEE float; the number is the width in bits."""
+    if not re.fullmatch(RAW_PATTERN, text):
+        raise ValueError(f"`{text}` is not a raw format; write u or i and 1 to 64 bits (u8, i16, i56), or f32, f64")
+    width = int(text[1:])
+    if text[0] == "f":
+        return Encoding.FLOAT, width
+    return (Encoding.SIGNED if text[0] == "i" else Encoding.UNSIGNED), width
+
+
+def frame_bits(start: At, width: int, order: Order) -> tuple[int, ...]:
+    """Frame bits of a field from the least significant raw bit up.
+
+    A little-endian field starts at its least significant bit, by default bit 0 of the byte, and goes on upwards. A
+    big-endian one starts at its most significant bit, by default bit 7, and goes on downwards into the next byte.
+    """
+    if start.space is Space.ID or order is Order.LITTLE:
+        first = start.byte * 8 + (start.bit or 0)
+        return tuple(range(first, first + width))
+    first = start.byte * 8 + (7 - (7 if start.bit is None else start.bit))
+    descending = (first + i for i in range(width))
+    return tuple(reversed([n // 8 * 8 + (7 - n % 8) for n in descending]))

@@ -1,0 +1,178 @@
+"""Schema to model: references, parameters, reply forms, bit positions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TypeVar
+
+from . import schema
+from .diagnostics import SpecError
+from .model import (
+    Address,
+    Bus,
+    Command,
+    Edition,
+    Effect,
+    Erratum,
+    IdRule,
+    Mode,
+    Path,
+    Setting,
+)
+from .notation import IdExpression
+from .resolve_messages import MessageResolver
+from .resolve_types import Context, read_units, resolve_parameters, resolve_types
+from .source import Document
+from .validate import validate
+
+T = TypeVar("T")
+
+
+def resolve(document: Document, digest: str) -> Edition:
+    """The edition that a document describes; `digest` is the hash of its text. Raises SpecError with all findings."""
+    spec = validate(document, schema.EditionSpec)
+    context = Context(document, tuple(spec.languages), [])
+    edition = _edition(context, spec, digest)
+    if context.diagnostics:
+        raise SpecError(context.diagnostics)
+    return edition
+
+
+def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition:
+    _, units = read_units()
+    parameters = resolve_parameters(context, spec.parameters)
+    types = resolve_types(context, spec, units, parameters)
+    addresses = {name: _address(context, name, written) for name, written in spec.addresses.items()}
+    settings = {
+        name: Setting(
+            name,
+            {p: tuple(v) for p, v in (written.only or {}).items()},
+            context.title(("settings", name), written.title, name),
+        )
+        for name, written in spec.settings.items()
+    }
+    effects = {
+        name: Effect(name, written.level, context.title(("effects", name), written.title, name))
+        for name, written in spec.effects.items()
+    }
+    modes = {
+        name: Mode(
+            name,
+            tuple(written.bit_rates_kbps),
+            written.default_kbps,
+            context.title(("bus", "modes", name), written.title, name),
+            context.text(("bus", "modes", name, "about"), written.about),
+        )
+        for name, written in spec.bus.modes.items()
+    }
+    messages = MessageResolver(context, spec, parameters, types, addresses)
+    commands = []
+    for name, written in spec.commands.items():
+        path: Path = ("commands", name)
+        request, reply = messages.of(name)
+        commands.append(
+            Command(
+                name,
+                written.code,
+                messages.address_of(name),
+                _mode(context, path, written, modes),
+                messages.only(path, written.only),
+                request,
+                reply.message,
+                reply.form,
+                reply.of,
+                reply.from_each,
+                written.implemented,
+                tuple(_named(context, (*path, "effects"), "effect", written.effects, effects)),
+                tuple(_named(context, (*path, "limited_by"), "setting", written.limited_by, settings)),
+                tuple(_named(context, (*path, "not_limited_by"), "setting", written.not_limited_by, settings)),
+                context.title(path, written.title, name),
+                context.text((*path, "about"), written.about),
+                tuple(context.text((*path, "notes", i), note) for i, note in enumerate(written.notes)),
+                written.manual or "",
+                path,
+            )
+        )
+    return Edition(
+        spec.family,
+        spec.edition,
+        spec.date or "",
+        tuple(spec.languages),
+        context.title((), spec.title, spec.family),
+        context.text(("about",), spec.about),
+        context.text(("manual",), spec.manual),
+        digest,
+        spec.byte_order,
+        Bus(
+            spec.bus.host,
+            spec.bus.dlc,
+            spec.bus.max_nodes,
+            spec.bus.reply_within_ms,
+            tuple(modes.values()),
+            spec.bus.manual or "",
+        ),
+        tuple(parameters.values()),
+        tuple(settings.values()),
+        tuple(effects.values()),
+        tuple(addresses.values()),
+        tuple({**types, **messages.bare_types}.values()),
+        tuple(messages.shared_layouts.values()),
+        messages.with_claims(commands),
+        tuple(_erratum(context, i, written) for i, written in enumerate(spec.errata)),
+    )
+
+
+def _named(context: Context, path: Path, kind: str, names: Sequence[str], known: Mapping[str, T]) -> list[T]:
+    found = [context.find((*path, i), kind, name, known) for i, name in enumerate(names)]
+    return [item for item in found if item is not None]
+
+
+def _mode(context: Context, path: Path, written: schema.Command, modes: Mapping[str, Mode]) -> str | None:
+    if written.mode is not None:
+        context.find((*path, "mode"), "mode", written.mode, modes)
+        return written.mode
+    return next(iter(modes), None)
+
+
+def _address(context: Context, name: str, written: schema.Address) -> Address:
+    path: Path = ("addresses", name)
+    request, reply = written.request or written.id, written.reply or written.id
+    if request is None or reply is None:
+        context.report(path, "missing-key", f"`{name}` says nothing of its id", "write `id`, or `request` and `reply`")
+    return Address(
+        name,
+        _id_rule(context, path, request or IdExpression(0, None), written),
+        _id_rule(context, path, reply or IdExpression(0, None), written),
+        context.title(path, written.title, name),
+        context.text((*path, "about"), written.about),
+        written.manual or "",
+        path,
+    )
+
+
+def _id_rule(context: Context, path: Path, id_: IdExpression, written: schema.Address) -> IdRule:
+    if id_.node_shift is not None and written.nodes is None:
+        context.report(path, "missing-key", "the id depends on `node`, but `nodes` is missing", "nodes: 1..32")
+    nodes = written.nodes if id_.node_shift is not None else None
+    limit = 0x1FFFFFFF if written.extended else 0x7FF
+    highest = id_.base + ((nodes[-1] << (id_.node_shift or 0)) if nodes else 0)
+    if highest > limit:
+        context.report(
+            path, "id-space", f"the id reaches 0x{highest:X}, past 0x{limit:X}", "extended: true has 29 bits"
+        )
+    return IdRule(id_.base, id_.node_shift or 0, nodes, written.extended)
+
+
+def _erratum(context: Context, index: int, written: schema.ErratumSpec) -> Erratum:
+    path: Path = ("errata", index)
+    for i, where in enumerate(written.where):
+        if not context.document.holds(where):
+            context.report((*path, "where", i), "unknown-reference", f"there is nothing at `{where}` in this file")
+    return Erratum(
+        written.id,
+        tuple(written.where),
+        written.manual,
+        context.text((*path, "printed"), written.printed),
+        context.text((*path, "used"), written.used),
+        context.text((*path, "why"), written.why),
+    )

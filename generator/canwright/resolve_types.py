@@ -1,0 +1,229 @@
+"""Types, units and parameters of a spec, resolved."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal, TypeVar
+
+from . import resources, schema, source
+from .diagnostics import Diagnostic, nearest
+from .model import (
+    IDENTITY,
+    Bound,
+    Dependent,
+    Encoding,
+    Linear,
+    Member,
+    Order,
+    Parameter,
+    ParameterValue,
+    Path,
+    Range,
+    Text,
+    Type,
+    Unit,
+)
+
+T = TypeVar("T")
+
+
+@dataclass
+class Context:
+    """What every step of resolving needs: the document for positions, the languages, and the findings so far."""
+
+    document: source.Document
+    languages: tuple[schema.Language, ...]
+    diagnostics: list[Diagnostic]
+
+    def report(self, path: Path, rule: str, message: str, hint: str = "", *, key: bool = False) -> None:
+        self.diagnostics.append(self.document.finding(path, rule, message, hint, key=key))
+
+    def find(self, path: Path, kind: str, name: str, known: Mapping[str, T]) -> T | None:
+        """`known[name]`, or a finding that there is no such thing."""
+        if name not in known:
+            self.report(path, "unknown-reference", f"there is no {kind} `{name}`", nearest(name, known))
+        return known.get(name)
+
+    def text(self, path: Path, written: schema.Text | None) -> Text:
+        """A text in every language; a plain one stands for the only language."""
+        if written is None:
+            return dict.fromkeys(self.languages, "")
+        if isinstance(written, str):
+            if len(self.languages) > 1:
+                wanted = ", ".join(f"{language}: …" for language in self.languages)
+                self.report(path, "missing-language", "this text is in one language only", f"write {{{wanted}}}")
+            return dict.fromkeys(self.languages, written)
+        for language in self.languages:
+            if language not in written:
+                self.report(path, "missing-language", f"this text has no `{language}`", "the edition names it")
+        return {language: written.get(language, "") for language in self.languages}
+
+    def title(self, path: Path, written: schema.Text | None, name: str) -> Text:
+        """A title; a name in words where none is written."""
+        if written is None:
+            return dict.fromkeys(self.languages, name.replace("_", " ").capitalize())
+        return self.text((*path, "title"), written)
+
+
+def read_units() -> tuple[source.Document, dict[str, Unit]]:
+    """The unit vocabulary."""
+    document, _ = source.read(resources.UNITS)
+    if not isinstance(document.data, dict):
+        raise TypeError(f"{document.name} is not a mapping of units")
+    units = {name: Unit(name, e["symbol"], e["dbc"], e["quantity"], e["title"]) for name, e in document.data.items()}
+    return document, units
+
+
+def resolve_parameters(context: Context, written: Mapping[str, schema.ParameterSpec]) -> dict[str, Parameter]:
+    result = {}
+    for name, spec in written.items():
+        path: Path = ("parameters", name)
+        if (spec.values is None) == (spec.number is None):
+            context.report(path, "parameter-kind", f"`{name}` must have either `values` or `number`", key=True)
+        values: tuple[ParameterValue, ...] = ()
+        if isinstance(spec.values, list):
+            values = tuple(ParameterValue(str(n), n, context.title(path, None, str(n))) for n in spec.values)
+        elif spec.values is not None:
+            values = tuple(
+                ParameterValue(n, None, context.title((*path, "values", n), v.title, n)) for n, v in spec.values.items()
+            )
+        result[name] = Parameter(
+            name,
+            values,
+            spec.number.min if spec.number else None,
+            spec.number.max if spec.number else None,
+            context.title(path, spec.title, name),
+            context.text((*path, "about"), spec.about),
+        )
+    return result
+
+
+def resolve_types(
+    context: Context, spec: schema.EditionSpec, units: Mapping[str, Unit], parameters: Mapping[str, Parameter]
+) -> dict[str, Type]:
+    return {
+        name: _TypeResolver(context, spec.byte_order, units, parameters, ("types", name)).resolve(name, written)
+        for name, written in spec.types.items()
+    }
+
+
+def bare_type(context: Context, raw: tuple[Encoding, int], order: Order, path: Path) -> Type:
+    """The type of a field that names a raw format only: a number without scale, unit or range."""
+    encoding, width = raw
+    letter = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}[encoding]
+    empty = context.text(path, None)
+    always = Dependent.always
+    return Type(
+        f"{letter}{width}", width, encoding, order, None, always(IDENTITY), always(None), (), (), empty, empty, path
+    )
+
+
+@dataclass
+class _TypeResolver:
+    context: Context
+    order: Order
+    units: Mapping[str, Unit]
+    parameters: Mapping[str, Parameter]
+    path: Path
+
+    def resolve(self, name: str, spec: schema.Type) -> Type:
+        encoding, width = spec.raw
+        linear = self._linear(spec)
+        return Type(
+            name,
+            width,
+            encoding,
+            spec.byte_order or self.order,
+            self.context.find((*self.path, "unit"), "unit", spec.unit, self.units) if spec.unit else None,
+            linear,
+            self._raw_range(spec, linear),
+            tuple(self._member(("enum", n), n, m.value, m.title) for n, m in (spec.enum or {}).items()),
+            tuple(self._member(("flags", n), n, f.bit, f.title) for n, f in (spec.flags or {}).items()),
+            self.context.title(self.path, spec.title, name),
+            self.context.text((*self.path, "about"), spec.about),
+            self.path,
+        )
+
+    def _member(self, at: Path, name: str, value: int, title: schema.Text | None) -> Member:
+        return Member(name, value, self.context.title((*self.path, *at), title, name))
+
+    def _linear(self, spec: schema.Type) -> Dependent[Linear]:
+        offset = spec.offset or Fraction(0)
+        if spec.scale is None:
+            return Dependent.always(Linear(Fraction(1), offset))
+        if isinstance(spec.scale, schema.ScaleBy):
+            cases = self._cases("scale", spec.scale.by, spec.scale.__pydantic_extra__)
+            linear = {n: None if s is None else Linear(s.value, offset, s.text) for n, s in cases.items()}
+            return Dependent(spec.scale.by, None, linear)
+        if spec.scale == "none":
+            return Dependent.always(None)
+        return Dependent.always(Linear(spec.scale.value, offset, spec.scale.text))
+
+    def _cases(self, key: str, parameter_name: str, written: Mapping[str, Literal["none"] | T]) -> dict[str, T | None]:
+        """One entry for every value of the parameter, in the parameter's order; findings for what is amiss."""
+        path = (*self.path, key)
+        parameter = self.context.find((*path, "by"), "parameter", parameter_name, self.parameters)
+        if parameter is None:
+            return {}
+        known = {value.name: value for value in parameter.values}
+        for name in written:
+            self.context.find((*path, name), f"value of `{parameter_name}`:", name, known)
+        missing = [name for name in known if name not in written]
+        if missing:
+            hint = "write `none` where the manual gives none"
+            self.context.report(path, "incomplete-choice", f"`{key}` says nothing for {', '.join(missing)}", hint)
+        return {name: _none_or(written[name]) for name in known if name in written}
+
+    def _raw_range(self, spec: schema.Type, linear: Dependent[Linear]) -> Dependent[Range]:
+        if spec.raw_range is not None and spec.range is not None:
+            self.context.report(
+                (*self.path, "range"), "two-ranges", "both `range` and `raw_range` are given", "keep one"
+            )
+        raw = self._spans("raw_range", spec.raw_range)
+        if spec.range is None:
+            return raw
+        span = self._spans("range", spec.range)
+        if spec.raw[0] is Encoding.FLOAT:
+            return span
+        if linear.parameter is not None and span.parameter not in (None, linear.parameter):
+            self.context.report((*self.path, "range"), "two-parameters", "scale and range depend on two parameters")
+            return raw
+        by = linear.parameter or span.parameter
+        if by is None:
+            return Dependent.always(_raw_of(span.constant, linear.constant))
+        names = linear.cases if linear.parameter else span.cases
+        return Dependent(by, None, {n: _raw_of(span.at({by: n}), linear.at({by: n})) for n in names})
+
+    def _spans(self, key: str, written: Range | schema.RangeBy | None) -> Dependent[Range]:
+        if isinstance(written, schema.RangeBy):
+            return Dependent(written.by, None, self._cases(key, written.by, written.__pydantic_extra__))
+        if written is not None:
+            for bound in (written.low, written.high):
+                if bound.parameter is not None:
+                    self.context.find((*self.path, key), "parameter", bound.parameter, self.parameters)
+        return Dependent.always(written)
+
+
+def _none_or(value: Literal["none"] | T) -> T | None:
+    return None if value == "none" else value
+
+
+def _raw_of(span: Range | None, linear: Linear | None) -> Range | None:
+    """The raw integers whose values lie in a range of values."""
+    if span is None or linear is None or linear.scale == 0:
+        return None
+
+    def raw(bound: Bound) -> Bound:
+        return Bound((bound.constant - linear.offset) / linear.scale, bound.coefficient / linear.scale, bound.parameter)
+
+    low, high = raw(span.low), raw(span.high)
+    if linear.scale < 0:
+        low, high = high, low
+    if low.parameter is None:
+        low = Bound(Fraction(math.ceil(low.constant)))
+    if high.parameter is None:
+        high = Bound(Fraction(math.floor(high.constant)))
+    return Range(low, high)

@@ -1,0 +1,25 @@
+"""Every field lies within the data bytes, or the bits of the id."""
+
+from __future__ import annotations
+
+from ..model import Edition, Space
+from .rule import Found
+
+
+def check(edition: Edition) -> Found:
+    seen = set()
+    for message in edition.all_messages():
+        limit = {Space.DATA: message.dlc * 8, Space.ID: 29 if message.id.extended else 11}
+        for field in message.layout.fields:
+            last = max(s.byte * 8 + s.low + s.width for e in field.elements for s in e.segments)
+            if last > limit[field.space] and field.path not in seen:
+                seen.add(field.path)
+                there = f"{message.dlc} data bytes" if field.space is Space.DATA else f"{limit[Space.ID]} id bits"
+                yield (
+                    field.path,
+                    f"`{field.name}` reaches past the {there} of the frame",
+                    "check `at`, the type and `dlc`",
+                )
+        for key in message.keys:
+            if max(s.byte * 8 + s.low + s.width for s in key.segments) > limit[key.space]:
+                yield message.path, f"the frame has {message.dlc} data bytes, too few for its selector", "check `dlc`"

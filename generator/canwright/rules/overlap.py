@@ -1,0 +1,35 @@
+"""No two fields of one message share a bit, nor a field and a key."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import Edition, Message, Path, Segment, Space, Variant
+from .rule import Found
+
+
+def check(edition: Edition) -> Found:
+    seen = set()
+    for message in edition.all_messages():
+        for variant in message.layout.variants:
+            for path, text in _clashes(message, variant):
+                if (path, text) not in seen:
+                    seen.add((path, text))
+                    yield path, text, "move one of them, or let `only` tell them apart"
+
+
+def _clashes(message: Message, variant: Variant) -> Iterator[tuple[Path, str]]:
+    taken = {bit: "the selector" for k in message.keys for s in k.segments for bit in _bits(k.space, s)}
+    for field in variant.fields:
+        for element in field.elements:
+            bits = [bit for s in element.segments for bit in _bits(field.space, s)]
+            clash = next((bit for bit in bits if bit in taken), None)
+            if clash is not None:
+                space, byte, bit = clash
+                where = f"bit {bit} of byte {byte}" if space is Space.DATA else f"bit {bit} of the id"
+                yield field.path, f"`{field.name}` shares {where} with {taken[clash]}"
+            taken.update(dict.fromkeys(bits, f"`{field.name}`"))
+
+
+def _bits(space: Space, segment: Segment) -> list[tuple[Space, int, int]]:
+    return [(space, segment.byte, segment.low + i) for i in range(segment.width)]

@@ -1,0 +1,208 @@
+"""YAML text to plain data that knows file, line and column; refuses what is unsafe or reads in two ways.
+
+Only mappings, lists and scalars are read. Plain scalars are integers (`12`, `0x1F`), decimals (kept exact, as
+`Decimal`), `true`, `false`, or text; whatever YAML 1.1 and 1.2 read differently is refused and has to be quoted.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import cached_property
+from pathlib import Path as FilePath
+from typing import Any, NoReturn
+
+import yaml
+
+from .diagnostics import Diagnostic, Position, Severity, SpecError
+from .model import Path
+
+MAX_BYTES = 1 << 20
+MAX_DEPTH = 24
+
+Scalar = str | int | Decimal | bool
+Data = Scalar | list[Any] | dict[str, Any]
+
+_INTEGER = re.compile(r"-?(?:0|[1-9]\d{0,30})|0x[0-9A-Fa-f]{1,16}")
+_DECIMAL = re.compile(r"-?(?:0|[1-9]\d{0,30})\.\d{1,30}")
+_AMBIGUOUS = re.compile(
+    r"""(?ix) (?: yes|no|on|off | true|false | ~|null | [-+]?\.(?:inf|nan)
+    | [-+]?[\d][\d_]*_[\d_]* | [-+]?0\d+ | [-+]?0[ob]\w+ | \d+(?::[0-5]?\d)+ | [-+]?\d*\.?\d+e[-+]?\d+
+    | [-+]?\d+\. | \+\d+(?:\.\d*)? | [-+]?\.\d+ | [-+]0x\w+ )"""
+)
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Line and column from 1, and how many characters to underline."""
+
+    line: int
+    column: int
+    length: int
+
+
+class Document:
+    """One YAML file: its data, and where each key and value stands. `name` is the file as findings call it."""
+
+    def __init__(self, name: str, text: str) -> None:
+        self.name = name
+        self.lines = text.split("\n")
+        self._keys: dict[Path, Mark] = {}
+        self._values: dict[Path, Mark] = {}
+        self.data: Data = _Builder(self, text).build()
+
+    def holds(self, dotted: str) -> bool:
+        """Whether `commands.stop.reply` is a path of this file."""
+        return dotted in self._dotted
+
+    @cached_property
+    def _dotted(self) -> frozenset[str]:
+        return frozenset(".".join(map(str, path)) for path in self._values)
+
+    def position(self, path: Path, *, key: bool = False) -> Position:
+        """Where the value at `path` stands, or with `key` its key; for a path that is not there, what is nearest."""
+        while path and path not in self._values:
+            path, key = path[:-1], True
+        mark = (self._keys.get(path) if key else None) or self._values.get(path) or Mark(1, 1, 1)
+        return self._at(mark)
+
+    def finding(
+        self, path: Path, rule: str, message: str, hint: str = "", *, key: bool = False, warning: bool = False
+    ) -> Diagnostic:
+        """A diagnostic at `path`."""
+        severity = Severity.WARNING if warning else Severity.ERROR
+        return Diagnostic(severity, rule, message, self.position(path, key=key), hint)
+
+    def _at(self, mark: Mark) -> Position:
+        text = self.lines[mark.line - 1].rstrip("\r") if mark.line <= len(self.lines) else ""
+        return Position(self.name, mark.line, mark.column, mark.length, text)
+
+    def _refuse(self, mark: Mark, rule: str, message: str, hint: str = "") -> NoReturn:
+        raise SpecError([Diagnostic(Severity.ERROR, rule, message, self._at(mark), hint)])
+
+
+class _Builder:
+    """Turns YAML events into data, one pass, noting positions on the way."""
+
+    def __init__(self, document: Document, text: str) -> None:
+        self._document = document
+        self._events = self._parse(text)
+        self._event: Any = None
+
+    def build(self) -> Data:
+        self._next()  # stream start
+        self._next()
+        if isinstance(self._event, yaml.StreamEndEvent):
+            self._document._refuse(Mark(1, 1, 1), "yaml", "the file is empty", "it should hold one mapping")
+        self._next()  # document start
+        data = self._value((), 1)
+        self._next()  # document end
+        self._next()
+        if not isinstance(self._event, yaml.StreamEndEvent):
+            self._refuse("yaml", "a second document starts here", "a file holds one; remove the `---`")
+        return data
+
+    def _parse(self, text: str) -> Any:
+        try:
+            yield from yaml.parse(text, Loader=_LOADER)
+        except yaml.MarkedYAMLError as error:
+            mark = error.problem_mark or error.context_mark
+            where = Mark(mark.line + 1, mark.column + 1, 1) if mark else Mark(1, 1, 1)
+            what = " ".join(part for part in (error.context, error.problem) if part)
+            self._document._refuse(where, "yaml", f"this is not YAML: {what}")
+        except yaml.YAMLError as error:
+            self._document._refuse(Mark(1, 1, 1), "yaml", f"this is not YAML: {str(error).splitlines()[0]}")
+
+    def _next(self) -> None:
+        self._event = next(self._events)
+
+    def _mark(self) -> Mark:
+        start, end = self._event.start_mark, self._event.end_mark
+        one_line = start.line == end.line and isinstance(self._event, yaml.ScalarEvent)
+        return Mark(start.line + 1, start.column + 1, end.column - start.column if one_line else 1)
+
+    def _refuse(self, rule: str, message: str, hint: str = "") -> NoReturn:
+        self._document._refuse(self._mark(), rule, message, hint)
+
+    def _value(self, path: Path, depth: int) -> Data:
+        event = self._event
+        if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
+            self._refuse("yaml-alias", "anchors and aliases are not read", "name a type or a layout and refer to it")
+        if event.tag is not None:
+            self._refuse("yaml-tag", f"the tag `{event.tag}` is not read", "a spec is plain data; remove the tag")
+        if depth > MAX_DEPTH:
+            self._refuse("yaml-depth", f"nested deeper than {MAX_DEPTH} levels")
+        self._document._values[path] = self._mark()
+        if isinstance(event, yaml.ScalarEvent):
+            return self._scalar()
+        self._next()
+        if isinstance(event, yaml.SequenceStartEvent):
+            items: list[Data] = []
+            while not isinstance(self._event, yaml.SequenceEndEvent):
+                items.append(self._value((*path, len(items)), depth + 1))
+                self._next()
+            return items
+        mapping: dict[str, Data] = {}
+        while not isinstance(self._event, yaml.MappingEndEvent):
+            key, mark = self._key(), self._mark()
+            child = (*path, key)
+            if key in mapping:
+                before = self._document._keys[child].line
+                self._refuse("duplicate-key", f"`{key}` is there twice, first on line {before}", "remove or rename one")
+            self._document._keys[child] = mark
+            self._next()
+            mapping[key] = self._value(child, depth + 1)
+            self._next()
+        return mapping
+
+    def _key(self) -> str:
+        if not isinstance(self._event, yaml.ScalarEvent) or self._event.anchor or self._event.tag:
+            self._refuse("yaml", "a key must be a plain name")
+        if not self._event.style and self._event.value == "<<":
+            self._refuse("yaml-alias", "merge keys are not read", "name a type or a layout and refer to it")
+        return str(self._scalar())
+
+    def _scalar(self) -> Scalar:
+        text: str = self._event.value
+        if self._event.style:
+            return text
+        if text == "":
+            self._refuse("yaml", "there is no value here", "write one, or remove the key")
+        if _INTEGER.fullmatch(text):
+            return int(text, 0)
+        if _DECIMAL.fullmatch(text):
+            return Decimal(text)
+        if text in ("true", "false"):
+            return text == "true"
+        if _AMBIGUOUS.fullmatch(text):
+            self._refuse(
+                "ambiguous-scalar",
+                f"`{text}` reads differently from one YAML reader to the next",
+                f'for a text write "{text}" in quotes; a number is written like 12, 0x1F or 0.01',
+            )
+        return text
+
+
+def parse(name: str, text: str) -> Document:
+    """Reads YAML text. Raises SpecError."""
+    return Document(name, text)
+
+
+def read(file: FilePath) -> tuple[Document, bytes]:
+    """Reads a YAML file; also returns its bytes. Raises SpecError, and OSError when there is no reading it."""
+    content = file.read_bytes()
+    name = file.as_posix()
+
+    def refuse(line: int, rule: str, message: str, hint: str) -> NoReturn:
+        raise SpecError([Diagnostic(Severity.ERROR, rule, message, Position(name, line, 1, 1, ""), hint)])
+
+    if len(content) > MAX_BYTES:
+        refuse(1, "file-size", f"the file has {len(content)} bytes, more than {MAX_BYTES}", "split the protocol")
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        refuse(line, "encoding", f"byte {error.start} is not UTF-8", "save the file as UTF-8")
+    return Document(name, text), content

@@ -1,0 +1,104 @@
+"""Numbers, ranges and conditions in words, as people read them; the same everywhere they are printed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+from .model import Bound, Dependent, Encoding, Field, Linear, Order, Range, Segment, Space, Type
+
+
+def exact(number: Fraction) -> str:
+    """A decimal where it ends within ten digits, a quotient otherwise: `0.01`, `33/2048`."""
+    if number.denominator == 1:
+        return str(number.numerator)
+    scaled = number * 10**10
+    if scaled.denominator != 1:
+        return f"{number.numerator}/{number.denominator}"
+    digits = f"{abs(scaled.numerator):011d}"
+    sign = "-" if number < 0 else ""
+    return f"{sign}{digits[:-10]}.{digits[-10:]}".rstrip("0")
+
+
+def bound(end: Bound) -> str:
+    """`2048`, or `36000*gear_ratio-1`."""
+    if end.parameter is None:
+        return exact(end.constant)
+    tail = f"{'+' if end.constant > 0 else ''}{exact(end.constant)}" if end.constant else ""
+    return f"{exact(end.coefficient)}*{end.parameter}{tail}"
+
+
+def span(limits: Range) -> str:
+    """`-2048..2048`."""
+    return f"{bound(limits.low)}..{bound(limits.high)}"
+
+
+def in_unit(limits: Range, linear: Linear) -> Range:
+    """A range of raw integers as the range of their values."""
+
+    def value(end: Bound) -> Bound:
+        return Bound(end.constant * linear.scale + linear.offset, end.coefficient * linear.scale, end.parameter)
+
+    low, high = value(limits.low), value(limits.high)
+    return Range(low, high) if linear.scale > 0 else Range(high, low)
+
+
+def raw_format(type_: Type) -> str:
+    """`i16`, or `i16 big-endian` when it spans bytes in that order."""
+    letter = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}[type_.encoding]
+    return f"{letter}{type_.width}" + (" big-endian" if type_.order is Order.BIG and type_.width > 8 else "")
+
+
+def place(space: Space, segments: tuple[Segment, ...]) -> str:
+    """Where bits stand: `DATA[4..5]`, `DATA[3] bits 0..3`, `id bits 5..10`."""
+    if space is Space.ID:
+        return "id " + _bits(segments[0].low, segments[0].width)
+    ordered = sorted(segments, key=lambda s: s.byte)
+    if all(s.width == 8 for s in ordered):
+        first, last = ordered[0].byte, ordered[-1].byte
+        return f"DATA[{first}]" if first == last else f"DATA[{first}..{last}]"
+    return ", ".join(f"DATA[{s.byte}]" + ("" if s.width == 8 else " " + _bits(s.low, s.width)) for s in ordered)
+
+
+def _bits(low: int, width: int) -> str:
+    return f"bit {low}" if width == 1 else f"bits {low}..{low + width - 1}"
+
+
+def scale(type_: Type, among: Sequence[str] = ()) -> list[tuple[str, str]]:
+    """What one raw step is worth: (under which parameter values, `33/2048 A`); empty conditions hold always.
+
+    `among` leaves out what holds under other values only, where it names values of the deciding parameter.
+    """
+    unit = f" {type_.unit.symbol}" if type_.unit else ""
+
+    def worth(linear: Linear | None) -> str:
+        if linear is None:
+            return "not given"
+        offset = f" {'+' if linear.offset > 0 else '-'} {exact(abs(linear.offset))}{unit}" if linear.offset else ""
+        return f"{linear.printed or exact(linear.scale)}{unit}{offset}"
+
+    kept = [(_among(names, among), linear) for names, linear in type_.linear.distinct()]
+    return [(", ".join(names), worth(linear)) for names, linear in kept if names is not None]
+
+
+def _among(names: Sequence[str], among: Sequence[str]) -> Sequence[str] | None:
+    """The names that are among the given ones; None when there were some and none of them is."""
+    if not names or not among:
+        return names
+    return [name for name in names if name in among] or None
+
+
+def ranges(type_: Type) -> list[tuple[str, str]]:
+    """Allowed raw integers: (under which parameter values, `-2048..2048`)."""
+    found: Dependent[Range] = type_.raw_range
+    return [(", ".join(names), span(limits)) for names, limits in found.distinct() if limits is not None]
+
+
+def condition(only: Mapping[str, tuple[str, ...]]) -> str:
+    """`series MF, MG`; empty when there is none."""
+    return "; ".join(f"{name} {', '.join(values)}" for name, values in only.items())
+
+
+def elements(field: Field) -> list[tuple[str, tuple[Segment, ...]]]:
+    """The places of a field, each with its name: `iq`, or `iq[1]`, `iq[2]`, … for an array."""
+    return [(field.name if e.index is None else f"{field.name}[{e.index}]", e.segments) for e in field.elements]
