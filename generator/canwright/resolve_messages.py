@@ -66,7 +66,7 @@ class MessageResolver:
     def only(self, path: Path, written: Mapping[str, Sequence[str]] | None) -> dict[str, tuple[str, ...]]:
         """A condition on parameters, checked."""
         for name, values in (written or {}).items():
-            parameter = self._context.find((*path, "only", name), "parameter", name, self._parameters)
+            parameter = self._context.find((*path, "only", name), "parameter", name, self._parameters, key=True)
             known = {value.name: value for value in parameter.values} if parameter else dict.fromkeys(values)
             for i, value in enumerate(values):
                 self._context.find((*path, "only", name, i), f"value of `{name}`:", value, known)

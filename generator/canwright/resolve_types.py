@@ -41,10 +41,10 @@ class Context:
     def report(self, path: Path, rule: str, message: str, hint: str = "", *, key: bool = False) -> None:
         self.diagnostics.append(self.document.finding(path, rule, message, hint, key=key))
 
-    def find(self, path: Path, kind: str, name: str, known: Mapping[str, T]) -> T | None:
-        """`known[name]`, or a finding that there is no such thing."""
+    def find(self, path: Path, kind: str, name: str, known: Mapping[str, T], *, key: bool = False) -> T | None:
+        """`known[name]`, or a finding that there is no such thing, at the value or at the `key` that names it."""
         if name not in known:
-            self.report(path, "unknown-reference", f"there is no {kind} `{name}`", nearest(name, known))
+            self.report(path, "unknown-reference", f"there is no {kind} `{name}`", nearest(name, known), key=key)
         return known.get(name)
 
     def text(self, path: Path, written: schema.Text | None) -> Text:
@@ -170,7 +170,7 @@ class _TypeResolver:
             return {}
         known = {value.name: value for value in parameter.values}
         for name in written:
-            self.context.find((*path, name), f"value of `{parameter_name}`:", name, known)
+            self.context.find((*path, name), f"value of `{parameter_name}`:", name, known, key=True)
         missing = [name for name in known if name not in written]
         if missing:
             hint = "write `none` where the manual gives none"

@@ -1,0 +1,53 @@
+"""Small specs for tests, and what goes wrong with them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from canwright.diagnostics import Diagnostic, SpecError
+from canwright.load import described
+from canwright.model import Edition
+
+ROOT = Path(__file__).parent.parent
+
+MINIMAL = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
+selector: {at: 0, raw: u8}
+types:
+  level: {raw: u16, unit: "%", scale: 0.1, raw_range: 0..1000}
+commands:
+  dim:
+    code: 0x10
+    manual: "1"
+    request: {level: {at: 2, type: level}}
+    reply: echo
+"""
+
+
+def edition(folder: Path, text: str) -> Edition:
+    """The edition that a text describes."""
+    file = folder / "spec.yaml"
+    file.write_text(text, "utf-8")
+    return described(file).edition
+
+
+def findings(folder: Path, text: str) -> list[Diagnostic]:
+    """What is wrong with a text; nothing when it is right."""
+    try:
+        edition(folder, text)
+    except SpecError as error:
+        return list(error.diagnostics)
+    return []
+
+
+def places(found: list[Diagnostic]) -> list[str]:
+    """Findings as `line:column rule`."""
+    return [f"{d.position.line}:{d.position.column} {d.rule}" for d in found]
+
+
+def marked(found: list[Diagnostic]) -> list[str]:
+    """Findings as `rule: what the caret underlines`."""
+    return [f"{d.rule}: {d.position.text[d.position.column - 1 :][: d.position.length]}" for d in found]

@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from canwright import notation, words
+from canwright.model import Bound, Order, Range, Space
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("0.01", Fraction(1, 100)), ("16.5/2048", Fraction(33, 4096)), ("0x10", Fraction(16)), ("-1/3", Fraction(-1, 3))],
+)
+def test_rationals_are_exact(text: str, value: Fraction) -> None:
+    assert notation.rational(text) == value
+
+
+@pytest.mark.parametrize("text", ["1/0", "a", "1/", "1/2/3", "", "nan", "__import__('os')"])
+def test_what_is_no_rational_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="`"):
+        notation.rational(text)
+
+
+def test_ranges_may_depend_on_a_parameter() -> None:
+    assert notation.span("-850..850") == Range(Bound(Fraction(-850)), Bound(Fraction(850)))
+    high = Bound(Fraction(-1), Fraction(36000), "gear_ratio")
+    assert notation.span("0..36000*gear_ratio-1") == Range(Bound(Fraction(0)), high)
+    assert high.at({"gear_ratio": Fraction(48, 5)}) == 345599
+    assert high.at({}) is None
+    assert words.span(notation.span("0..36000*gear_ratio-1")) == "0..36000*gear_ratio-1"
+
+
+@pytest.mark.parametrize("text", ["5", "9..3", "0..x", "1..2..3", "0..2*Gear"])
+def test_what_is_no_range_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="range"):
+        notation.span(text)
+
+
+def test_id_expressions() -> None:
+    assert notation.id_expression("0x140 + node") == notation.IdExpression(0x140, 0)
+    assert notation.id_expression("node << 5 + 1") == notation.IdExpression(1, 5)
+    assert notation.id_expression("640") == notation.IdExpression(640, None)
+    for text in ("node + node", "0x140 - node", "node << x", ""):
+        with pytest.raises(ValueError, match="`"):
+            notation.id_expression(text)
+
+
+def test_positions() -> None:
+    assert notation.at("4") == notation.At(Space.DATA, 4, None)
+    assert notation.at("4.3") == notation.At(Space.DATA, 4, 3)
+    assert notation.at("id.5") == notation.At(Space.ID, 0, 5)
+    with pytest.raises(ValueError, match="position"):
+        notation.at("4.8")
+
+
+@pytest.mark.parametrize(
+    ("at", "width", "order", "bits"),
+    [
+        ("4", 16, Order.LITTLE, range(32, 48)),
+        ("1.4", 6, Order.LITTLE, range(12, 18)),
+        ("0", 16, Order.BIG, [*range(8, 16), *range(8)]),
+        ("3.3", 12, Order.BIG, [*range(32, 40), *range(24, 28)]),
+        ("2", 12, Order.BIG, [*range(28, 32), *range(16, 24)]),
+        ("id.5", 6, Order.BIG, range(5, 11)),
+    ],
+)
+def test_bits_of_a_field(at: str, width: int, order: Order, bits: list[int]) -> None:
+    assert list(notation.frame_bits(notation.at(at), width, order)) == list(bits)
+
+
+@given(st.fractions())
+def test_exact_numbers_read_back(number: Fraction) -> None:
+    assert notation.rational(words.exact(number)) == number

@@ -1,0 +1,129 @@
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from canwright.load import described
+from canwright.model import Dependent, Direction, Edition, Linear, ReplyForm, Segment
+
+from .specs import MINIMAL, ROOT, edition, findings, marked, places
+
+
+@pytest.fixture(scope="module")
+def v2_35() -> Edition:
+    return described(ROOT / "spec/mwd_motor/v2.35.yaml").edition
+
+
+def test_every_command_of_the_manual_is_there(v2_35: Edition) -> None:
+    codes = "80 88 81 A0 A1 A2 A3 A4 A5 A6 A7 A8 30 31 32 33 34 90 91 19 92 94 95 9A 9B 9C 9D"
+    assert [c.code for c in v2_35.commands if c.code is not None] == [int(code, 16) for code in codes.split()]
+    assert [c.name for c in v2_35.commands if c.code is None] == ["broadcast_torque"]
+    assert [c.manual for c in v2_35.commands] == [*(f"2.{n}" for n in range(1, 28)), "3.1"]
+
+
+def test_the_motion_feedback_stands_once_and_depends_on_the_series(v2_35: Edition) -> None:
+    layouts = {c.name: c.reply.layout for c in v2_35.commands if c.reply}
+    shared = [name for name, layout in layouts.items() if layout.name == "motion_feedback"]
+    assert len(shared) == 11
+    assert len({id(layouts[name]) for name in shared}) == 1
+    assert [(v.values, [f.name for f in v.fields]) for v in layouts["set_speed"].variants] == [
+        (("MS",), ["temperature", "power", "speed", "encoder"]),
+        (("MF", "MH", "MG"), ["temperature", "iq", "speed", "encoder"]),
+    ]
+
+
+def test_scales_are_exact_and_absent_where_the_manual_gives_none(v2_35: Edition) -> None:
+    linear = next(t for t in v2_35.types if t.name == "torque_current").linear
+    scales = {name: case and case.scale for name, case in linear.cases.items()}
+    assert scales == {"MS": None, "MF": Fraction(33, 4096), "MH": None, "MG": Fraction(33, 2048)}
+
+
+def test_reply_forms(v2_35: Edition) -> None:
+    forms = {c.name: c.reply_form for c in v2_35.commands}
+    assert forms["motor_off"] is ReplyForm.ECHO
+    assert forms["read_encoder"] is ReplyForm.OWN
+    assert forms["set_torque"] is ReplyForm.LAYOUT
+    broadcast = v2_35.command("broadcast_torque")
+    assert (broadcast.reply_form, broadcast.reply_of) == (ReplyForm.OTHER, "set_torque")
+    assert broadcast.from_each == (1, 2, 3, 4)
+    assert broadcast.reply == v2_35.command("set_torque").reply
+
+
+def test_a_first_byte_that_two_replies_share_belongs_to_the_command_of_that_code(v2_35: Edition) -> None:
+    claims = {m.command: m.claims for m in v2_35.messages(Direction.REPLY)}
+    assert claims["read_status_1"] == (0x9A,)
+    assert claims["clear_errors"] == (0x9B,)
+    reply = v2_35.command("clear_errors").reply
+    assert reply is not None
+    assert (reply.keys[0].value, reply.accept) == (0x9A, (0x9B,))
+
+
+def test_the_multi_turn_angle_has_seven_bytes(v2_35: Edition) -> None:
+    reply = v2_35.command("read_multi_turn_angle").reply
+    assert reply is not None
+    (field,) = reply.layout.fields
+    assert field.elements[0].segments == tuple(Segment(1 + i, 0, 8, 8 * i) for i in range(7))
+    assert field.type.raw_limits == (-(2**55), 2**55 - 1)
+
+
+def test_a_range_in_the_unit_becomes_the_raw_integers_within(tmp_path: Path) -> None:
+    text = MINIMAL.replace("scale: 0.1, raw_range: 0..1000", "scale: 0.3, offset: 1, range: 2..10")
+    (level,) = edition(tmp_path, text).types
+    assert level.linear == Dependent.always(Linear(Fraction(3, 10), Fraction(1)))
+    found = level.raw_range.constant
+    assert found is not None
+    assert (found.low.constant, found.high.constant) == (4, 30)
+
+
+def test_an_array_and_odd_big_endian_fields(tmp_path: Path) -> None:
+    text = MINIMAL.replace("request: {level: {at: 2, type: level}}", "request: {a: {at: 1.3, raw: u12, array: 1..2}}")
+    request = edition(tmp_path, "byte_order: big\n" + text).commands[0].request
+    assert request is not None
+    first, second = request.layout.fields[0].elements
+    assert (first.index, first.bits) == (1, (*range(16, 24), *range(8, 12)))
+    assert second.index == 2
+    assert second.segments == (Segment(4, 4, 4, 0), Segment(3, 0, 8, 4))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("type: level", "type: lever", "unknown-reference: lever"),
+        ('unit: "%"', "unit: percent", "unknown-reference: percent"),
+        ("reply: echo", "reply: leyout", "unknown-reference: leyout"),
+        ("    reply: echo\n", "", "missing-reply: dim"),
+        ("reply: echo", "reply: {of: dim}", "circular-reference: dim"),
+        ("selector: {at: 0, raw: u8}\n", "", "no-selector: 0x10"),
+        ("code: 0x10", "code: 0x110", "code-width: 0x110"),
+        ("0x100 + node", "0x7FE + node", "id-space: {"),
+        (", nodes: 1..4", "", "missing-key: {"),
+        ("type: level}", "type: level, only: {series: [A]}}", "unknown-reference: series"),
+        ("scale: 0.1", "scale: {by: size, A: 1}", "unknown-reference: size"),
+        ("at: 2, type", "at: 7, type", "beyond-frame: {"),
+        ("at: 2, type", "at: 0, type", "overlap: {"),
+        ("scale: 0.1", "scale: 0", "zero-scale: 0"),
+        ("raw_range: 0..1000", "raw_range: 0..65536", "beyond-width: 0..65536"),
+        ("raw_range: 0..1000", "enum: {a: {value: 1}, b: {value: 1}}", "member-value: {"),
+        ("raw_range: 0..1000", "flags: {a: {bit: 16}}", "member-value: {"),
+    ],
+)
+def test_what_a_spec_means_is_checked_where_it_stands(tmp_path: Path, old: str, new: str, expected: str) -> None:
+    assert old in MINIMAL
+    assert expected in marked(findings(tmp_path, MINIMAL.replace(old, new, 1)))
+
+
+def test_messages_that_nothing_tells_apart_are_found(tmp_path: Path) -> None:
+    again = "  glow:\n    code: 0x10\n    request: {x: {at: 3, raw: u8}}\n    reply: none\n"
+    assert marked(findings(tmp_path, MINIMAL + again)) == ["ambiguous-message: {"]
+
+
+def test_addresses_that_run_into_each_other_are_found(tmp_path: Path) -> None:
+    text = MINIMAL.replace("nodes: 1..4}}", "nodes: 1..4}, all: {id: 0x102}}")
+    assert marked(findings(tmp_path, text)) == ["id-collision: {"] * 2
+
+
+def test_texts_are_given_in_every_language(tmp_path: Path) -> None:
+    text = MINIMAL.replace("edition: v1", "edition: v1\nlanguages: [en, zh]\ntitle: {en: Lamps}")
+    assert places(findings(tmp_path, text)) == ["5:8 missing-language"]
