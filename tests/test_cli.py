@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from canwright.cli import main
+
+from .specs import MINIMAL, ROOT
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(main, arguments, catch_exceptions=False)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my.yaml").write_text(MINIMAL, "utf-8")
+    return tmp_path
+
+
+def test_help_teaches() -> None:
+    result = run("--help")
+    assert result.exit_code == 0
+    for word in ("generate", "check", "show", "--spec my.yaml --out out", "Exit status"):
+        assert word in result.output
+
+
+def test_generate_then_check_then_edit(folder: Path) -> None:
+    result = run("generate", "--spec", "my.yaml", "--out", "out")
+    assert (result.exit_code, result.output.split(":")[0]) == (0, "lamp v1")
+    assert {p.name for p in (folder / "out").iterdir()} == {".canwright.json", "c", "python", "dbc", "docs"}
+    assert run("check", "--spec", "my.yaml", "--out", "out").exit_code == 0
+    (folder / "my.yaml").write_text(MINIMAL.replace("0..1000", "0..999"), "utf-8")
+    result = run("check", "--spec", "my.yaml", "--out", "out")
+    assert result.exit_code == 1
+    assert "+++ c/include/lamp/v1.h as generated" in result.output
+    assert run("generate", "--spec", "my.yaml", "--out", "out").exit_code == 0
+    assert run("check", "--spec", "my.yaml", "--out", "out").exit_code == 0
+
+
+def test_one_target_alone(folder: Path) -> None:
+    run("generate", "--spec", "my.yaml", "--target", "dbc", "--out", "out")
+    assert {p.name for p in (folder / "out").iterdir()} == {".canwright.json", "dbc"}
+
+
+def test_a_wrong_spec_writes_nothing(folder: Path) -> None:
+    (folder / "my.yaml").write_text(MINIMAL.replace("raw: u16", "raw: u99"), "utf-8")
+    result = run("generate", "--spec", "my.yaml", "--out", "out")
+    assert result.exit_code == 1
+    assert "my.yaml:7:16: error: `u99` is not a raw format" in result.output
+    assert "1 finding, nothing was written" in result.output
+    assert not (folder / "out").exists()
+
+
+def test_what_cannot_run_exits_2(folder: Path) -> None:
+    result = run("generate")
+    assert (result.exit_code, "there is no spec in spec/" in result.output) == (2, True)
+    assert run("generate", "--spec", "missing.yaml").exit_code == 2
+    result = run("generate", "--spec", "my.yaml", "--set", "size=big", "--out", "out")
+    assert (result.exit_code, "--set size=big" in result.output) == (2, True)
+    (folder / "file").write_text("")
+    assert run("generate", "--spec", "my.yaml", "--out", "file").exit_code == 2
+
+
+def test_check_of_a_spec_alone(folder: Path) -> None:
+    result = run("check", "--spec", "my.yaml")
+    assert (result.exit_code, result.output) == (0, "lamp v1: right\n")
+
+
+def test_show_by_name_and_by_code() -> None:
+    spec = str(ROOT / "spec/mwd_motor/v2.35.yaml")
+    shown = run("show", "set_torque", "--spec", spec).output
+    assert run("show", "0xA1", "--spec", spec).output == shown
+    for text in ("set_torque  0xA1", "0x140 + node (1..32)", "DATA[4..5]", "33/2048 A (MG)", "-2048..2048"):
+        assert text in shown
+    assert "转矩闭环控制" in run("show", "set_torque", "--lang", "zh", "--spec", spec).output
+
+
+def test_show_names_the_nearest() -> None:
+    result = run("show", "set_torqe", "--spec", str(ROOT / "spec/mwd_motor/v2.35.yaml"))
+    assert (result.exit_code, "did you mean `set_torque`?" in result.output) == (2, True)
