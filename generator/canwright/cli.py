@@ -156,7 +156,8 @@ def _read(specs: Sequence[Path]) -> list[Described]:
     except SpecError as error:
         for finding in error.diagnostics:
             click.echo(str(finding), err=True)
-        click.echo(f"{len(error.diagnostics)} findings, nothing was written", err=True)
+        count = len(error.diagnostics)
+        click.echo(f"{count} finding{'s' if count != 1 else ''}, nothing was written", err=True)
         sys.exit(FINDINGS)
     except OSError as error:
         _stop(str(error))

@@ -148,7 +148,7 @@ class MessageResolver:
         if layout is None:
             fields = spec.layout if isinstance(spec.layout, dict) else {}
             at = (*path, "layout") if isinstance(written, schema.MessageSpec) else path
-            layout = self._layout(at, layout_name, fields, None, self._spec.commands[command].manual or "")
+            layout = self._layout(at, layout_name, fields, None, command)
         code = spec.code if spec.code is not None else self._spec.commands[command].code
         return Message(
             f"{command}_{direction.value}",
@@ -182,11 +182,13 @@ class MessageResolver:
         return (Key("code", selector.at.space, order, width, _segments(selector.at, width, order), code),)
 
     def _layout(
-        self, path: Path, name: str, fields: schema.Fields, shared: schema.LayoutSpec | None, manual: str = ""
+        self, path: Path, name: str, fields: schema.Fields, shared: schema.LayoutSpec | None, command: str = ""
     ) -> Layout:
+        owner: schema.LayoutSpec | schema.Command = shared or self._spec.commands[command]
+        manual = owner.manual or ""
         where = (*path, "fields") if shared else path
         resolved = tuple(
-            self._field((*where, n), n, f, (shared and shared.manual) or manual) for n, f in fields.items()
+            self._field((*where, n), n, f, manual) for n, f in fields.items()
         )
         conditions = dict.fromkeys(p for f in fields.values() for p in f.only or {})
         if len(conditions) > 1:
@@ -199,9 +201,9 @@ class MessageResolver:
             parameter,
             self._variants(resolved, parameter),
             shared is not None,
-            self._context.title(path, shared.title if shared else None, name),
+            self._context.title(path if shared else ("commands", command), owner.title, name),
             self._context.text((*path, "about"), shared.about if shared else None),
-            (shared.manual if shared else None) or manual,
+            manual,
             path,
         )
 

@@ -1,0 +1,108 @@
+"""The Python target: an installable, typed package, one module an edition, one small class a message."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from ...golden import Refusal
+from ...model import Assignment, Direction, Edition, Parameter
+from ...render import environment
+from .. import Described, Output, header
+from . import messages, routes, text, types
+
+
+_CODEC = (
+    *("Bound", "CodecError", "Float", "Message", "Number", "Real", "Refusal", "Reply", "Request"),
+    *("Route", "Router", "ToAll", "ToNode", "constant", "each", "flags", "known", "member", "merge", "missing", "named"),
+    *("node_in", "not_answer", "require"),
+)
+"""What an edition's module may need of `_codec`."""
+
+
+@dataclass(frozen=True)
+class ParameterView:
+    """A parameter as a field of `Parameters`, and as an enum where it is a choice among names."""
+
+    name: str
+    python: str
+    doc: str
+
+
+@dataclass(frozen=True)
+class ChoiceView:
+    """A choice among names, as an enum."""
+
+    name: str
+    doc: str
+    members: tuple[types.MemberView, ...]
+
+
+def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
+    """The distribution with a package for each family."""
+    env = environment("python", {"literal": text.literal, "docstring": text.docstring})
+    families = list(dict.fromkeys(d.edition.family for d in described))
+    distribution = families[0] if len(families) == 1 else "canwright_bindings"
+    yield Output("pyproject.toml", env.get_template("pyproject.toml.j2").render(name=distribution, families=families))
+    yield Output("README.md", env.get_template("README.md.j2").render(name=distribution, families=families))
+    for family in families:
+        yield Output(f"{family}/__init__.py", env.get_template("__init__.py.j2").render(family=family))
+        yield Output(f"{family}/py.typed", "")
+        yield Output(f"{family}/_codec.py", env.get_template("_codec.py.j2").render(refusals=list(Refusal)))
+        yield Output(f"{family}/python_can.py", env.get_template("python_can.py.j2").render())
+    module, body = env.get_template("edition.py.j2"), env.get_template("edition_body.py.j2")
+    for item in described:
+        view = _module(item.edition)
+        text_of_body = body.render(view)
+        used = set(re.findall(r"\w+", text_of_body))
+        imports = [name for name in _CODEC if name in used]
+        structs = [name for name in ("Struct", "pack") if f"{name}(" in text_of_body]
+        yield Output(
+            f"{item.edition.family}/{item.edition.identifier}.py",
+            module.render(view, body=text_of_body, imports=imports, structs=structs),
+        )
+
+
+def _module(edition: Edition) -> dict[str, object]:
+    views = types.type_views(edition)
+    built = messages.MessageViews(edition, views)
+    bodies = [*(v.body for v in built.layouts), *(m.body for m in built.messages if m.body)]
+    enums = [v for v in views.values() if v.enum]
+    choices = tuple(_choice(p) for p in edition.parameters if p.is_choice and not p.is_numeric)
+    return {
+        "header": header(edition),
+        "title": f"{edition.family} {edition.name}: {text.english(edition.title)}",
+        "about": text.wrap(text.english(edition.about), 0),
+        "family": text.literal(edition.family),
+        "edition": text.literal(edition.name),
+        "hash": text.literal(edition.hash),
+        "enum_bases": sorted(({"Enum"} if choices else set()) | {"IntFlag" if v.is_flags else "IntEnum" for v in enums}),
+        "choices": choices,
+        "parameters": tuple(map(_parameter, edition.parameters)),
+        "enums": enums,
+        "numbers": [v for v in views.values() if not v.enum],
+        "patterns": list(dict.fromkeys(c.struct for b in bodies for c in b.cases if c.struct)),
+        "layouts": built.layouts,
+        "messages": built.messages,
+        "request_routes": list(routes.routes(edition, Direction.REQUEST)),
+        "reply_routes": list(routes.routes(edition, Direction.REPLY)),
+        "answers": list(routes.answers(edition)),
+    }
+
+
+def _choice(parameter: Parameter) -> ChoiceView:
+    members = tuple(
+        types.MemberView(text.member_name(v.name), text.literal(v.name), text.english(v.title))
+        for v in parameter.values
+    )
+    return ChoiceView(text.class_name(parameter.name), text.english(parameter.title), members)
+
+
+def _parameter(parameter: Parameter) -> ParameterView:
+    python = "Real"
+    if parameter.is_choice:
+        python = "int" if parameter.is_numeric else text.class_name(parameter.name)
+    values = f" One of {', '.join(v.name for v in parameter.values)}." if parameter.is_choice else ""
+    doc = text.sentence(text.english(parameter.title)) + values + " " + text.english(parameter.about)
+    return ParameterView(text.attribute(parameter.name), python, doc.strip())

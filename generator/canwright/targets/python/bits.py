@@ -1,0 +1,104 @@
+"""Python expressions that read and write the bits of fields; which way is decided here, not at run time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...model import Element, Encoding, Field, Key, Order, Segment, Space
+
+_STRUCT = {8: "b", 16: "h", 32: "i", 64: "q"}
+
+
+@dataclass(frozen=True)
+class Place:
+    """One raw integer on the wire: whose it is, where it is, how it reads."""
+
+    target: str
+    space: Space
+    order: Order
+    signed: bool
+    width: int
+    segments: tuple[Segment, ...]
+
+    @property
+    def first_byte(self) -> int:
+        return min(s.byte for s in self.segments)
+
+    @property
+    def whole_bytes(self) -> bool:
+        return self.space is Space.DATA and all(s.width == 8 for s in self.segments)
+
+    def shift(self, dlc: int) -> int:
+        """Where the least significant bit is in the data as one integer of this byte order."""
+        lowest = self.segments[0]
+        if self.space is Space.ID or self.order is Order.LITTLE:
+            return lowest.byte * 8 + lowest.low
+        return (dlc - 1 - lowest.byte) * 8 + lowest.low
+
+
+def place(target: str, field: Field, element: Element) -> Place:
+    """The place of one element of a field."""
+    signed = field.type.encoding is Encoding.SIGNED
+    return Place(target, field.space, field.type.order, signed, field.type.width, element.segments)
+
+
+def key_place(key: Key) -> Place:
+    """The place of a selector."""
+    return Place("", key.space, key.order, False, key.width, key.segments)
+
+
+def struct_format(places: list[Place], dlc: int) -> str | None:
+    """The `struct` format that reads all places at once in their order, or None when there is none."""
+    if not places or not all(p.whole_bytes and p.width in _STRUCT for p in places):
+        return None
+    orders = {p.order for p in places if p.width > 8} or {Order.LITTLE}
+    starts = [p.first_byte for p in places]
+    if len(orders) > 1 or starts != sorted(starts):
+        return None
+    text, at = "<" if orders == {Order.LITTLE} else ">", 0
+    for p in places:
+        code = _STRUCT[p.width]
+        text += _padding(p.first_byte - at) + (code if p.signed else code.upper())
+        at = p.first_byte + p.width // 8
+    return text + _padding(dlc - at)
+
+
+def _padding(count: int) -> str:
+    return "" if count == 0 else "x" if count == 1 else f"{count}x"
+
+
+def read(p: Place, dlc: int) -> str:
+    """An expression of `data` or `can_id` that is the raw integer."""
+    mask = f"0x{(1 << p.width) - 1:X}"
+    if p.space is Space.ID:
+        return _signed(f"can_id >> {p.shift(dlc)} & {mask}" if p.shift(dlc) else f"can_id & {mask}", p)
+    if p.whole_bytes:
+        first, count = p.first_byte, p.width // 8
+        if count == 1 and not p.signed:
+            return f"data[{first}]"
+        part = "data" if count == dlc else f"data[{first}:{first + count}]"
+        signed = ", signed=True" if p.signed else ""
+        return f'int.from_bytes({part}, "{p.order.value}"{signed})'
+    if len(p.segments) == 1:
+        word, low = f"data[{p.segments[0].byte}]", p.segments[0].low
+    else:
+        word, low = f'int.from_bytes(data, "{p.order.value}")', p.shift(dlc)
+    shifted = f"{word} >> {low} & {mask}" if low else f"{word} & {mask}"
+    return _signed(shifted, p)
+
+
+def _signed(expression: str, p: Place) -> str:
+    sign = f"0x{1 << (p.width - 1):X}"
+    return f"(({expression}) ^ {sign}) - {sign}" if p.signed else expression
+
+
+def write(p: Place, dlc: int) -> str:
+    """An expression that is the raw integer moved to its place in the data as one integer of its byte order."""
+    mask = f"0x{(1 << p.width) - 1:X}"
+    shift = p.shift(dlc)
+    return f"({p.target} & {mask}) << {shift}" if shift else f"{p.target} & {mask}"
+
+
+def fixed(key: Key, dlc: int) -> tuple[Order, int]:
+    """A selector's value in its place, as an integer of its byte order."""
+    return key.order, key.value << key_place(key).shift(dlc)

@@ -1,0 +1,332 @@
+"""Messages as the classes of a generated module."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ...model import Command, Edition, Field, Layout, Message, Order, Parameter, ReplyForm, Space, Variant
+from . import bits, text, types
+from .types import TypeView
+
+
+@dataclass(frozen=True)
+class FieldView:
+    """A field as a property, a keyword and a slot."""
+
+    name: str
+    attribute: str
+    optional: bool
+    count: int
+    python: str
+    given: str
+    value: str
+    """Expression of the value, of `self`."""
+    to_raw: str
+    """Expression of the raw integer, of the keyword."""
+    check: str
+    """Expression of the function that checks the raw integer."""
+    doc: tuple[str, ...]
+
+    @property
+    def raw_python(self) -> str:
+        return "tuple[int, ...]" if self.count else "int"
+
+
+@dataclass(frozen=True)
+class CaseView:
+    """What is read under some values of the layout's parameter: assignments, or one `struct`."""
+
+    condition: str
+    names: tuple[str, ...]
+    struct: str
+    targets: str
+    lines: tuple[str, ...]
+    constants: tuple[tuple[str, str, str], ...]
+
+
+@dataclass(frozen=True)
+class BodyView:
+    """What a class with fields has; `has_node` and `depends` decide its keywords."""
+
+    fields: tuple[FieldView, ...]
+    cases: tuple[CaseView, ...]
+    parameter: str
+    has_node: bool
+    depends: bool
+
+
+@dataclass(frozen=True)
+class MessageView:
+    """One class a message; `body` is None when its fields stand in a base class."""
+
+    name: str
+    bases: str
+    doc: tuple[str, ...]
+    command: str
+    direction: str
+    dlc: int
+    extended: bool
+    remote: bool
+    nodes: tuple[int, int] | None
+    body: BodyView | None
+    id: str
+    shift: int
+    code: str
+    data: str
+    """The bytes of a frame without fields."""
+    can_id: str
+    """Expression of the id, where fields stand in it."""
+    parameter: str
+    encode: tuple[tuple[str, str], ...]
+    facts: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class LayoutView:
+    """A base class for the messages that share a layout."""
+
+    name: str
+    doc: tuple[str, ...]
+    body: BodyView
+    encode: tuple[tuple[str, str], ...]
+    """How all of them write their bytes; empty when they differ in more than their code."""
+
+
+def group(message: Message) -> tuple[str, int, bool]:
+    """Messages of one group have one base class."""
+    return message.layout.name, message.dlc, message.id.nodes is not None
+
+
+class MessageViews:
+    """Builds the views of all messages of an edition."""
+
+    def __init__(self, edition: Edition, type_views: Mapping[str, TypeView]) -> None:
+        self._types = type_views
+        self._edition = edition
+        self._parameters: dict[str, Parameter] = {p.name: p for p in edition.parameters}
+        messages = list(edition.all_messages())
+        counts = [group(m) for m in messages]
+        self._shared = {key: m for key, m in zip(counts, messages, strict=True) if m.layout.fields and counts.count(key) > 1}
+        self.layouts = tuple(self._layout(m) for m in self._shared.values())
+        self.messages = tuple(self._message(edition.command(m.command), m) for m in messages)
+
+    def _base(self, message: Message) -> str:
+        same = [key for key in self._shared if key[0] == message.layout.name]
+        suffix = str(same.index(group(message)) + 1) if len(same) > 1 else ""
+        return text.class_name(message.layout.name) + suffix
+
+    def _layout(self, message: Message) -> LayoutView:
+        layout = message.layout
+        manual = f"Manual {text.plain(layout.manual)}." if layout.manual else ""
+        doc = (text.sentence(text.english(layout.title)), text.english(layout.about), manual)
+        body = self._body(layout, message.dlc, message.id.nodes is not None)
+        alike = self._alike(message)
+        return LayoutView(self._base(message), doc, body, self._encodes(message, "self.CODE") if alike else ())
+
+    def _alike(self, message: Message) -> bool:
+        """Whether the messages that share a base class have one selector each, in one place of the data."""
+        same = [m for m in self._edition.all_messages() if group(m) == group(message)]
+        places = {tuple((k.space, k.segments) for k in m.keys) for m in same}
+        return len(places) == 1 and all(len(m.keys) == 1 and m.keys[0].space is Space.DATA for m in same)
+
+    def _message(self, command: Command, message: Message) -> MessageView:
+        shared = group(message) in self._shared
+        bare = "ToNode" if message.id.nodes is not None else "ToAll"
+        base = self._base(message) if shared else "" if message.layout.fields else bare
+        if message.direction.value == "request":
+            answer = text.class_name(command.reply.name) if command.reply else "Message"
+            role = f'Request["{answer}"]'
+        else:
+            role = "Reply"
+        nodes = message.id.nodes
+        own = message.layout.fields and not shared
+        return MessageView(
+            text.class_name(message.name),
+            ", ".join(part for part in (base, role) if part),
+            _message_doc(command, message),
+            command.name,
+            message.direction.value,
+            message.dlc,
+            message.id.extended,
+            message.remote,
+            (nodes[0], nodes[-1]) if nodes is not None else None,
+            self._body(message.layout, message.dlc, nodes is not None) if own else None,
+            f"0x{self._fixed_id(message):X}",
+            message.id.node_shift,
+            f"0x{message.keys[0].value:02X}" if message.keys else "",
+            "" if message.layout.fields else self._constant_data(message),
+            self._can_id(message),
+            message.layout.parameter or "",
+            self._encodes(message) if message.layout.fields and not (shared and self._alike(message)) else (),
+            _facts(command) if message.direction.value == "request" or command.request is None else (),
+        )
+
+    def _body(self, layout: Layout, dlc: int, has_node: bool) -> BodyView:
+        fields = tuple(self._field(f, layout.manual) for f in layout.fields if f.constant is None)
+        cases = tuple(self._case(layout, v, dlc) for v in layout.variants)
+        return BodyView(fields, cases, layout.parameter or "", has_node, _depends(layout))
+
+    def _condition(self, layout: Layout, variant: Variant) -> str:
+        if layout.parameter is None or len(layout.variants) == 1:
+            return ""
+        parameter = self._parameters[layout.parameter]
+        return ", ".join(types.parameter_key(parameter, v) for v in variant.values)
+
+    def _case(self, layout: Layout, variant: Variant, dlc: int) -> CaseView:
+        places = self._places(variant.fields)
+        names = tuple(text.attribute(f.name) for f in variant.fields if f.constant is None)
+        constants = tuple(
+            (bits.read(bits.place("", f, f.elements[0]), dlc), str(f.constant), text.literal(f.name))
+            for f in variant.fields
+            if f.constant is not None
+        )
+        scalar = [p for f, p in places if not f.is_array and f.constant is None]
+        only_scalars = all(not f.is_array and f.constant is None for f, _ in places)
+        ordered = sorted(scalar, key=lambda p: p.first_byte) if only_scalars else []
+        pattern = bits.struct_format(ordered, dlc) if len(ordered) > 1 else None
+        targets = ", ".join(p.target for p in ordered) if pattern else ""
+        lines = () if pattern else tuple(self._reads(variant.fields, dlc))
+        return CaseView(self._condition(layout, variant), names, pattern or "", targets, lines, constants)
+
+    def _reads(self, fields: Sequence[Field], dlc: int) -> list[str]:
+        lines = []
+        for field in fields:
+            if field.constant is not None:
+                continue
+            reads = [bits.read(bits.place("", field, e), dlc) for e in field.elements]
+            value = f"({', '.join(reads)},)" if field.is_array else reads[0]
+            lines.append(f"self.{text.attribute(field.name)}_raw = {value}")
+        return lines
+
+    def _places(self, fields: Sequence[Field]) -> list[tuple[Field, bits.Place]]:
+        found = []
+        for field in fields:
+            for i, element in enumerate(field.elements):
+                slot = f"self.{text.attribute(field.name)}_raw" + (f"[{i}]" if field.is_array else "")
+                target = slot if field.constant is None else hex(field.constant & (1 << field.type.width) - 1)
+                found.append((field, bits.place(target, field, element)))
+        return found
+
+    def _encodes(self, message: Message, code: str = "") -> tuple[tuple[str, str], ...]:
+        return tuple(self._encode(message, variant, code) for variant in message.layout.variants)
+
+    def _encode(self, message: Message, variant: Variant, code: str) -> tuple[str, str]:
+        """Under which condition, and the expression of the data bytes; `code` stands for the selector's value."""
+        keys = [dataclasses.replace(bits.key_place(k), target=code or f"0x{k.value:02X}") for k in message.keys]
+        places = [p for p in (*keys, *(p for _, p in self._places(variant.fields))) if p.space is Space.DATA]
+        condition = self._condition(message.layout, variant)
+        ordered = sorted(places, key=lambda p: p.first_byte)
+        pattern = bits.struct_format(ordered, message.dlc)
+        if pattern is not None:
+            return condition, f'pack("{pattern}", {", ".join(p.target for p in ordered)})'
+        wide = {p.order for p in places if len(p.segments) > 1}
+        order = Order.BIG if wide == {Order.BIG} else Order.LITTLE
+        places = [p if len(p.segments) > 1 else dataclasses.replace(p, order=order) for p in places]
+        sides = [
+            " | ".join(f"({bits.write(p, message.dlc)})" for p in places if p.order is o) or "0"
+            for o in (Order.LITTLE, Order.BIG)
+        ]
+        if len(wide) > 1:
+            return condition, f"merge({sides[0]}, {sides[1]}, {message.dlc})"
+        if not places:
+            return condition, f"bytes({message.dlc})"
+        side = sides[0] if order is Order.LITTLE else sides[1]
+        return condition, f'({side}).to_bytes({message.dlc}, "{order.value}")'
+
+    def _fixed_id(self, message: Message) -> int:
+        keys = (k for k in message.keys if k.space is Space.ID)
+        return message.id.base + sum(k.value << k.segments[0].low for k in keys)
+
+    def _can_id(self, message: Message) -> str:
+        in_id = [p for _, p in self._places(message.layout.fields) if p.space is Space.ID]
+        parts = (f" + ({bits.write(p, message.dlc)})" for p in in_id)
+        return f"super().can_id{''.join(parts)}" if in_id else ""
+
+    def _constant_data(self, message: Message) -> str:
+        data = bytearray(message.dlc)
+        for key in message.keys:
+            for s in key.segments if key.space is Space.DATA else ():
+                data[s.byte] |= (key.value >> s.raw_low & (1 << s.width) - 1) << s.low
+        return repr(bytes(data))
+
+    def _field(self, field: Field, manual_of_layout: str) -> FieldView:
+        view, attribute = self._types[field.type.name], text.attribute(field.name)
+        raw, name = f"self.{attribute}_raw", text.literal(field.name)
+        element = "one" if field.is_array else raw
+        value = types.inline_value(field.type, element)
+        if view.enum:
+            value = f"{view.enum}({element})" if view.is_flags else f"named({view.enum}, {element})"
+        value = value or f"{view.constant}.value({element}, self.parameters, {name})"
+        if view.enum:
+            check = convert = f"flags({view.mask})" if view.is_flags else f"member({view.enum})"
+        else:
+            check, convert = f"{view.constant}.check", f"{view.constant}.raw"
+        count = len(field.elements) if field.is_array else 0
+        if count:
+            value = f"tuple({value} for one in {raw})"
+            check, convert = f"each({check}, {count})", f"each({convert}, {count})"
+        to_raw = f"{convert}({attribute}, self.parameters, {name})"
+        manual = f"Manual {text.plain(field.manual)}." if field.manual != manual_of_layout else ""
+        facts = (
+            types.meaning(field.type),
+            text.english(field.about) or text.english(field.type.about),
+            f"There under {', '.join(field.only)} only" if field.only else "",
+            manual,
+        )
+        doc = (text.sentence(text.english(field.title)), " ".join(text.sentence(fact) for fact in facts if fact))
+        return FieldView(
+            field.name,
+            attribute,
+            bool(field.only),
+            count,
+            f"tuple[{view.python}, ...]" if count else view.python,
+            f"Iterable[{view.given}]" if count else view.given,
+            value,
+            to_raw,
+            check,
+            doc,
+        )
+
+
+def _depends(layout: Layout) -> bool:
+    """Whether values or ranges of a layout need parameters."""
+    bounds = (
+        end
+        for field in layout.fields
+        for _, span in field.type.raw_range.distinct()
+        if span is not None
+        for end in (span.low, span.high)
+    )
+    return bool(layout.parameters) or any(end.parameter is not None for end in bounds)
+
+
+def _message_doc(command: Command, message: Message) -> tuple[str, ...]:
+    code = f" (0x{command.code:02X})" if command.code is not None else ""
+    title = f"{text.english(command.title)}{code}, {message.direction.value}."
+    manual = f"Manual {text.plain(command.manual)}." if command.manual else ""
+    if message.direction.value == "reply":
+        echo = "The request, sent back." if command.reply_form is ReplyForm.ECHO else ""
+        return (title, f"{echo} {manual}".strip())
+    effects = " ".join(text.sentence(text.english(e.title)) for e in command.effects)
+    missing = "" if command.implemented else "Not implemented, says the manual."
+    notes = " ".join(text.english(n) for n in command.notes)
+    only = " ".join(f"Only {name} {', '.join(values)}." for name, values in command.only.items())
+    about = f"{text.english(command.about)} {only} {manual}"
+    return (title, " ".join(about.split()), missing, f"Effects: {effects}" if effects else "", notes)
+
+
+def _facts(command: Command) -> tuple[tuple[str, str], ...]:
+    """Facts for tools, as class attributes."""
+
+    def names(items: Sequence[str]) -> str:
+        return f"({', '.join(map(text.literal, items))}{',' if len(items) == 1 else ''})"
+
+    facts = [
+        ("TITLE", text.literal(command.title.get("en") or next(iter(command.title.values())))),
+        ("MANUAL", text.literal(command.manual)),
+        ("EFFECTS", names([e.name for e in command.effects])),
+        ("LIMITED_BY", names([s.name for s in command.limited_by])),
+    ]
+    return tuple((name, value) for name, value in facts if value not in ("()", '""'))

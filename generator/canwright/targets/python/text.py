@@ -1,0 +1,75 @@
+"""Text and names that are safe in Python source."""
+
+from __future__ import annotations
+
+import builtins
+import keyword
+import unicodedata
+from collections.abc import Sequence
+
+from ...model import Text
+
+_RESERVED = {*keyword.kwlist, *keyword.softkwlist, *dir(builtins), "self", "cls"}
+_MEMBERS = {"node", "parameters", "can_id", "encode", "fields", "raw", "mro"}
+
+
+def plain(text: str) -> str:
+    """One line of a text for a docstring: no quote, backslash, line break, control or bidirectional character."""
+    line = " ".join(text.split())
+    kept = (c if unicodedata.category(c) not in ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp") else "\N{REPLACEMENT CHARACTER}" for c in line)
+    return "".join(kept).replace("\\", "\N{REVERSE SOLIDUS OPERATOR}").replace('"', "'")
+
+
+def literal(text: str) -> str:
+    """A text as a Python string literal in ASCII."""
+    return '"' + ascii(text)[1:-1].replace("\\'", "'").replace('"', '\\"') + '"'
+
+
+def english(text: Text) -> str:
+    """The English text, or the first there is, for a docstring."""
+    return plain(text.get("en") or next(iter(text.values()), ""))
+
+
+def sentence(text: str) -> str:
+    """A text that ends like a sentence; nothing for nothing."""
+    return text if not text or text.endswith((".", "!", "?")) else text + "."
+
+
+def class_name(name: str) -> str:
+    """`set_torque_reply` as `SetTorqueReply`."""
+    camel = "".join(part[:1].upper() + part[1:] for part in name.split("_"))
+    return camel + "_" if camel in _RESERVED else camel
+
+
+def member_name(name: str) -> str:
+    """An enum member: `low_voltage` as `LOW_VOLTAGE`, and `14` as `_14`."""
+    upper = name.upper()
+    return f"_{upper}" if upper[:1].isdigit() else upper
+
+
+def attribute(name: str) -> str:
+    """A field's attribute and keyword; with `_` behind it where Python or a message has that name already."""
+    return name + "_" if name in _RESERVED or name in _MEMBERS else name
+
+
+def wrap(text: str, indent: int, width: int = 110) -> list[str]:
+    """Lines of a paragraph, for a docstring at an indent."""
+    lines: list[str] = []
+    for word in text.split():
+        if lines and len(lines[-1]) + 1 + len(word) <= width - indent:
+            lines[-1] += " " + word
+        else:
+            lines.append(word)
+    return lines
+
+
+def docstring(paragraphs: Sequence[str], indent: int) -> str:
+    """A docstring of one summary line and paragraphs, each already safe; empty ones are left out."""
+    kept = [paragraph for paragraph in paragraphs if paragraph]
+    margin = " " * indent
+    if len(kept) == 1 and len(kept[0]) <= 110 - indent:
+        return f'{margin}"""{kept[0]}"""'
+    lines = [f'{margin}"""' + "\n".join(wrap(kept[0], indent)).replace("\n", f"\n{margin}")]
+    for paragraph in kept[1:]:
+        lines += ["", *(margin + line for line in wrap(paragraph, indent))]
+    return "\n".join([*lines, f'{margin}"""'])

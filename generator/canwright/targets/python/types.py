@@ -1,0 +1,153 @@
+"""Types as the declarations of a generated module: numbers, floats, enums, flags."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ... import words
+from ...model import Bound, Edition, Encoding, Linear, Parameter, Range, Type
+from . import text
+
+
+@dataclass(frozen=True)
+class MemberView:
+    """One member of an enum or of flags."""
+
+    name: str
+    value: str
+    doc: str
+
+
+@dataclass(frozen=True)
+class TypeView:
+    """A type of the edition: the name of its `Number` or `Float`, and of its enum class where it has one."""
+
+    constant: str
+    declaration: str
+    enum: str
+    is_flags: bool
+    mask: str
+    members: tuple[MemberView, ...]
+    doc: str
+    python: str
+    """The type that a value has."""
+    given: str
+    """The type that a constructor takes."""
+
+
+def parameter_key(parameter: Parameter, value: str) -> str:
+    """A parameter value as a key: a member of its enum, or a number."""
+    if parameter.is_numeric:
+        return value
+    return f"{text.class_name(parameter.name)}.{text.member_name(value)}"
+
+
+def type_views(edition: Edition) -> dict[str, TypeView]:
+    """Every type of the edition, by name."""
+    parameters = {p.name: p for p in edition.parameters}
+    return {t.name: _view(t, parameters) for t in edition.types}
+
+
+def _view(type_: Type, parameters: Mapping[str, Parameter]) -> TypeView:
+    constant = text.member_name(type_.name)
+    constant = f"{constant}_NUMBER" if type_.enum or type_.flags else constant
+    enum = text.class_name(type_.name) if type_.enum or type_.flags else ""
+    members = tuple(
+        MemberView(
+            text.member_name(m.name), f"0x{1 << m.value:X}" if type_.flags else str(m.value), text.english(m.title)
+        )
+        for m in (*type_.enum, *type_.flags)
+    )
+    if type_.encoding is Encoding.FLOAT:
+        declaration = f"Float({', '.join(_float_arguments(type_))})"
+    else:
+        declaration = f"Number({', '.join(_number_arguments(type_, parameters))})"
+    python = f"{enum} | int" if type_.enum else enum or ("int" if type_.is_plain else "float")
+    return TypeView(
+        constant,
+        declaration,
+        enum,
+        bool(type_.flags),
+        f"0x{sum(1 << m.value for m in type_.flags):X}",
+        members,
+        text.english(type_.title),
+        python,
+        f"{enum} | int" if enum else "Real",
+    )
+
+
+def _float_arguments(type_: Type) -> list[str]:
+    arguments = [str(type_.width)]
+    if type_.unit:
+        arguments.append(text.literal(type_.unit.name))
+    if type_.raw_range.constant is not None:
+        arguments.append(f"limits={_limits(type_.raw_range.constant)}")
+    return arguments
+
+
+def _number_arguments(type_: Type, parameters: Mapping[str, Parameter]) -> list[str]:
+    arguments = [str(limit) for limit in type_.raw_limits]
+    if type_.unit:
+        arguments.append(text.literal(type_.unit.name))
+    linear, span = type_.linear, type_.raw_range
+    if linear.parameter is not None:
+        cases = (f"{parameter_key(parameters[linear.parameter], n)}: {_scale(c)}" for n, c in linear.cases.items())
+        arguments += [f"scale={{{', '.join(cases)}}}", f"scale_by={text.literal(linear.parameter)}"]
+    elif linear.constant is None or not linear.constant.is_identity:
+        arguments.append(f"scale={_scale(linear.constant)}")
+    if span.parameter is not None:
+        limits = (f"{parameter_key(parameters[span.parameter], n)}: {_limits(r)}" for n, r in span.cases.items())
+        arguments += [f"limits={{{', '.join(limits)}}}", f"limits_by={text.literal(span.parameter)}"]
+    elif span.constant is not None:
+        arguments.append(f"limits={_limits(span.constant)}")
+    return arguments
+
+
+def _scale(linear: Linear | None) -> str:
+    if linear is None:
+        return "None"
+    return f"({linear.scale.numerator}, {linear.scale.denominator}, {float(linear.offset)!r})"
+
+
+def _limits(span: Range | None) -> str:
+    return "None" if span is None else f"({_bound(span.low)}, {_bound(span.high)})"
+
+
+def _bound(bound: Bound) -> str:
+    if bound.parameter is None:
+        return f"Bound({_exact(bound.constant)})"
+    return f"Bound({_exact(bound.constant)}, {_exact(bound.coefficient)}, {text.literal(bound.parameter)})"
+
+
+def _exact(number: Fraction) -> str:
+    return str(number.numerator) if number.denominator == 1 else f"Fraction({number.numerator}, {number.denominator})"
+
+
+def meaning(type_: Type) -> str:
+    """Unit, scale and range in a sentence, for a docstring."""
+    parts = []
+    if type_.unit:
+        parts.append(f"In {type_.unit.name}")
+    scales = words.scale(type_)
+    if not type_.is_plain and type_.is_number and type_.encoding is not Encoding.FLOAT:
+        parts.append("one raw step is " + ", ".join(f"{w} ({n})" if n else w for n, w in scales))
+    limits = words.ranges(type_)
+    if limits:
+        parts.append("raw " + ", ".join(f"{w} ({n})" if n else w for n, w in limits))
+    sentence = "; ".join(parts)
+    return text.plain(sentence[:1].upper() + sentence[1:])
+
+
+def inline_value(type_: Type, raw: str) -> str | None:
+    """The value as an expression of the raw integer, where the scale is constant; one rounded operation at the end."""
+    linear = type_.linear.constant
+    if type_.linear.parameter is not None or linear is None or type_.encoding is Encoding.FLOAT:
+        return None
+    if linear.is_identity:
+        return raw
+    numerator, denominator = linear.scale.numerator, linear.scale.denominator
+    product = raw if numerator == 1 else f"{raw} * {numerator}"
+    offset = f" + {float(linear.offset)!r}" if linear.offset else ""
+    return f"{product} / {denominator}{offset}"

@@ -1,0 +1,190 @@
+"""The generated Python package, driven through its public API."""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import sys
+from collections.abc import Mapping, Sequence
+from enum import IntEnum, IntFlag
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from canwright.golden import Refusal
+from canwright.model import Direction, Edition
+from canwright.targets import Described
+from canwright.targets import python as target
+from canwright.targets.python.text import attribute, class_name
+
+from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
+
+_COUNT = itertools.count()
+
+
+def adapter(described: Described, workdir: Path) -> PythonAdapter:
+    """Generates the package below `workdir` and imports it under a name of its own."""
+    folder = workdir / f"python{next(_COUNT)}"
+    for output in target.generate([described], {}):
+        file = folder / output.path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(output.text, "utf-8")
+    return PythonAdapter(described.edition, load(folder, described.edition))
+
+
+def load(folder: Path, edition: Edition) -> ModuleType:
+    """The module of an edition, freshly imported, so that several versions of it can be in one process."""
+    stale = [name for name in sys.modules if name.split(".")[0] == edition.family]
+    kept = {name: sys.modules.pop(name) for name in stale}
+    sys.path.insert(0, str(folder))
+    importlib.invalidate_caches()
+    try:
+        return importlib.import_module(f"{edition.family}.{edition.identifier}")
+    finally:
+        sys.path.remove(str(folder))
+        for name in [name for name in sys.modules if name.split(".")[0] == edition.family]:
+            del sys.modules[name]
+        sys.modules.update(kept)
+
+
+class PythonAdapter:
+    """Answers through `decode_request`, `decode_reply`, `decode_answer`, constructors and `encode`."""
+
+    name = "python"
+    tolerance = 0.0
+    cannot: Mapping[str, str] = {}
+
+    def __init__(self, edition: Edition, module: ModuleType) -> None:
+        self._edition = edition
+        self._module = module
+
+    def decode(
+        self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
+    ) -> Decoded | Refused:
+        module, flags = self._module, {"extended": frame.extended, "remote": frame.remote}
+        try:
+            known = self._parameters(parameters)
+            if direction is Direction.REQUEST:
+                message = module.decode_request(frame.id, frame.data, known, **flags)
+            elif answering is None:
+                message = module.decode_reply(frame.id, frame.data, known, **flags)
+            else:
+                request = getattr(module, class_name(f"{answering}_request"))
+                message = module.decode_answer(request, frame.id, frame.data, known, **flags)
+            if message.encode() is None or message.can_id != frame.id:
+                raise AssertionError(f"{message} does not go back to id 0x{frame.id:X}")
+        except ValueError as error:
+            return _refused(error)
+        command = answering if answering is not None and direction is Direction.REPLY else message.COMMAND
+        names = {attribute(f): f for f in self._field_names()}
+        raw = {names[n]: list(v) if isinstance(v, tuple) else int(v) for n, v in message.raw().items()}
+        return Decoded(command, message.node, raw, {n: v for n, v in self._values(message, names)})
+
+    def _field_names(self) -> set[str]:
+        return {f.name for m in self._edition.all_messages() for f in m.layout.fields}
+
+    def _values(self, message: Any, names: Mapping[str, str]) -> list[tuple[str, Value]]:
+        found = []
+        for name in message.fields():
+            try:
+                found.append((names[name], _value(getattr(message, name))))
+            except ValueError as error:
+                if _refused(error).says is not Refusal.MISSING_PARAMETER:
+                    found.append((names[name], None))
+        return found
+
+    def encode_raw(
+        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+    ) -> Encoded | Refused:
+        try:
+            cls = self._class(direction, command)
+            given = {attribute(n): v for n, v in raw.items()}
+            message = cls.from_raw(**self._node(cls, node), parameters=self._parameters(parameters), **given)
+            return Encoded(message.can_id, message.encode())
+        except ValueError as error:
+            return _refused(error)
+
+    def encode_values(
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        values: Mapping[str, ExactValue],
+        parameters: Parameters,
+    ) -> Encoded | Refused:
+        try:
+            cls = self._class(direction, command)
+            given = {attribute(n): self._given(cls, n, v) for n, v in values.items()}
+            extra = {"parameters": self._parameters(parameters)} if self._takes_parameters(cls) else {}
+            message = cls(**self._node(cls, node), **given, **extra)
+            return Encoded(message.can_id, message.encode())
+        except ValueError as error:
+            return _refused(error)
+
+    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
+        try:
+            self._module.check_reply(request.id, request.data, reply.id, reply.data)
+        except ValueError as error:
+            return _refused(error)
+        return None
+
+    def _class(self, direction: Direction, command: str) -> Any:
+        found = self._edition.command(command)
+        message = found.request if direction is Direction.REQUEST else found.reply
+        assert message is not None
+        return getattr(self._module, class_name(message.name))
+
+    @staticmethod
+    def _takes_parameters(cls: Any) -> bool:
+        return "parameters" in cls.__init__.__code__.co_varnames[: cls.__init__.__code__.co_kwonlyargcount + 1]
+
+    @staticmethod
+    def _node(cls: Any, node: int | None) -> dict[str, int | None]:
+        return {"node": node} if hasattr(cls, "NODES") else {}
+
+    def _parameters(self, parameters: Parameters) -> Any:
+        given: dict[str, Any] = {}
+        for name, value in parameters.items():
+            parameter = self._edition.parameter(name)
+            if parameter.is_choice and not parameter.is_numeric:
+                given[attribute(name)] = getattr(self._module, class_name(name))(value)
+            else:
+                given[attribute(name)] = int(value) if parameter.is_choice else float(value)
+        return self._module.Parameters(**given)
+
+    def _given(self, cls: Any, name: str, value: ExactValue) -> Any:
+        field = next(
+            f
+            for m in self._edition.all_messages()
+            for f in m.layout.fields
+            if class_name(m.name) == cls.__name__ and f.name == name
+        )
+        if isinstance(value, list):
+            if field.type.flags:
+                return self._flags(field.type.name, [str(v) for v in value])
+            return [float(v) for v in value]
+        if isinstance(value, str) and field.type.enum:
+            return getattr(self._module, class_name(field.type.name))[value.upper()]
+        return float(value)
+
+    def _flags(self, type_name: str, names: Sequence[str]) -> int:
+        enum = getattr(self._module, class_name(type_name))
+        return sum(int(enum[name.upper()]) for name in names)
+
+
+def _refused(error: ValueError) -> Refused:
+    """A refusal of the package; any other ValueError is a failure of the package and goes on up."""
+    refusal = getattr(error, "refusal", None)
+    if refusal is None:
+        raise error
+    return Refused(Refusal(refusal.value), getattr(error, "field", None))
+
+
+def _value(value: Any) -> Value:
+    if isinstance(value, tuple):
+        return [float(v) for v in value]
+    if isinstance(value, IntFlag):
+        return [m.name.lower() for m in type(value) if m.name and m in value]
+    if isinstance(value, IntEnum):
+        return value.name.lower()
+    return float(value)
