@@ -53,18 +53,28 @@ class CanFrame:
     remote: bool = False
 
 
+class Cannot(Exception):  # noqa: N818 - it is no error
+    """The case needs something that the target has no words for; `name` is in the adapter's `cannot`."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.name = name
+
+
 Parameters = Mapping[str, int | str]
 
 
 class Adapter(Protocol):
     """One target, driven as its user would drive it.
 
-    `cannot` lists what the target has no words for, by name, with the reason; the runner counts those and shows them.
+    `cannot` lists what the target has no words for, by name, with the reason; it raises `Cannot` for such a case, and
+    the runner counts those and shows them. `tolerance` is how far, in relation, a value may be off.
     `answering` is the command whose reply the host waits for; None reads the frame without knowing.
     """
 
     name: str
     cannot: Mapping[str, str]
+    tolerance: float
 
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None

@@ -1,0 +1,189 @@
+"""The generated C headers, compiled into a small program and driven through their public functions."""
+
+from __future__ import annotations
+
+import itertools
+import subprocess
+import weakref
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from pathlib import Path
+
+from canwright.golden import Refusal
+from canwright.model import Command, Direction, Edition, Encoding, Field, Message
+from canwright.targets import Described
+from canwright.targets import c as target
+
+from ...compilers import build
+from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
+from .c_harness import harness
+
+EXTENDED = 1 << 31
+REMOTE = 1 << 30
+
+_COUNT = itertools.count()
+
+
+def adapter(described: Described, workdir: Path) -> CAdapter:
+    """Generates the headers below `workdir`, and compiles the program around them."""
+    folder = workdir / f"c{next(_COUNT)}"
+    for output in target.generate([described], {}):
+        file = folder / output.path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(output.text, "utf-8")
+    source = folder / "harness.c"
+    source.write_text(harness(described.edition, folder / "include"), "utf-8")
+    return CAdapter(described.edition, build([source], folder / "include", folder / "harness"))
+
+
+class CAdapter:
+    """Answers through `decode_request`, `decode_reply`, the functions of each message, and the conversions."""
+
+    name = "c"
+    tolerance = 0.0
+    cannot: Mapping[str, str] = {}
+
+    def __init__(self, edition: Edition, program: Path) -> None:
+        self._edition = edition
+        self._process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        weakref.finalize(self, _end, self._process)
+
+    def decode(
+        self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
+    ) -> Decoded | Refused:
+        wanted = f"any_{direction.value}"
+        if answering is not None and direction is Direction.REPLY:
+            wanted = _message(self._edition.command(answering), direction).name
+        answer = self._ask("decode", wanted, *self._known(parameters), *_frame(frame))
+        if isinstance(answer, Refused):
+            return answer
+        found, node, *words = answer
+        command = found if answering is None or direction is Direction.REQUEST else answering
+        message = _message(self._edition.command(command), direction)
+        assignment = {n: str(v) for n, v in parameters.items()}
+        variant = message.layout.variant(assignment)
+        assert variant is not None
+        raw: dict[str, Raw] = {}
+        values: dict[str, Value] = {}
+        items = [words[i : i + 3] for i in range(0, len(words), 3)]
+        for field in (f for f in variant.fields if f.constant is None):
+            mine = [(int(number), value) for name, number, value in items if name == field.name]
+            raw[field.name] = [number for number, _ in mine] if field.is_array else mine[0][0]
+            if any(value == f"?{Refusal.MISSING_PARAMETER.value}" for _, value in mine):
+                continue
+            if field.is_array:
+                values[field.name] = [_number(value) for _, value in mine]
+            else:
+                values[field.name] = _value(*mine[0])
+        return Decoded(command, int(node) if message.id.nodes is not None else None, raw, values)
+
+    def encode_raw(
+        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+    ) -> Encoded | Refused:
+        message = _message(self._edition.command(command), direction)
+        words: list[str] = []
+        for field, index, number in _items(message, raw):
+            low, high = _container(field)
+            if not low <= int(str(number)) <= high:
+                return Refused(Refusal.OUT_OF_RANGE, field.name)
+            words += [field.name, str(index), str(number)]
+        return self._encode(message, node, parameters, False, words)
+
+    def encode_values(
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        values: Mapping[str, ExactValue],
+        parameters: Parameters,
+    ) -> Encoded | Refused:
+        message = _message(self._edition.command(command), direction)
+        words: list[str] = []
+        for field, index, value in _items(message, values):
+            words += [field.name, str(index), _written(value)]
+        return self._encode(message, node, parameters, True, words)
+
+    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
+        answer = self._ask("answers", *_frame(request), *_frame(reply))
+        return answer if isinstance(answer, Refused) else None
+
+    def _encode(
+        self, message: Message, node: int | None, parameters: Parameters, is_value: bool, words: list[str]
+    ) -> Encoded | Refused:
+        start = [*self._known(parameters), str(node or 0), str(int(is_value))]
+        answer = self._ask("encode", message.name, *start, *words)
+        if isinstance(answer, Refused):
+            return answer
+        return Encoded(int(answer[0], 16) & 0x1FFFFFFF, bytes.fromhex(answer[1] if len(answer) > 1 else ""))
+
+    def _known(self, parameters: Parameters) -> Iterator[str]:
+        """For each parameter of the edition the place of its value, or numerator and denominator; 0 is not known."""
+        for parameter in self._edition.parameters:
+            given = parameters.get(parameter.name)
+            if parameter.is_choice:
+                names = [value.name for value in parameter.values]
+                yield "0" if given is None else str(names.index(str(given)) + 1)
+            else:
+                number = Fraction(0) if given is None else Fraction(str(given))
+                yield from (str(number.numerator), "0" if given is None else str(number.denominator))
+
+    def _ask(self, *words: str) -> list[str] | Refused:
+        to, answers = self._process.stdin, self._process.stdout
+        assert to is not None and answers is not None
+        print(*words, file=to, flush=True)
+        line = answers.readline().split()
+        assert line, f"the program has no answer to: {' '.join(words)}"
+        if line[0] == "ok":
+            return line[1:]
+        return Refused(Refusal(line[1]), line[2] if len(line) > 2 else None)
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    process.communicate()
+
+
+def _message(command: Command, direction: Direction) -> Message:
+    message = command.request if direction is Direction.REQUEST else command.reply
+    assert message is not None, f"{command.name} has no {direction.value}"
+    return message
+
+
+def _items(message: Message, given: Mapping[str, Raw] | Mapping[str, ExactValue]) -> Iterator[tuple[Field, int, object]]:
+    """Every element of every given field; flags are one value, though they are a list."""
+    fields = {field.name: field for field in message.layout.fields}
+    for name, value in given.items():
+        elements = value if isinstance(value, list) and fields[name].is_array else [value]
+        yield from ((fields[name], index, element) for index, element in enumerate(elements))
+
+
+def _container(field: Field) -> tuple[int, int]:
+    """What the member of the struct holds; beyond it, a C compiler refuses the number."""
+    width = next(w for w in (8, 16, 32, 64) if field.type.width <= w)
+    if field.type.encoding is Encoding.SIGNED:
+        return -(1 << (width - 1)), (1 << (width - 1)) - 1
+    return 0, (1 << width) - 1
+
+
+def _written(value: object) -> str:
+    if isinstance(value, list):
+        return "+" + "".join(f"{name}+" for name in value)
+    return repr(float(value)) if isinstance(value, (int, float, Fraction)) else str(value)
+
+
+def _frame(frame: CanFrame) -> list[str]:
+    flags = (EXTENDED if frame.extended else 0) | (REMOTE if frame.remote else 0)
+    return [f"{frame.id | flags:X}", str(len(frame.data)), *(f"{byte:02X}" for byte in frame.data), "-"]
+
+
+def _value(word: str) -> Value:
+    if word.startswith("+"):
+        return [name for name in word.split("+") if name]
+    if word.startswith("'"):
+        return word[1:]
+    return None if word == f"?{Refusal.NO_SCALE.value}" else float(word)
+
+
+def _number(word: str) -> float:
+    value = _value(word)
+    assert isinstance(value, float)
+    return value

@@ -1,0 +1,115 @@
+"""Writes the program that drives a generated header; it calls what the header declares, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from canwright.model import Direction, Edition, Encoding, Field, Layout, Message
+from canwright.targets.c.names import layouts, member
+
+from .c_signatures import Function, functions
+
+TEMPLATE = Path(__file__).with_name("c_harness.c.j2")
+
+ARGUMENTS = {"frame": "frame", "message": "message", "node": "node", "parameters": "known", "field": "refused"}
+"""The variables that the program keeps, by the names of parameters."""
+
+
+def harness(edition: Edition, include: Path) -> str:
+    """The program's text, for the headers below `include`."""
+    name = f"{edition.family}/{edition.identifier}"
+    text = "".join((include / f"{name}{part}.h").read_text("utf-8") for part in ("", "_float"))
+    return _Harness(edition, functions(text)).text(name)
+
+
+class _Harness:
+    def __init__(self, edition: Edition, functions: Mapping[str, Function]) -> None:
+        self._edition = edition
+        self._functions = functions
+        self._prefix = f"{edition.family}_{edition.identifier}_".lower()
+
+    def text(self, include: str) -> str:
+        check = self._functions.get(f"{self._prefix}check_reply")
+        with_fields = [layout for layout in layouts(self._edition) if _has_members(layout)]
+        template = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+        return template.from_string(TEMPLATE.read_text("utf-8")).render(
+            include=include,
+            prefix=self._prefix,
+            parameters=[self._parameter(p.name) for p in self._edition.parameters],
+            layouts=[self._layout(layout) for layout in with_fields],
+            messages=[self._message(m) for m in self._edition.all_messages()],
+            directions=[d for d in map(self._direction, Direction) if d],
+            check_reply=check.call({"request": "frame", "reply": "reply"}) if check else "CANWRIGHT_NOT_ANSWER",
+        )
+
+    def _parameter(self, name: str) -> dict[str, Any]:
+        values = [v.name for v in self._edition.parameter(name).values]
+        enumerators = [f"{self._prefix}{name}_{value}".upper() for value in ("unknown", *values)]
+        return {"name": name, "member": member(name), "enumerators": enumerators if values else []}
+
+    def _direction(self, direction: Direction) -> dict[str, Any] | None:
+        decode = self._functions.get(f"{self._prefix}decode_{direction.value}")
+        if decode is None:
+            return None
+        messages = [m for m in self._edition.messages(direction) if _has_members(m.layout)]
+        return {
+            "word": direction.value,
+            "decode": decode.call({**ARGUMENTS, direction.value: "any"}),
+            "messages": [
+                {"enumerator": f"{self._prefix}command_{m.command}".upper(), "layout": self._names(m.layout)}
+                for m in messages
+            ],
+        }
+
+    def _message(self, message: Message) -> dict[str, Any]:
+        c = f"{self._prefix}{message.name}"
+        check = self._functions.get(f"{self._prefix}{message.layout.name}_check")
+        return {
+            "name": message.name,
+            "command": message.command,
+            "layout": self._names(message.layout) if _has_members(message.layout) else None,
+            "decode": self._functions[f"{c}_decode"].call(ARGUMENTS),
+            "encode": self._functions[f"{c}_encode"].call(ARGUMENTS),
+            "check": check.call(ARGUMENTS) if check else "",
+        }
+
+    def _names(self, layout: Layout) -> dict[str, str]:
+        return {"name": layout.name, "c": f"{self._prefix}{layout.name}", "member": member(layout.name)}
+
+    def _layout(self, layout: Layout) -> dict[str, Any]:
+        fields = [self._field(field) for field in layout.fields if field.constant is None]
+        return {**self._names(layout), "fields": fields}
+
+    def _field(self, field: Field) -> dict[str, Any]:
+        type_ = field.type
+        c = f"{self._prefix}{type_.name}"
+        members = [(m.name, f"{c}_{m.name}".upper()) for m in (*type_.enum, *type_.flags)]
+        to, from_ = self._functions.get(f"{c}_to_double"), self._functions.get(f"{c}_from_double")
+        names = self._functions.get(f"{c}_name")
+        width = next(w for w in (8, 16, 32, 64) if type_.width <= w)
+        signed = type_.encoding is Encoding.SIGNED
+        return {
+            "name": field.name,
+            "member": member(field.name),
+            "places": [f"[{i}]" for i in range(len(field.elements))] if field.is_array else [""],
+            "kind": f"{'' if signed else 'u'}int{width}_t",
+            "signed": signed,
+            "enum": members if type_.enum else [],
+            "flags": members if type_.flags else [],
+            "names": names.call({"raw": "raw"}) if names else "",
+            "to": to.call({"value": "value", "raw": "raw", "parameters": "known"}) if to else "",
+            "to_fails": to is not None and to.result != "double",
+            "from": self._from(from_) if from_ else "",
+        }
+
+    @staticmethod
+    def _from(function: Function) -> str:
+        """A call where `raw` is a pointer already."""
+        return function.call({"raw": "*raw", "value": "strtod(text, NULL)", "parameters": "known"}).replace("&*", "")
+
+
+def _has_members(layout: Layout) -> bool:
+    return any(field.constant is None for field in layout.fields)

@@ -1,0 +1,38 @@
+"""What a generated header declares: its functions, and how to call one with arguments that are known by name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+_FUNCTION = re.compile(r"^static inline (?P<result>.+?)(?P<name>\w+)\(\s*(?P<parameters>[^)]*?)\s*\)\s*\{", re.M)
+_PARAMETER = re.compile(r"(?P<type>.+?)(?P<name>\w+)$")
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function with its result and the names of its parameters, pointers with a `*` before them."""
+
+    name: str
+    result: str
+    parameters: tuple[str, ...]
+
+    def call(self, arguments: Mapping[str, str]) -> str:
+        """A call; `arguments` are variables by the names of parameters, and what is a pointer gets their address."""
+        given = [f"&{arguments[p[1:]]}" if p.startswith("*") else arguments[p] for p in self.parameters]
+        return f"{self.name}({', '.join(given)})"
+
+
+def functions(header: str) -> dict[str, Function]:
+    """The functions of a header by name."""
+    found = {}
+    for match in _FUNCTION.finditer(header):
+        parameters = [one.strip() for one in match["parameters"].split(",") if one.strip() not in ("", "void")]
+        names = []
+        for one in parameters:
+            parts = _PARAMETER.match(one)
+            assert parts is not None, one
+            names.append(("*" if "*" in parts["type"] else "") + parts["name"])
+        found[match["name"]] = Function(match["name"], match["result"].strip(), tuple(names))
+    return found

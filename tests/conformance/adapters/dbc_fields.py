@@ -1,0 +1,136 @@
+"""Fields of the spec as the signals of a DBC message: one each, one an element of an array, one a flag."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from cantools.database.can import Message, Signal
+from canwright.golden import Refusal
+from canwright.model import Encoding, Field
+
+from ..adapter import Cannot, ExactValue, Refused, Value
+
+Number = int | float
+Data = dict[str, Number | str]
+Place = tuple[Signal, int, str | None]
+"""A signal, the raw bit it starts at, and the flag that it is, if any."""
+
+RAW_UNIT = "raw"
+_FLOATS = {32: (">I", ">f"), 64: (">Q", ">d")}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A field, or one element of an array."""
+
+    field: Field
+    signals: tuple[Place, ...]
+
+    @property
+    def signal(self) -> Signal:
+        return self.signals[0][0]
+
+    def raw(self, numbers: Mapping[str, Number]) -> int:
+        if self.field.type.encoding is Encoding.FLOAT:
+            as_int, as_float = _FLOATS[self.field.type.width]
+            return int(struct.unpack(as_int, struct.pack(as_float, numbers[self.signal.name]))[0])
+        return sum(int(numbers[signal.name]) << low for signal, low, _ in self.signals)
+
+    def value(self, shown: Mapping[str, object]) -> float | str | list[str] | None:
+        if self.field.type.flags:
+            return [flag for signal, _, flag in self.signals if flag and shown[signal.name]]
+        value = shown[self.signal.name]
+        if self.field.type.enum:
+            return None if isinstance(value, (int, float)) else str(value)
+        assert isinstance(value, (int, float))
+        return None if self.signal.unit == RAW_UNIT else value
+
+    def put_raw(self, data: Data, raw: int, parameters: Mapping[str, object]) -> Refused | None:
+        if self.field.type.encoding is Encoding.FLOAT:
+            as_int, as_float = _FLOATS[self.field.type.width]
+            data[self.signal.name] = struct.unpack(as_float, struct.pack(as_int, raw))[0]
+            return None
+        for signal, low, _ in self.signals:
+            mask = (1 << signal.length) - 1
+            data[signal.name] = raw >> low & mask if self.field.type.flags else raw
+        if self.field.type.flags and raw >> self.field.type.width:
+            return Refused(Refusal.OUT_OF_RANGE, self.field.name)
+        return None
+
+    def put_value(self, data: Data, value: ExactValue, parameters: Mapping[str, object]) -> Refused | None:
+        type_ = self.field.type
+        if type_.flags:
+            names = value if isinstance(value, list) else []
+            for signal, _, flag in self.signals:
+                data[signal.name] = int(flag in names)
+            flags = {flag for _, _, flag in self.signals}
+            return None if flags.issuperset(names) else Refused(Refusal.OUT_OF_RANGE, self.field.name)
+        if type_.enum:
+            data[self.signal.name] = str(value)
+            known = {str(choice) for choice in (self.signal.choices or {}).values()}
+            return None if value in known else Refused(Refusal.OUT_OF_RANGE, self.field.name)
+        if self.signal.unit == RAW_UNIT:
+            by = type_.linear.parameter
+            missing = by is not None and by not in parameters
+            return Refused(Refusal.MISSING_PARAMETER if missing else Refusal.NO_SCALE, self.field.name)
+        assert not isinstance(value, list)
+        number = float(value)
+        data[self.signal.name] = int(number) if number.is_integer() else number
+        if type_.encoding is not Encoding.FLOAT and math.isfinite(number):
+            self._refuse_rounding(Fraction(value))
+        return None
+
+    def _refuse_rounding(self, value: Fraction) -> None:
+        """Raises Cannot where cantools, which works in doubles, does not come to the nearest raw integer."""
+        conversion, low, high = self.signal.conversion, self.signal.minimum, self.signal.maximum
+        scale, offset = Fraction(str(conversion.scale)), Fraction(str(conversion.offset))
+        exact = (value - offset) / scale
+        nearest = math.floor(abs(exact) + Fraction(1, 2)) * (1 if exact > 0 else -1)
+        if conversion.numeric_scaled_to_raw(float(value)) != nearest:
+            raise Cannot("rounding")
+        if (
+            low is not None
+            and high is not None
+            and not low <= value <= high
+            and low <= nearest * scale + offset <= high
+        ):
+            raise Cannot("rounding")
+
+
+def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
+    """The places of a field, found by name; none where the file does not have it."""
+    found = []
+    for element in field.elements:
+        name = f"{prefix}{field.name}" + ("" if element.index is None else f"_{element.index}")
+        signals = {signal.name: signal for signal in message.signals if signal.name.startswith(name)}
+        if not field.type.flags or field.constant is not None:
+            places = _whole(signals.get(name))
+        else:
+            places = _flags(name, field, signals)
+        if places:
+            found.append(Cell(field, tuple(places)))
+    return found
+
+
+def _whole(signal: Signal | None) -> list[Place]:
+    return [(signal, 0, None)] if signal else []
+
+
+def _flags(name: str, field: Field, signals: Mapping[str, Signal]) -> list[Place]:
+    places: list[Place] = []
+    for flag in field.type.flags:
+        if f"{name}_{flag.name}" in signals:
+            places.append((signals[f"{name}_{flag.name}"], flag.value, flag.name))
+    for signal_name, signal in signals.items():
+        if signal_name.startswith(f"{name}_bits_"):
+            places.append((signal, int(signal_name.split("_bits_")[1].split("_")[0]), None))
+    return places
+
+
+def values_of(found: list[Cell], shown: Mapping[str, object]) -> Value:
+    values = [cell.value(shown) for cell in found]
+    return values if found[0].field.is_array else values[0]  # type: ignore[return-value]

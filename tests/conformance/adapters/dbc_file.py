@@ -1,0 +1,173 @@
+"""One DBC file in cantools: reads a frame of its direction, and writes one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import cantools
+from cantools.database import Database, DecodeError, EncodeError
+from cantools.database.can import Message as CanMessage
+from cantools.database.can import Signal
+from canwright.golden import Refusal
+from canwright.model import Command, Direction, Edition, Encoding, Field, Message, Space
+
+from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
+from .dbc_fields import Cannot, Data, Number, cells, values_of
+
+KIND = {Direction.REQUEST: "command", Direction.REPLY: "reply"}
+
+
+class DbcFile:
+    def __init__(self, edition: Edition, text: str) -> None:
+        self._edition = edition
+        database = cantools.database.load_string(text, "dbc", strict=True)
+        assert isinstance(database, Database)
+        self._database = database
+
+    def read(self, direction: Direction, frame: CanFrame) -> Decoded | Refused:
+        try:
+            found = self._database.get_message_by_frame_id(frame.id, force_extended_id=frame.extended)
+            if found.is_extended_frame != frame.extended:
+                return Refused(Refusal.UNKNOWN_ID)
+            numbers = _mapping(found.decode(frame.data, decode_choices=False, scaling=False))
+            shown = _mapping(found.decode(frame.data))
+        except KeyError:
+            return Refused(Refusal.UNKNOWN_ID)
+        except DecodeError as error:
+            return Refused(Refusal.WRONG_LENGTH if "data size" in str(error) else Refusal.UNKNOWN_CODE)
+        selector = _selector(found)
+        name = shown[selector.name] if selector else found.name.partition("_")[2]
+        if isinstance(name, (int, float)):
+            raise Cannot("selectors_apart")
+        command = self._edition.command(str(name))
+        message = message_of(command, direction)
+        if message.dlc != found.length:
+            raise Cannot("lengths")
+        raw, values = {}, {}
+        prefix = _prefix(message, numbers[selector.name] if selector else None)
+        for field in message.layout.fields:
+            places = cells(found, prefix, field)
+            if places:
+                read = [place.raw(numbers) for place in places]
+                if field.constant is not None and read != [field.constant] * len(read):
+                    raise Cannot("constants")
+                if field.constant is None:
+                    raw[field.name] = read if field.is_array else read[0]
+                    values[field.name] = values_of(places, shown)
+        return Decoded(command.name, _node(message, found), raw, values)
+
+    def write(
+        self,
+        message: Message,
+        node: int | None,
+        given: Mapping[str, Raw] | Mapping[str, ExactValue],
+        parameters: Parameters,
+        scaled: bool,
+    ) -> Encoded | Refused | None:
+        """The frame, or why not; None when the file lacks the command."""
+        owner = f"{_title(message.address)}{'' if node is None else node}_"
+        of_node = {m.name.removeprefix(owner): m for m in self._database.messages if m.name.startswith(owner)}
+        if not of_node:
+            return Refused(Refusal.UNKNOWN_NODE)
+        found = of_node.get(KIND[message.direction]) or of_node.get(message.command)
+        selector = _selector(found) if found else None
+        code = _code(message, selector) if selector else None
+        if found is None or (selector and code is None):
+            return None
+        if message.dlc != found.length:
+            raise Cannot("lengths")
+        data: Data = {selector.name: code} if selector and code is not None else {}
+        prefix = _prefix(message, code)
+        data |= {signal.name: 0 for signal in found.signals if signal.name == f"{prefix}reserved"}
+        for field in message.layout.fields:
+            value = [field.constant] * len(field.elements) if field.constant is not None else given.get(field.name)
+            parts: Sequence[Any] = value if isinstance(value, list) and not field.type.flags else [value]
+            for place, part in zip(cells(found, prefix, field), parts, strict=False):
+                put = place.put_raw if field.constant is not None or not scaled else place.put_value
+                refused = None if part is None else put(data, part, parameters)
+                if refused:
+                    return refused
+        return _checked(message, found, prefix, data, scaled, parameters)
+
+
+def message_of(command: Command, direction: Direction) -> Message:
+    message = command.request if direction is Direction.REQUEST else command.reply
+    assert message is not None
+    return message
+
+
+def _checked(
+    message: Message, found: CanMessage, prefix: str, data: Data, scaled: bool, parameters: Parameters
+) -> Encoded | Refused:
+    """What cantools makes of the signals, or says of them; Cannot for what it lets pass and the spec does not."""
+    fields = {place.signal.name: f for f in message.layout.fields for place in cells(found, prefix, f)}
+    infinite = [name for name, value in data.items() if isinstance(value, float) and value - value != 0]
+    try:
+        encoded = Encoded(found.frame_id, found.encode(data, scaling=scaled, strict=True))
+    except (EncodeError, ValueError, OverflowError) as error:
+        if infinite:
+            return Refused(Refusal.NOT_FINITE, fields[infinite[0]].name)
+        if "is required" in str(error) or "not required" in str(error):
+            return Refused(Refusal.MISSING_PARAMETER, message.layout.parameter)
+        named = re.search(r'signal "(\w+)"', str(error))
+        return Refused(Refusal.OUT_OF_RANGE, fields[named.group(1)].name if named else None)
+    if infinite:
+        raise Cannot("not_finite")
+    numbers = _mapping(found.decode(encoded.data, decode_choices=False, scaling=False))
+    for field in message.layout.fields:
+        for place in cells(found, prefix, field):
+            _refuse_unchecked(message.direction, field, place.raw(numbers), parameters)
+    return encoded
+
+
+def _refuse_unchecked(direction: Direction, field: Field, raw: int, parameters: Parameters) -> None:
+    """Raises Cannot for a raw integer that the spec forbids and an encoder with a DBC takes."""
+    named = [member.value for member in field.type.enum]
+    bits = sum(1 << flag.value for flag in field.type.flags)
+    if (named and raw not in named) or (bits and raw & ~bits):
+        raise Cannot("unnamed")
+    span = field.type.raw_range.at({name: str(value) for name, value in parameters.items()})
+    if direction is Direction.REPLY and span and field.type.encoding is not Encoding.FLOAT:
+        numbers = {name: Fraction(str(value)) for name, value in parameters.items() if str(value).isdigit()}
+        low, high = span.low.at(numbers), span.high.at(numbers)
+        if (low is not None and raw < low) or (high is not None and raw > high):
+            raise Cannot("reply_limits")
+
+
+def _code(message: Message, selector: Signal) -> int | None:
+    """What the selector holds for a message; None when the file does not have it."""
+    choices = {int(value): str(text) for value, text in (selector.choices or {}).items()}
+    if sum(key.space is Space.DATA for key in message.keys) > 1:
+        return next((value for value, text in choices.items() if text == message.command), None)
+    return message.keys[0].value if message.keys[0].value in choices else None
+
+
+def _prefix(message: Message, code: Number | None) -> str:
+    """What the names of a message's signals start with: direction and code."""
+    letter = "c" if message.direction is Direction.REQUEST else "r"
+    values = [key.value for key in message.keys]
+    if code is not None and len(values) == 1:
+        values = [int(code)]
+    codes = [f"{v:0{-(-k.width // 4)}X}" for k, v in zip(message.keys, values, strict=True)]
+    return f"{letter}{'_'.join(codes)}_"
+
+
+def _node(message: Message, found: CanMessage) -> int | None:
+    number = found.name.partition("_")[0].removeprefix(_title(message.address))
+    return int(number) if number else None
+
+
+def _title(address: str) -> str:
+    return address.title().replace("_", "")
+
+
+def _selector(message: CanMessage) -> Signal | None:
+    return next((signal for signal in message.signals if signal.is_multiplexer), None)
+
+
+def _mapping(decoded: object) -> dict[str, Number]:
+    assert isinstance(decoded, dict)
+    return decoded

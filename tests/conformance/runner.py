@@ -1,0 +1,181 @@
+"""Replays the golden frames of an edition through one target, in both directions, and compares."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from canwright.golden import Exchange, Frame, GoldenFrames, RefusedFrame, RefusedValues
+from canwright.model import Direction, Edition
+
+from .adapter import Adapter, Cannot, CanFrame, Decoded, Encoded, ExactValue, Refused
+
+
+DOUBLE_IS_EXACT = 1 << 50
+"""Below this, raw -> value -> raw survives the two roundings of a double. Above, values are only decoded."""
+
+
+@dataclass
+class Report:
+    """What a replay came to: cases by kind, exceptions by name, and what went wrong."""
+
+    target: str
+    edition: str
+    passed: Counter[str] = field(default_factory=Counter)
+    exceptions: Counter[str] = field(default_factory=Counter)
+    failures: list[str] = field(default_factory=list)
+
+
+class Runner:
+    """One edition and one target."""
+
+    def __init__(self, edition: Edition, frames: GoldenFrames, adapter: Adapter, *, stop_at_first: bool = False) -> None:
+        self._edition = edition
+        self._frames = frames
+        self._adapter = adapter
+        self._stop_at_first = stop_at_first
+        self.report = Report(adapter.name, f"{edition.family} {edition.name}")
+
+    def run(self) -> Report:
+        """Replays everything; with `stop_at_first`, up to the first failure."""
+        cases: list[tuple[str, Callable[[], str], object]] = []
+        for frame in self._frames.frames:
+            cases.append(("decode", lambda f=frame: self._decode(f), frame))
+            if frame.direction is Direction.REPLY:
+                cases.append(("decode alone", lambda f=frame: self._decode_alone(f), frame))
+            if not frame.decode_only:
+                cases.append(("encode raw", lambda f=frame: self._encode_raw(f), frame))
+                if self._has_all_values(frame) and _beyond_double(frame):
+                    self.report.exceptions["beyond_double"] += 1
+                elif self._has_all_values(frame):
+                    cases.append(("encode values", lambda f=frame: self._encode_values(f), frame))
+        for refused in self._frames.refused:
+            check = self._refused_frame if isinstance(refused, RefusedFrame) else self._refused_values
+            cases.append(("refuse", lambda r=refused, c=check: c(r), refused))
+        for exchange in self._frames.exchanges:
+            cases.append(("answer", lambda e=exchange: self._exchange(e), exchange))
+        for kind, case, entry in cases:
+            try:
+                wrong = case()
+            except Cannot as exception:
+                assert exception.name in self._adapter.cannot, f"{exception.name} is not a listed exception"
+                self.report.exceptions[exception.name] += 1
+                continue
+            if wrong:
+                self.report.failures.append(f"{self._adapter.name} {kind}: {_named(entry)}: {wrong}")
+                if self._stop_at_first:
+                    break
+            else:
+                self.report.passed[kind] += 1
+        return self.report
+
+    def _decode(self, frame: Frame) -> str:
+        answering = frame.command if frame.direction is Direction.REPLY else None
+        found = self._adapter.decode(frame.direction, CanFrame(frame.id, frame.data), frame.parameters, answering)
+        if not isinstance(found, Decoded):
+            return f"refused: {found}"
+        if found.command != frame.command:
+            return f"is {found.command}"
+        return self._compare(frame, found)
+
+    def _decode_alone(self, frame: Frame) -> str:
+        """A reply read by itself means the same, whichever of the commands it may answer is named."""
+        found = self._adapter.decode(frame.direction, CanFrame(frame.id, frame.data), frame.parameters, None)
+        return self._compare(frame, found) if isinstance(found, Decoded) else f"refused: {found}"
+
+    def _compare(self, frame: Frame, found: Decoded) -> str:
+        if found.node != frame.node:
+            return f"node {found.node}, not {frame.node}"
+        if dict(found.raw) != dict(frame.raw):
+            return f"raw {dict(found.raw)}, not {dict(frame.raw)}"
+        for name, wanted in frame.values.items():
+            got = found.values.get(name)
+            if not self._same(wanted, got):
+                return f"{name} is {got!r}, not {_shown(wanted)}"
+        return ""
+
+    def _same(self, wanted: ExactValue, got: object) -> bool:
+        if isinstance(wanted, list):
+            pairs = isinstance(got, list) and len(got) == len(wanted)
+            return pairs and all(self._same(w, g) for w, g in zip(wanted, got, strict=True))  # type: ignore[arg-type]
+        if isinstance(wanted, str):
+            return got is None if wanted == "none" else got == wanted
+        if not isinstance(got, (int, float)):
+            return False
+        return abs(got - float(wanted)) <= self._adapter.tolerance * abs(float(wanted))
+
+    def _has_all_values(self, frame: Frame) -> bool:
+        return set(frame.values) == set(frame.raw) and "none" not in frame.values.values()
+
+    def _encode_raw(self, frame: Frame) -> str:
+        return self._encoded(
+            frame, self._adapter.encode_raw(frame.direction, frame.command, frame.node, frame.raw, frame.parameters)
+        )
+
+    def _encode_values(self, frame: Frame) -> str:
+        return self._encoded(
+            frame,
+            self._adapter.encode_values(frame.direction, frame.command, frame.node, frame.values, frame.parameters),
+        )
+
+    def _encoded(self, frame: Frame, found: Encoded | Refused) -> str:
+        if isinstance(found, Encoded) and (found.id, found.data) == (frame.id, frame.data):
+            return ""
+        return f"wrote {found}, not 0x{frame.id:X} {frame.data.hex(' ')}"
+
+    def _refused_frame(self, entry: RefusedFrame) -> str:
+        frame = CanFrame(entry.id, entry.data, entry.extended, entry.remote)
+        found = self._adapter.decode(entry.decode, frame, entry.parameters, None)
+        return "" if isinstance(found, Refused) and found.says is entry.says else f"{found}, not {entry.says.value}"
+
+    def _refused_values(self, entry: RefusedValues) -> str:
+        if entry.values:
+            found = self._adapter.encode_values(
+                entry.encode, entry.command, entry.node, entry.values, entry.parameters
+            )
+        else:
+            found = self._adapter.encode_raw(entry.encode, entry.command, entry.node, entry.raw, entry.parameters)
+        if not isinstance(found, Refused) or found.says is not entry.says:
+            return f"{found}, not {entry.says.value}"
+        if entry.field is not None and found.field != entry.field:
+            return f"names {found.field}, not {entry.field}"
+        return ""
+
+    def _exchange(self, entry: Exchange) -> str:
+        found = self._adapter.answers(
+            CanFrame(entry.request.id, entry.request.data), CanFrame(entry.reply.id, entry.reply.data)
+        )
+        says = found.says if found else None
+        return "" if says is entry.says else f"{says}, not {entry.says}"
+
+
+
+
+def _beyond_double(frame: Frame) -> bool:
+    """Whether a double cannot tell the value of some field from that of the next raw integer."""
+    raws = [r for raw in frame.raw.values() for r in (raw if isinstance(raw, list) else [raw])]
+    return any(abs(raw) >= DOUBLE_IS_EXACT for raw in raws)
+
+
+def _named(entry: object) -> str:
+    if isinstance(entry, Frame):
+        given = f" {dict(entry.parameters)}" if entry.parameters else ""
+        return f"{entry.direction.value} {entry.command} 0x{entry.id:X} {entry.data.hex(' ')}{given}"
+    if isinstance(entry, RefusedFrame):
+        return f"{entry.decode.value} 0x{entry.id:X} {entry.data.hex(' ')}"
+    if isinstance(entry, RefusedValues):
+        given = entry.values or entry.raw
+        return f"{entry.encode.value} {entry.command} node {entry.node} {_shown(given)} {dict(entry.parameters)}"
+    if isinstance(entry, Exchange):
+        return f"{entry.request.data.hex(' ')} then {entry.reply.data.hex(' ')}"
+    return str(entry)
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, Fraction):
+        return str(float(value))
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{k}: {_shown(v)}" for k, v in value.items()) + "}"
+    return str(value)

@@ -1,0 +1,120 @@
+"""What the DBC adapter answers beyond the golden frames: refusals, and the cases that no DBC can say."""
+
+from __future__ import annotations
+
+import functools
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from canwright.golden import Refusal
+from canwright.load import described
+from canwright.model import Direction
+
+from .adapter import Cannot, CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
+from .adapters.dbc import DbcAdapter
+
+
+CASES = Path(__file__).parents[1] / "targets" / "dbc"
+
+
+@functools.cache
+def adapter(name: str) -> DbcAdapter:
+    return DbcAdapter(described(CASES / f"{name}.yaml"))
+
+
+def read(data: str, parameters: Parameters, answering: str | None = None, id_: int = 0x101) -> Decoded | Refused:
+    return adapter("tiny").decode(Direction.REPLY, CanFrame(id_, bytes.fromhex(data)), parameters, answering)
+
+
+def write(command: str, values: dict[str, ExactValue], parameters: Parameters, node: int = 1) -> Encoded | Refused:
+    return adapter("tiny").encode_values(Direction.REQUEST, command, node, values, parameters)
+
+
+def write_raw(direction: Direction, command: str, raw: dict[str, Raw], parameters: Parameters) -> Encoded | Refused:
+    return adapter("tiny").encode_raw(direction, command, 1, raw, parameters)
+
+
+@pytest.mark.parametrize(
+    ("data", "id_", "says"),
+    [
+        ("1A 00 00 00 00 00 00 00", 0x103, Refusal.UNKNOWN_ID),
+        ("1A 00 00 00 00 00 00", 0x101, Refusal.WRONG_LENGTH),
+        ("2D 00 00 00 00 00 00 00", 0x101, Refusal.UNKNOWN_CODE),
+    ],
+)
+def test_frames_that_are_refused(data: str, id_: int, says: Refusal) -> None:
+    assert read(data, {"size": "small"}, id_=id_) == Refused(says)
+
+
+def test_another_id_format_is_another_id() -> None:
+    frame = CanFrame(0x101, bytes.fromhex("1A 00 00 00 00 00 00 00"), extended=True)
+    assert adapter("tiny").decode(Direction.REPLY, frame, {}, None) == Refused(Refusal.UNKNOWN_ID)
+
+
+def test_flags_come_back_as_the_byte_they_are() -> None:
+    result = read("1A 00 02 00 00 00 00 61", {"steps": 10})
+    assert isinstance(result, Decoded)
+    assert result.raw == {"turn": 0x200, "faults": 0x61}
+    assert result.values == {"turn": 180.0, "faults": ["hot", "dead"]}
+
+
+def test_a_value_whose_scale_is_not_known_is_none() -> None:
+    result = read("1A 00 02 00 00 00 00 61", {})
+    assert isinstance(result, Decoded)
+    assert result.values["turn"] is None
+
+
+@pytest.mark.parametrize(
+    ("values", "parameters", "expected"),
+    [
+        ({"dim": Fraction(5), "colour": "blue"}, {"size": "small"}, "1A 85 3E 00 00 00 00 00"),
+        ({"dim": Fraction("5.005"), "colour": "blue"}, {"size": "small"}, Refused(Refusal.OUT_OF_RANGE, "dim")),
+        ({"dim": "nan", "colour": "blue"}, {"size": "small"}, Refused(Refusal.NOT_FINITE, "dim")),
+        ({"dim": Fraction(5), "colour": "green"}, {"size": "small"}, Refused(Refusal.OUT_OF_RANGE, "colour")),
+    ],
+)
+def test_values_within_and_beyond(
+    values: dict[str, ExactValue], parameters: Parameters, expected: str | Refused
+) -> None:
+    wanted = Encoded(0x101, bytes.fromhex(expected)) if isinstance(expected, str) else expected
+    assert write("shine", values, parameters) == wanted
+
+
+def test_nodes_and_parameters_that_are_missing() -> None:
+    turn: dict[str, ExactValue] = {"turn": Fraction(90), "power": Fraction(0)}
+    assert write("turn", turn, {"steps": 12}, node=3) == Refused(Refusal.UNKNOWN_NODE)
+    assert write("turn", turn, {}) == Refused(Refusal.MISSING_PARAMETER, "turn")
+    assert write("turn", turn, {"steps": 12}) == Encoded(0x101, bytes.fromhex("1B 00 00 00 64 00 00 04"))
+    too_much: dict[str, ExactValue] = {"turn": Fraction(90), "power": Fraction(1)}
+    assert write("turn", too_much, {"steps": 12, "rating": 1}) == Refused(Refusal.OUT_OF_RANGE, "power")
+
+
+@pytest.mark.parametrize(
+    ("exception", "case"),
+    [
+        ("exchanges", lambda: adapter("tiny").answers(CanFrame(0x101, bytes(8)), CanFrame(0x101, bytes(8)))),
+        ("shared_code", lambda: read("1A 00 00 00 00 00 00 00", {}, "turn")),
+        ("other_value", lambda: write("shine", {"dim": Fraction(0), "colour": "red"}, {"size": "big"})),
+        ("unnamed", lambda: write_raw(Direction.REQUEST, "shine", {"dim": 0, "colour": 3}, {"size": "small"})),
+        ("unnamed", lambda: write_raw(Direction.REPLY, "shine", {"turn": 0, "faults": 2}, {})),
+        ("rounding", lambda: write("shine", {"dim": Fraction("0.0025"), "colour": "red"}, {"size": "small"})),
+        ("rounding", lambda: write("shine", {"dim": Fraction("5.002"), "colour": "red"}, {"size": "small"})),
+        (
+            "constants",
+            lambda: adapter("packed").decode(Direction.REQUEST, CanFrame(0x2C, bytes(8), extended=True), {}, None),
+        ),
+        ("reply_limits", lambda: write_raw(Direction.REPLY, "gauge", {"dim": 1001}, {"size": "small"})),
+        ("lengths", lambda: write("short", {}, {})),
+        ("left_out", lambda: adapter("packed").encode_raw(Direction.REQUEST, "read_precise", 1, {}, {})),
+        (
+            "not_finite",
+            lambda: adapter("packed").encode_values(Direction.REPLY, "read_precise", 1, {"precise": "inf"}, {}),
+        ),
+    ],
+)
+def test_what_no_dbc_can_say_has_a_name(exception: str, case: functools.partial[object]) -> None:
+    assert exception in DbcAdapter.cannot
+    with pytest.raises(Cannot) as raised:
+        case()
+    assert raised.value.name == exception
