@@ -141,6 +141,23 @@ def show(command: str, specs: Sequence[Path], lang: str) -> None:
 
 
 @main.command()
+@click.option("--docs", type=_Path(file_okay=False), default=OUT_FOLDER / "docs", show_default=True, help="The pages.")
+@click.option("--out", type=_Path(file_okay=False), default=Path("site"), show_default=True, help="Folder of the site.")
+def site(docs: Path, out: Path) -> None:
+    """Build the pages into a site: both languages, search, nothing fetched from elsewhere.
+
+    Needs `pip install 'canwright[site]'`. A link that leads nowhere stops it.
+    """
+    from .site import SiteError, build
+
+    try:
+        build(docs, out)
+    except (SiteError, OSError) as error:
+        _stop(str(error))
+    click.echo(f"{out.as_posix()}/index.html")
+
+
+@main.command()
 @click.option("--frames", is_flag=True, help="The schema of golden frames instead.")
 def schema(frames: bool) -> None:
     """Print the JSON Schema of the language, for editors and other tools."""

@@ -9,15 +9,15 @@ from .model import Bound, Dependent, Encoding, Field, Linear, Order, Range, Segm
 
 
 def exact(number: Fraction) -> str:
-    """A decimal where it ends within ten digits, a quotient otherwise: `0.01`, `33/2048`."""
+    """A decimal where it ends within fifteen digits, a quotient otherwise: `0.01`, `1/3`."""
     if number.denominator == 1:
         return str(number.numerator)
-    scaled = number * 10**10
+    scaled = number * 10**15
     if scaled.denominator != 1:
         return f"{number.numerator}/{number.denominator}"
-    digits = f"{abs(scaled.numerator):011d}"
+    digits = f"{abs(scaled.numerator):016d}"
     sign = "-" if number < 0 else ""
-    return f"{sign}{digits[:-10]}.{digits[-10:]}".rstrip("0")
+    return f"{sign}{digits[:-15]}.{digits[-15:]}".rstrip("0")
 
 
 def bound(end: Bound) -> str:

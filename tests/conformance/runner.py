@@ -92,19 +92,23 @@ class Runner:
             return f"raw {dict(found.raw)}, not {dict(frame.raw)}"
         for name, wanted in frame.values.items():
             got = found.values.get(name)
-            if not self._same(wanted, got):
+            raw = frame.raw[name]
+            one_ulp = 2.0**-52 if isinstance(raw, int) and abs(raw) > 1 << 53 else 0.0
+            if not self._same(wanted, got, max(one_ulp, self._adapter.tolerance)):
                 return f"{name} is {got!r}, not {_shown(wanted)}"
         return ""
 
-    def _same(self, wanted: ExactValue, got: object) -> bool:
+    def _same(self, wanted: ExactValue, got: object, tolerance: float) -> bool:
+        """Equal, or as near as a double of a raw integer that no double holds can be."""
         if isinstance(wanted, list):
-            pairs = isinstance(got, list) and len(got) == len(wanted)
-            return pairs and all(self._same(w, g) for w, g in zip(wanted, got, strict=True))  # type: ignore[arg-type]
+            if not isinstance(got, list) or len(got) != len(wanted):
+                return False
+            return all(self._same(w, g, tolerance) for w, g in zip(wanted, got, strict=True))
         if isinstance(wanted, str):
             return got is None if wanted == "none" else got == wanted
         if not isinstance(got, (int, float)):
             return False
-        return abs(got - float(wanted)) <= self._adapter.tolerance * abs(float(wanted))
+        return abs(got - float(wanted)) <= tolerance * abs(float(wanted))
 
     def _has_all_values(self, frame: Frame) -> bool:
         return set(frame.values) == set(frame.raw) and "none" not in frame.values.values()

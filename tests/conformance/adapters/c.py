@@ -71,10 +71,10 @@ class CAdapter:
             raw[field.name] = [number for number, _ in mine] if field.is_array else mine[0][0]
             if any(value == f"?{Refusal.MISSING_PARAMETER.value}" for _, value in mine):
                 continue
-            if field.is_array:
-                values[field.name] = [_number(value) for _, value in mine]
+            if field.is_array and all(value[0] != "?" for _, value in mine):
+                values[field.name] = [float(value) for _, value in mine]
             else:
-                values[field.name] = _value(*mine[0])
+                values[field.name] = _value(mine[0][1])
         return Decoded(command, int(node) if message.id.nodes is not None else None, raw, values)
 
     def encode_raw(
@@ -106,6 +106,11 @@ class CAdapter:
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         answer = self._ask("answers", *_frame(request), *_frame(reply))
         return answer if isinstance(answer, Refused) else None
+
+    def milli(self, type_name: str, direction: str, number: int, parameters: Parameters) -> int | Refused:
+        """`to` thousandths of the unit, or `from` them."""
+        answer = self._ask("milli", type_name, *self._known(parameters), direction, str(number))
+        return answer if isinstance(answer, Refused) else int(answer[0])
 
     def _encode(
         self, message: Message, node: int | None, parameters: Parameters, is_value: bool, words: list[str]
@@ -181,9 +186,3 @@ def _value(word: str) -> Value:
     if word.startswith("'"):
         return word[1:]
     return None if word == f"?{Refusal.NO_SCALE.value}" else float(word)
-
-
-def _number(word: str) -> float:
-    value = _value(word)
-    assert isinstance(value, float)
-    return value

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-from canwright.model import Direction, Edition, Encoding, Field, Layout, Message
+from canwright.model import Direction, Edition, Encoding, Field, Layout, Message, Type
 from canwright.targets.c.names import layouts, member
 
 from .c_signatures import Function, functions
@@ -34,12 +34,15 @@ class _Harness:
     def text(self, include: str) -> str:
         check = self._functions.get(f"{self._prefix}check_reply")
         with_fields = [layout for layout in layouts(self._edition) if _has_members(layout)]
-        template = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+        template = jinja2.Environment(
+            undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True
+        )
         return template.from_string(TEMPLATE.read_text("utf-8")).render(
             include=include,
             prefix=self._prefix,
             parameters=[self._parameter(p.name) for p in self._edition.parameters],
             layouts=[self._layout(layout) for layout in with_fields],
+            milli=[t for t in map(self._milli, self._edition.types) if t],
             messages=[self._message(m) for m in self._edition.all_messages()],
             directions=[d for d in map(self._direction, Direction) if d],
             check_reply=check.call({"request": "frame", "reply": "reply"}) if check else "CANWRIGHT_NOT_ANSWER",
@@ -103,6 +106,22 @@ class _Harness:
             "to": to.call({"value": "value", "raw": "raw", "parameters": "known"}) if to else "",
             "to_fails": to is not None and to.result != "double",
             "from": self._from(from_) if from_ else "",
+        }
+
+    def _milli(self, type_: Type) -> dict[str, Any] | None:
+        c = f"{self._prefix}{type_.name}"
+        to, from_ = self._functions.get(f"{c}_to_milli"), self._functions.get(f"{c}_from_milli")
+        if to is None or from_ is None:
+            return None
+        arguments = {"milli": "milli", "raw": "raw", "parameters": "known"}
+        return {
+            "name": type_.name,
+            "kind": to.types[to.parameters.index("raw")],
+            "signed": type_.encoding is Encoding.SIGNED,
+            "milli_kind": from_.types[from_.parameters.index("milli")],
+            "to": to.call(arguments),
+            "to_fails": "status" in to.result,
+            "from": from_.call(arguments),
         }
 
     @staticmethod

@@ -12,11 +12,12 @@ _PARAMETER = re.compile(r"(?P<type>.+?)(?P<name>\w+)$")
 
 @dataclass(frozen=True)
 class Function:
-    """A function with its result and the names of its parameters, pointers with a `*` before them."""
+    """A function: its result, and names and types of its parameters; a name has a `*` before it for a pointer."""
 
     name: str
     result: str
     parameters: tuple[str, ...]
+    types: tuple[str, ...]
 
     def call(self, arguments: Mapping[str, str]) -> str:
         """A call; `arguments` are variables by the names of parameters, and what is a pointer gets their address."""
@@ -29,10 +30,11 @@ def functions(header: str) -> dict[str, Function]:
     found = {}
     for match in _FUNCTION.finditer(header):
         parameters = [one.strip() for one in match["parameters"].split(",") if one.strip() not in ("", "void")]
-        names = []
+        names, types = [], []
         for one in parameters:
             parts = _PARAMETER.match(one)
             assert parts is not None, one
             names.append(("*" if "*" in parts["type"] else "") + parts["name"])
-        found[match["name"]] = Function(match["name"], match["result"].strip(), tuple(names))
+            types.append(parts["type"].strip())
+        found[match["name"]] = Function(match["name"], match["result"].strip(), tuple(names), tuple(types))
     return found

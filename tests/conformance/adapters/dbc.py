@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TypeVar
 
 from canwright.golden import Refusal
@@ -20,6 +21,11 @@ from ..adapter import Cannot, CanFrame, Decoded, Encoded, ExactValue, Parameters
 from .dbc_file import KIND, DbcFile, message_of
 
 Result = TypeVar("Result", Decoded, Encoded)
+
+
+def adapter(described: Described, workdir: Path) -> DbcAdapter:
+    """An adapter that needs no files: cantools loads texts."""
+    return DbcAdapter(described)
 
 
 class DbcAdapter:

@@ -18,6 +18,7 @@ from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, R
 from .dbc_fields import Cannot, Data, Number, cells, values_of
 
 KIND = {Direction.REQUEST: "command", Direction.REPLY: "reply"}
+_NUMBER = re.compile(r"\d+(\.\d+)?")
 
 
 class DbcFile:
@@ -32,7 +33,7 @@ class DbcFile:
             found = self._database.get_message_by_frame_id(frame.id, force_extended_id=frame.extended)
             if found.is_extended_frame != frame.extended:
                 return Refused(Refusal.UNKNOWN_ID)
-            numbers = _mapping(found.decode(frame.data, decode_choices=False, scaling=False))
+            numbers = _mapping(found.decode(frame.data, decode_choices=False, scaling=False, allow_excess=False))
             shown = _mapping(found.decode(frame.data))
         except KeyError:
             return Refused(Refusal.UNKNOWN_ID)
@@ -113,7 +114,8 @@ def _checked(
         if "is required" in str(error) or "not required" in str(error):
             return Refused(Refusal.MISSING_PARAMETER, message.layout.parameter)
         named = re.search(r'signal "(\w+)"', str(error))
-        return Refused(Refusal.OUT_OF_RANGE, fields[named.group(1)].name if named else None)
+        names = [fields[named.group(1)].name] if named else [field.name for field in fields.values()]
+        return Refused(Refusal.OUT_OF_RANGE, names[0] if len(names) == 1 else None)
     if infinite:
         raise Cannot("not_finite")
     numbers = _mapping(found.decode(encoded.data, decode_choices=False, scaling=False))
@@ -131,7 +133,7 @@ def _refuse_unchecked(direction: Direction, field: Field, raw: int, parameters: 
         raise Cannot("unnamed")
     span = field.type.raw_range.at({name: str(value) for name, value in parameters.items()})
     if direction is Direction.REPLY and span and field.type.encoding is not Encoding.FLOAT:
-        numbers = {name: Fraction(str(value)) for name, value in parameters.items() if str(value).isdigit()}
+        numbers = {name: Fraction(str(value)) for name, value in parameters.items() if _NUMBER.fullmatch(str(value))}
         low, high = span.low.at(numbers), span.high.at(numbers)
         if (low is not None and raw < low) or (high is not None and raw > high):
             raise Cannot("reply_limits")

@@ -1,0 +1,95 @@
+"""The documents as a site: MkDocs with Material, strict, in every language there is, without a request elsewhere."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+LANGUAGES = {"en": "English", "zh": "中文"}
+_PAGES = ("bus", "types", "parameters", "errata")
+_COMMANDS = {"en": "Commands", "zh": "命令"}
+_NEEDED = ("mkdocs", "material", "mkdocs_static_i18n")
+
+
+class SiteError(Exception):
+    """The site cannot be built; says why and what to do."""
+
+
+def build(docs: Path, site: Path) -> None:
+    """Builds the pages below `docs` into `site`. Raises SiteError, also for a link that leads nowhere."""
+    missing = [name for name in _NEEDED if importlib.util.find_spec(name) is None]
+    if missing:
+        raise SiteError(f"the site needs {', '.join(missing)}; run: pip install 'canwright[site]'")
+    languages = [name for name in LANGUAGES if (docs / name / "index.md").is_file()]
+    if not languages:
+        raise SiteError(f"there are no pages in {docs.as_posix()}; run `canwright generate --target docs` first")
+    with tempfile.TemporaryDirectory() as folder:
+        config = Path(folder) / "mkdocs.yml"
+        config.write_text(yaml.safe_dump(_config(docs, site, languages), allow_unicode=True, sort_keys=False), "utf-8")
+        command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--config-file", str(config)]
+        result = subprocess.run(command, capture_output=True, text=True, check=False)
+    if result.returncode != 0:
+        raise SiteError(f"mkdocs stopped:\n{result.stdout}{result.stderr}")
+
+
+def _config(docs: Path, site: Path, languages: list[str]) -> dict[str, Any]:
+    return {
+        "site_name": "canwright",
+        "docs_dir": str(docs.resolve()),
+        "site_dir": str(site.resolve()),
+        "theme": {
+            "name": "material",
+            "font": False,
+            "features": ["navigation.indexes", "navigation.top", "navigation.footer", "content.code.copy"],
+            "palette": [
+                {"media": "(prefers-color-scheme: light)", "scheme": "default", "toggle": _toggle("night")},
+                {"media": "(prefers-color-scheme: dark)", "scheme": "slate", "toggle": _toggle("sunny")},
+            ],
+        },
+        "plugins": [
+            {"search": {"lang": languages}},
+            {
+                "i18n": {
+                    "docs_structure": "folder",
+                    "reconfigure_material": True,
+                    "languages": [
+                        {
+                            "locale": name,
+                            "name": LANGUAGES[name],
+                            "build": True,
+                            "default": name == languages[0],
+                            "nav_translations": {"Commands": _COMMANDS[name]},
+                        }
+                        for name in languages
+                    ],
+                }
+            },
+        ],
+        "markdown_extensions": ["tables", "toc", "attr_list", "md_in_html"],
+        "validation": {"links": {"anchors": "warn", "unrecognized_links": "warn"}},
+        "nav": _nav(docs / languages[0]),
+        "extra": {"generator": False},
+    }
+
+
+def _toggle(icon: str) -> dict[str, str]:
+    return {"icon": f"material/weather-{icon}", "name": "light / dark"}
+
+
+def _nav(folder: Path) -> list[Any]:
+    """Every edition with its pages, its commands in the order of its overview."""
+    nav: list[Any] = ["index.md"]
+    for overview in sorted(folder.glob("*/index.md")):
+        edition = overview.parent.name
+        names = re.findall(r"\]\(commands/(\w+)\.md\)", overview.read_text("utf-8"))
+        pages = [f"{edition}/{name}.md" for name in _PAGES]
+        commands = [f"{edition}/commands/{name}.md" for name in names]
+        nav.append({edition: [f"{edition}/index.md", {"Commands": commands}, *pages]})
+    return nav

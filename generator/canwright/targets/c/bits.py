@@ -1,0 +1,162 @@
+"""Bits of a frame as C expressions: shifts and masks byte by byte, all decided here and not at run time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from ...model import Encoding, Field, Key, Segment, Space
+from .numbers import UINT32, Integer, integer, smallest, working
+
+
+@dataclass(frozen=True)
+class Byte:
+    """What a data byte is set to."""
+
+    index: int
+    value: str
+
+
+def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") -> str:
+    """The raw integer of a field, as its own type."""
+    kind = integer(field.type)
+    read = _read(field.space, segments, field.type.width, frame)
+    if field.type.encoding is Encoding.SIGNED:
+        wide = 32 if field.type.width <= 32 else 64
+        signed = f"canwright_signed{wide}({read}, {field.type.width}u)"
+        return signed if kind.width == wide else f"({kind.name}){signed}"
+    if kind.width == working(field.type.width).width or _is_byte(field.space, segments):
+        return read
+    return f"({kind.name})({read})"
+
+
+def key_value(key: Key, frame: str = "frame") -> str:
+    """What a frame holds where a key stands."""
+    return _read(key.space, key.segments, key.width, frame)
+
+
+def constant_holds(field: Field, frame: str = "frame") -> list[str]:
+    """Conditions that hold when a frame carries the constant of a field."""
+    value = (field.constant or 0) & ((1 << field.type.width) - 1)
+    kind = _shown(field.type.width, field.elements[0].segments)
+    return [
+        f"{operand(_read(field.space, e.segments, field.type.width, frame))} == {kind.bits(value)}"
+        for e in field.elements
+    ]
+
+
+def labels(key: Key, values: Iterable[int]) -> list[str]:
+    """Values of a key as they are written in C."""
+    return [_shown(key.width, key.segments).bits(value) for value in values]
+
+
+def key_bytes(keys: Sequence[Key]) -> set[int]:
+    """The data bytes that keys fill alone."""
+    return {s.byte for key in keys if key.space is Space.DATA for s in key.segments if s.width == 8}
+
+
+def piece(number: str, kind: Integer, s: Segment) -> str:
+    """The bits of a number that a segment holds, as 32 bits, where it holds them."""
+    shifted = f"({number} >> {s.raw_low})" if s.raw_low else number
+    masked = f"({shifted} & 0x{(1 << s.width) - 1:X}u)"
+    if kind.width == 64:
+        masked = f"(uint32_t){masked}"
+    return f"({masked} << {s.low})" if s.low else masked
+
+
+def write_bytes(fields: Sequence[Field], members: dict[str, str], leave_out: Iterable[int]) -> Iterator[Byte]:
+    """Every data byte from the fields of a message, 0 where none is, without those to leave out."""
+    parts: dict[int, list[str]] = {}
+    fixed: dict[int, int] = {}
+    for field in fields:
+        if field.space is not Space.DATA:
+            continue
+        for number, element in enumerate(field.elements):
+            for s in element.segments:
+                if field.constant is not None:
+                    fixed[s.byte] = fixed.get(s.byte, 0) | _piece(field.constant, s)
+                else:
+                    parts.setdefault(s.byte, []).append(_write(field, _member(field, members, number), s))
+    for index in range(8):
+        if index not in leave_out:
+            terms = parts.get(index, []) + ([f"0x{fixed[index]:02X}u"] if fixed.get(index) else [])
+            yield Byte(index, _as_byte(terms))
+
+
+def write_id(fields: Sequence[Field], members: dict[str, str]) -> list[str]:
+    """What fields put into the id."""
+    terms = []
+    for field in fields:
+        if field.space is Space.ID:
+            for number, element in enumerate(field.elements):
+                for s in element.segments:
+                    if field.constant is not None:
+                        terms.append(f"0x{_piece(field.constant, s):X}u")
+                    else:
+                        terms.append(_write(field, _member(field, members, number), s))
+    return terms
+
+
+def _member(field: Field, members: dict[str, str], number: int) -> str:
+    return f"message->{members[field.name]}" + (f"[{number}]" if field.is_array else "")
+
+
+def _piece(value: int, s: Segment) -> int:
+    return (value >> s.raw_low & ((1 << s.width) - 1)) << s.low
+
+
+def _write(field: Field, member: str, s: Segment) -> str:
+    kind = integer(field.type)
+    if field.space is Space.DATA and s.width == 8:
+        if s.raw_low:
+            return f"(uint8_t)({_as(kind.unsigned, kind, member)} >> {s.raw_low})"
+        return _as(smallest(8, False), kind, member)
+    wide = working(field.type.width)
+    return piece(_as(wide, kind, member), wide, s)
+
+
+def _as(wanted: Integer, kind: Integer, expression: str) -> str:
+    return expression if kind == wanted else f"({wanted.name}){expression}"
+
+
+def _as_byte(terms: Sequence[str]) -> str:
+    if not terms:
+        return "0u"
+    if len(terms) == 1 and not terms[0].startswith("("):
+        return terms[0]
+    if len(terms) == 1 and terms[0].startswith("(uint8_t)"):
+        return terms[0]
+    return f"(uint8_t)({' | '.join(terms)})"
+
+
+def _read(space: Space, segments: Sequence[Segment], width: int, frame: str) -> str:
+    if len(segments) == 1:
+        return _term(space, segments[0], frame)
+    wide = working(width)
+    terms = [operand(_term(space, s, frame)) for s in segments]
+    return " | ".join(
+        f"(({wide.name}){term} << {s.raw_low})" if s.raw_low else f"({wide.name}){term}"
+        for s, term in zip(segments, terms, strict=True)
+    )
+
+
+def _term(space: Space, s: Segment, frame: str) -> str:
+    source = f"{frame}->id" if space is Space.ID else f"{frame}->data[{s.byte}]"
+    if space is Space.DATA and s.width == 8:
+        return source
+    shifted = f"({source} >> {s.low})" if s.low else source
+    return f"{shifted} & 0x{(1 << s.width) - 1:X}u"
+
+
+def _is_byte(space: Space, segments: Sequence[Segment]) -> bool:
+    return space is Space.DATA and len(segments) == 1 and segments[0].width == 8
+
+
+def _shown(width: int, segments: Sequence[Segment]) -> Integer:
+    """The type in which a number is written: a byte where it is one."""
+    return smallest(width, False) if len(segments) == 1 and width <= 16 else working(width)
+
+
+def operand(expression: str) -> str:
+    """An expression that another operator can follow."""
+    return f"({expression})" if " " in expression else expression

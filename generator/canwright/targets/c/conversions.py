@@ -1,0 +1,243 @@
+"""Raw integers to values and back: in thousandths of the unit with integers alone, and in the unit with doubles.
+
+All arithmetic is chosen here, so that no step of it overflows or rounds twice.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ...model import Edition, Encoding, Linear, Type
+from .choices import Choice, choose
+from .names import Names, Problem
+from .numbers import INT64, UINT64, Integer, common, integer
+from .validity import constant_limits, has_constant_limits
+
+NO_SCALE = ("return CANWRIGHT_NO_SCALE;",)
+MISSING_PARAMETER = ("return CANWRIGHT_MISSING_PARAMETER;",)
+DOUBLE_LIMIT = 10**300
+
+
+@dataclass(frozen=True)
+class ConversionView:
+    """A pair of functions between the raw integer and a number of type `kind`.
+
+    `to` is the body of the one: it returns a status where it can fail, else the number. `from_` is the body of the
+    other: where there is a `check`, up to `nearest`, which is checked for what only a parameter can tell. With doubles it
+    goes up to `steps`, and `found` makes `nearest`, of type `wide`, of that.
+    """
+
+    kind: str
+    to: Choice
+    to_fails: bool
+    from_: Choice
+    found: str
+    wide: str
+    check: Choice | None
+
+    @property
+    def to_parameters(self) -> bool:
+        return not self.to.is_constant
+
+    @property
+    def from_parameters(self) -> bool:
+        return not self.from_.is_constant or (self.check is not None and self.check.uses_parameters)
+
+
+def nearest(number: Fraction) -> int:
+    """The nearest integer, ties away from zero."""
+    magnitude = math.floor(abs(number) + Fraction(1, 2))
+    return magnitude if number >= 0 else -magnitude
+
+
+@dataclass(frozen=True)
+class _Milli:
+    """thousandths = (raw * factor + addend) / divisor, for one scale."""
+
+    factor: int
+    addend: int
+    divisor: int
+
+    @classmethod
+    def of(cls, linear: Linear) -> _Milli:
+        scale, offset = linear.scale * 1000, linear.offset * 1000
+        divisor = math.lcm(scale.denominator, offset.denominator)
+        return cls(int(scale * divisor), int(offset * divisor), divisor)
+
+    def thousandths(self, raw: int) -> int:
+        return nearest(Fraction(raw * self.factor + self.addend, self.divisor))
+
+    def raw(self, thousandths: int) -> int:
+        return nearest(Fraction(thousandths * self.divisor - self.addend, self.factor))
+
+    def steps_from(self, raw: int) -> tuple[int, int]:
+        return raw * self.factor, raw * self.factor + self.addend
+
+    def steps_to(self, thousandths: int) -> tuple[int, int]:
+        return thousandths * self.divisor, thousandths * self.divisor - self.addend
+
+    def span(self, low: int, high: int, kind: Integer) -> tuple[int, int]:
+        """The thousandths within `kind` whose nearest raw integer is from `low` to `high`; the first is above the last
+        when there are none."""
+        first, last = sorted((self.thousandths(low), self.thousandths(high)))
+        farthest = abs(self.factor) // (2 * self.divisor) + 1
+        steps = range(farthest, -3, -1)
+        least = next((first - step for step in steps if low <= self.raw(first - step) <= high), 1)
+        most = next((last + step for step in steps if low <= self.raw(last + step) <= high), 0)
+        return max(least, kind.limits[0]), min(most, kind.limits[1])
+
+
+def milli(names: Names, type_: Type, valid: Choice | None) -> ConversionView | None:
+    """Conversions to thousandths of the unit; None where there is no scale, or 64 bits are too few."""
+    known = [_Milli.of(linear) for _, linear in type_.linear.distinct() if linear is not None]
+    if type_.encoding is Encoding.FLOAT or not type_.is_number or type_.is_plain or not known:
+        return None
+    for ends in (integer(type_).limits, type_.raw_limits):
+        kind = _milli_kind(type_, known, ends)
+        if kind is not None:
+            return _milli(names, type_, kind, ends, valid)
+    return None
+
+
+def _milli_kind(type_: Type, known: Sequence[_Milli], ends: tuple[int, int]) -> Integer | None:
+    """What holds the thousandths of every raw integer, when all arithmetic on the way is within 64 bits."""
+    kind = common(*(m.thousandths(end) for m in known for end in ends))
+    if kind is None or common(*ends, *itertools.chain.from_iterable(m.steps_from(e) for m in known for e in ends)) is None:
+        return None
+    spans = [(m, end) for m in known for end in m.span(*constant_limits(type_), kind)]
+    return kind if common(*itertools.chain.from_iterable(m.steps_to(end) for m, end in spans)) else None
+
+
+def _milli(
+    names: Names, type_: Type, kind: Integer, ends: tuple[int, int], valid: Choice | None
+) -> ConversionView:
+    guard = [] if ends == integer(type_).limits else _unless_between(integer(type_), "raw", *ends)
+    fails = bool(guard) or type_.linear.parameter is not None
+    check = None if has_constant_limits(type_) else valid
+
+    def to(linear: Linear | None) -> list[str]:
+        if linear is None:
+            return list(NO_SCALE)
+        number = _to_milli(_Milli.of(linear), kind, integer(type_), ends)
+        return [*guard, f"*milli = {number};", "return CANWRIGHT_OK;"] if fails else [f"return {number};"]
+
+    def from_(linear: Linear | None) -> list[str]:
+        return list(NO_SCALE) if linear is None else _from_milli(_Milli.of(linear), kind, type_, bool(check))
+
+    return ConversionView(
+        kind.name,
+        choose(names, type_.linear, to, MISSING_PARAMETER),
+        fails,
+        choose(names, type_.linear, from_, MISSING_PARAMETER),
+        "",
+        integer(type_).name,
+        check,
+    )
+
+
+def _to_milli(m: _Milli, kind: Integer, raw: Integer, ends: tuple[int, int]) -> str:
+    wide = common(*ends, *itertools.chain.from_iterable(m.steps_from(end) for end in ends)) or INT64
+    source = _cast(wide, raw, "raw")
+    product = source if m.factor == 1 else f"{source} * {wide.literal(m.factor)}"
+    return _quotient(product + _added(wide, m.addend), wide, m.divisor, kind)
+
+
+def _from_milli(m: _Milli, kind: Integer, type_: Type, checked: bool) -> list[str]:
+    low, high = m.span(*constant_limits(type_), kind)
+    wide = common(*itertools.chain.from_iterable(m.steps_to(end) for end in (low, high))) or INT64
+    source = _cast(wide, kind, "milli")
+    factor, divisor, addend = (m.factor, m.divisor, -m.addend) if m.factor > 0 else (-m.factor, -m.divisor, m.addend)
+    product = source if divisor == 1 else f"{source} * {wide.literal(divisor)}"
+    quotient = _quotient(product + _added(wide, addend), wide, factor, integer(type_))
+    done = [f"nearest = {quotient};", "break;"] if checked else [f"*raw = {quotient};", "return CANWRIGHT_OK;"]
+    return [*_unless_between(kind, "milli", low, high), *done]
+
+
+def _quotient(dividend: str, wide: Integer, divisor: int, kind: Integer) -> str:
+    plain = divisor == 1
+    quotient = dividend if plain else f"canwright_divide{wide.width}({dividend}, {wide.literal(divisor)})"
+    if kind == wide or kind == INT64:
+        return quotient
+    return f"({kind.name})({quotient})" if plain else f"({kind.name}){quotient}"
+
+
+def _added(wide: Integer, addend: int) -> str:
+    return f" {'+' if addend > 0 else '-'} {wide.literal(abs(addend))}" if addend else ""
+
+
+def _cast(wide: Integer, kind: Integer, name: str) -> str:
+    return name if wide == kind else f"({wide.name}){name}"
+
+
+def _unless_between(kind: Integer, name: str, low: int, high: int) -> list[str]:
+    least, most = kind.limits
+    ends = [f"{name} < {kind.literal(low)}"] if low > least else []
+    ends += [f"{name} > {kind.literal(high)}"] if high < most else []
+    return [f"if ({' || '.join(ends)}) {{", "    return CANWRIGHT_OUT_OF_RANGE;", "}"] if ends else []
+
+
+def double(names: Names, type_: Type, valid: Choice | None) -> ConversionView | None:
+    """Conversions to the unit; None where there is no scale."""
+    if not type_.is_number or not any(linear for _, linear in type_.linear.distinct()):
+        return None
+    kind, is_float = integer(type_), type_.encoding is Encoding.FLOAT
+    wide = kind if is_float else UINT64 if kind == UINT64 else INT64
+    fails = type_.linear.parameter is not None
+
+    def to(linear: Linear | None) -> list[str]:
+        if linear is None:
+            return list(NO_SCALE)
+        number = _value(linear, f"canwright_number{type_.width}(raw)" if is_float else "(double)raw")
+        return [f"*value = {number};", "return CANWRIGHT_OK;"] if fails else [f"return {number};"]
+
+    def from_(linear: Linear | None) -> list[str]:
+        return list(NO_SCALE) if linear is None else [f"steps = {_steps(linear)};", "break;"]
+
+    if is_float:
+        found = f"canwright_bits{type_.width}(&nearest, value, steps)"
+    else:
+        ends = ", ".join(wide.literal(end) for end in constant_limits(type_))
+        found = f"canwright_nearest{'_unsigned' if wide == UINT64 else ''}(&nearest, value, steps, {ends})"
+    return ConversionView(
+        "double",
+        choose(names, type_.linear, to, MISSING_PARAMETER),
+        fails,
+        choose(names, type_.linear, from_, MISSING_PARAMETER),
+        found,
+        wide.name,
+        valid if is_float or not has_constant_limits(type_) else None,
+    )
+
+
+def _value(linear: Linear, raw: str) -> str:
+    """The value, one operation a step; a factor of 1 and an offset of 0 are no step."""
+    scale, offset = linear.scale, linear.offset
+    above = f" * {_literal(scale.numerator)}" if scale.numerator != 1 else ""
+    below = f" / {_literal(scale.denominator)}" if scale.denominator != 1 else ""
+    return raw + above + below + (f" + {_literal(offset)}" if offset else "")
+
+
+def _steps(linear: Linear) -> str:
+    """What `_value` does, backwards."""
+    scale, offset = linear.scale, linear.offset
+    start = f"(value - {_literal(offset)})" if offset else "value"
+    above = f" * {_literal(scale.denominator)}" if scale.denominator != 1 else ""
+    return start + above + (f" / {_literal(scale.numerator)}" if scale.numerator != 1 else "")
+
+
+def _literal(number: Fraction | int) -> str:
+    literal = repr(float(number))
+    return f"({literal})" if number < 0 else literal
+
+
+def problems(edition: Edition) -> Iterator[Problem]:
+    """Scales that no double holds."""
+    for type_ in edition.types:
+        for _, linear in type_.linear.distinct():
+            parts = (linear.scale.numerator, linear.scale.denominator, linear.offset) if linear else ()
+            if any(abs(part) > DOUBLE_LIMIT for part in parts):
+                yield (*type_.path, "scale"), "this is beyond what a double holds", ""

@@ -1,0 +1,168 @@
+"""From any frame to its message, and from a request to its answer: decision trees made here, `switch` in C."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from ...model import Command, Direction, Edition, IdRule, Key, Message, ReplyForm
+from . import bits
+from .forms import address_mask
+from .messages import Forms, RuleView, constant_mismatch, frame_id
+from .names import Names
+
+
+@dataclass(frozen=True)
+class Refuse:
+    status: str
+
+
+@dataclass(frozen=True)
+class Found:
+    """A command; `other_constant` holds when one of its constants is another value."""
+
+    command: str
+    other_id: str
+    other_constant: str
+
+
+@dataclass(frozen=True)
+class Case:
+    labels: tuple[str, ...]
+    then: Node
+
+
+@dataclass(frozen=True)
+class Select:
+    """A `switch` over `subject`."""
+
+    subject: str
+    cases: tuple[Case, ...]
+    otherwise: Node
+
+    @property
+    def is_plain(self) -> bool:
+        """True when one value goes on and all others are refused."""
+        return isinstance(self.otherwise, Refuse) and sum(len(case.labels) for case in self.cases) == 1
+
+
+Node = Refuse | Found | Select
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What is done with frames whose id belongs to an address."""
+
+    rule: RuleView
+    frame_id: str
+    then: Node
+
+
+@dataclass(frozen=True)
+class AnswerView:
+    """Commands that are answered alike. `conditions` hold when the frame `reply` is their answer."""
+
+    commands: tuple[str, ...]
+    conditions: tuple[str, ...]
+
+
+def entries(names: Names, edition: Edition, forms: Forms, direction: Direction) -> list[Entry]:
+    """Where the search for a message of any frame starts: one entry for each id rule."""
+    grouped: dict[tuple[IdRule, bool], list[Message]] = {}
+    for message in edition.messages(direction):
+        if message.claims or not message.keys:
+            grouped.setdefault((message.id, message.remote), []).append(message)
+    return [
+        Entry(
+            forms.rule(edition.address(messages[0].address), direction),
+            frame_id(messages[0]),
+            _by_length(names, edition, messages),
+        )
+        for messages in grouped.values()
+    ]
+
+
+def _by_length(names: Names, edition: Edition, messages: Sequence[Message]) -> Node:
+    lengths = dict.fromkeys(m.dlc for m in messages)
+    cases = tuple(
+        Case((f"{dlc}u",), _by_key(names, edition, [m for m in messages if m.dlc == dlc], 0)) for dlc in lengths
+    )
+    return Select("frame->dlc", cases, Refuse("WRONG_LENGTH"))
+
+
+def _by_key(names: Names, edition: Edition, messages: Sequence[Message], depth: int) -> Node:
+    """Tells messages apart by their keys from `depth` on; one without a further key is what is left."""
+    ends = [m for m in messages if len(m.keys) <= depth]
+    node: Node = _found(names, edition, ends[0]) if ends else Refuse("UNKNOWN_CODE")
+    places: dict[tuple[object, ...], list[Message]] = {}
+    for message in messages:
+        if len(message.keys) > depth:
+            key = message.keys[depth]
+            places.setdefault((key.space, key.segments), []).append(message)
+    for together in reversed(places.values()):
+        node = Select(bits.key_value(together[0].keys[depth]), _cases(names, edition, together, depth), node)
+    return node
+
+
+def _cases(names: Names, edition: Edition, messages: Sequence[Message], depth: int) -> tuple[Case, ...]:
+    by_value: dict[int, list[Message]] = {}
+    for message in messages:
+        for value in message.claims if depth == 0 else (message.keys[depth].value,):
+            by_value.setdefault(value, []).append(message)
+    key: Key = messages[0].keys[depth]
+    cases = [
+        Case(tuple(bits.labels(key, [value])), _by_key(names, edition, same, depth + 1))
+        for value, same in by_value.items()
+    ]
+    merged: list[Case] = []
+    for case in cases:
+        if merged and merged[-1].then == case.then:
+            merged[-1] = replace(merged[-1], labels=merged[-1].labels + case.labels)
+        else:
+            merged.append(case)
+    return tuple(merged)
+
+
+def _found(names: Names, edition: Edition, message: Message) -> Found:
+    unused = address_mask(edition, message.address, message.direction) & ~message.id_mask
+    other_id = f"(frame->id & 0x{unused:X}u) != 0u" if unused else ""
+    return Found(names.upper("command", message.command), other_id, constant_mismatch(message))
+
+
+def answers(names: Names, edition: Edition, forms: Forms) -> list[AnswerView]:
+    """For every command with a request and a reply, what makes a frame its answer."""
+    grouped: dict[tuple[str, ...], list[str]] = {}
+    for command in edition.commands:
+        if command.request is not None and command.reply is not None:
+            conditions = tuple(_answer(forms, command, command.request, command.reply))
+            grouped.setdefault(conditions, []).append(names.upper("command", command.name))
+    return [AnswerView(tuple(commands), conditions) for conditions, commands in grouped.items()]
+
+
+def _answer(forms: Forms, command: Command, request: Message, reply: Message) -> Iterator[str]:
+    message = forms.message(reply)
+    rule = message.form.rule
+    if command.reply_form is not ReplyForm.ECHO:
+        node = "&from, " if rule.has_nodes else ""
+        calls = [
+            f"{message.form.name}_match({node}{', '.join(('reply', f'{message.dlc}u', *codes))}) == CANWRIGHT_OK"
+            for codes in message.codes
+        ]
+        yield f"({' || '.join(calls)})" if len(calls) > 1 else calls[0]
+    elif rule.has_nodes:
+        yield f"{rule.node_function}(&from, {frame_id(reply, 'reply')}) == CANWRIGHT_OK"
+    else:
+        yield f"{bits.operand(frame_id(reply, 'reply') + rule.mask)} == {rule.id_macro}"
+    if rule.has_nodes and command.from_each:
+        yield _one_of("from", command.from_each)
+    elif rule.has_nodes and request.id.nodes is not None:
+        yield "from == to"
+    if command.reply_form is ReplyForm.ECHO:
+        yield "canwright_same_data(request, reply)"
+
+
+def _one_of(name: str, numbers: Sequence[int]) -> str:
+    if list(numbers) == list(range(numbers[0], numbers[-1] + 1)):
+        low = [f"{name} >= {numbers[0]}u"] if numbers[0] else []
+        return " && ".join([*low, f"{name} <= {numbers[-1]}u"])
+    return "(" + " || ".join(f"{name} == {n}u" for n in numbers) + ")"

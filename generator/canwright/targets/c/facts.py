@@ -1,0 +1,89 @@
+"""What comments say of types and fields: unit, range and place, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ... import words
+from ...model import IDENTITY, Dependent, Edition, Encoding, Field, Linear, Path, Space, Type
+from .text import english
+
+
+def type_facts(type_: Type, among: Sequence[str] = ()) -> list[str]:
+    """What one step is worth and which raw integers there are; `among` leaves out other values of the parameter."""
+    return [sentence for sentence in (_scale(type_, among), _range(type_, among)) if sentence]
+
+
+def field_facts(field: Field, parameter: str | None) -> str:
+    """A field in one paragraph: what, where, how much, and when it is there."""
+    among = field.only if parameter in field.type.parameters else ()
+    parts = [f"{english(field.title)}, {_places(field)}."]
+    if field.is_array:
+        indices = [e.index for e in field.elements]
+        parts.append(f"Element 0 is number {indices[0]}, the last one number {indices[-1]}.")
+    if english(field.about):
+        parts.append(english(field.about))
+    parts += type_facts(field.type, among)
+    if field.only:
+        parts.append(f"Only {parameter} {', '.join(field.only)}; 0 otherwise.")
+    return " ".join(parts)
+
+
+def errata(edition: Edition, path: Path) -> list[str]:
+    """The errata about what stands at `path`, one paragraph each."""
+    here = ".".join(map(str, path))
+    return [
+        f"Erratum ({e.manual}): {english(e.printed)} Used here: {english(e.used)} {english(e.why)}"
+        for e in edition.errata
+        if any(where == here or where.startswith(here + ".") for where in e.where)
+    ]
+
+
+def _scale(type_: Type, among: Sequence[str]) -> str:
+    unit = type_.unit.dbc if type_.unit else ""
+    if not type_.is_number:
+        return ""
+    if type_.encoding is Encoding.FLOAT and type_.linear == Dependent.always(IDENTITY):
+        return f"In {unit}, as the bits of an IEEE 754 number." if unit else "The bits of an IEEE 754 number."
+    known = [(_among(names, among), linear) for names, linear in type_.linear.distinct()]
+    given = [_worth(linear, unit) + _case(type_.linear.parameter, names) for names, linear in known if linear and names is not None]
+    lacking = [", ".join(names) for names, linear in known if not linear and names is not None]
+    if not given:
+        return "No scale is known." if lacking else ""
+    if given == ["1"]:
+        return ""
+    sentence = f"One step is {' or '.join(given)}."
+    return sentence + (f" None is known for {lacking[0]}." if lacking else "")
+
+
+def _range(type_: Type, among: Sequence[str]) -> str:
+    if not type_.is_number:
+        return ""
+    what = "Range" if type_.encoding is Encoding.FLOAT else "Raw"
+    known = [(_among(names, among), limits) for names, limits in type_.raw_range.distinct()]
+    given = [words.span(limits) + _case(type_.raw_range.parameter, names) for names, limits in known if limits and names is not None]
+    return f"{what} {', '.join(given)}." if given else ""
+
+
+def _worth(linear: Linear, unit: str) -> str:
+    step = linear.printed or words.exact(linear.scale)
+    offset = f", counted from {words.exact(linear.offset)}" if linear.offset else ""
+    return f"{step} {unit}".rstrip() + offset + (f" {unit}" if linear.offset and unit else "")
+
+
+def _case(parameter: str | None, names: Sequence[str]) -> str:
+    return f" ({parameter} {', '.join(names)})" if names else ""
+
+
+def _among(names: Sequence[str], among: Sequence[str]) -> Sequence[str] | None:
+    """The names that are among the given ones; None when there were some and none of them is."""
+    if not names or not among:
+        return names
+    return [name for name in names if name in among] or None
+
+
+def _places(field: Field) -> str:
+    places = [words.place(field.space, e.segments) for e in field.elements]
+    if len(places) == 1 or field.space is Space.ID:
+        return places[0]
+    return f"{places[0]} to {places[-1]}"

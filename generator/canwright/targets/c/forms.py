@@ -1,0 +1,48 @@
+"""Which messages share the bits that tell them apart: the same id rule and the same places of keys."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...model import Direction, Edition, Message, Segment, Space
+
+
+@dataclass(frozen=True)
+class Form:
+    """What messages have in common that are matched and stamped alike, but for length and codes."""
+
+    address: str
+    direction: Direction
+    remote: bool
+    id_mask: int
+    has_id_fields: bool
+    places: tuple[tuple[Space, int, tuple[Segment, ...]], ...]
+
+
+def form_of(message: Message) -> Form:
+    return Form(
+        message.address,
+        message.direction,
+        message.remote,
+        message.id_mask,
+        any(field.space is Space.ID for field in message.layout.fields),
+        tuple((key.space, key.width, key.segments) for key in message.keys),
+    )
+
+
+def named_forms(edition: Edition) -> dict[Form, tuple[str, ...]]:
+    """All forms, each with what its name is made of: address and direction, and a number from the second one on."""
+    result: dict[Form, tuple[str, ...]] = {}
+    for form in dict.fromkeys(map(form_of, edition.all_messages())):
+        name = (form.address, form.direction.value)
+        number = 1 + sum(1 for other in result.values() if other[:2] == name)
+        result[form] = name if number == 1 else (*name, str(number))
+    return result
+
+
+def address_mask(edition: Edition, address: str, direction: Direction) -> int:
+    """Bits of the id that keys and fields fill in some message of this direction."""
+    mask = 0
+    for message in edition.messages(direction):
+        mask |= message.id_mask if message.address == address else 0
+    return mask

@@ -1,0 +1,209 @@
+"""Addresses and messages: ids, and the forms of frames, which are what tells one message from another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ...model import Address, Direction, Edition, IdRule, Key, Message, Space
+from . import bits
+from .forms import Form, address_mask, form_of, named_forms
+from .names import Names
+from .numbers import working
+from .text import english
+
+EXTENDED = 1 << 31
+
+
+@dataclass(frozen=True)
+class RuleView:
+    """The ids of one direction of an address. A fixed id has a macro, the others two functions."""
+
+    direction: str
+    id_macro: str
+    id_function: str
+    node_function: str
+    base: str
+    mask: str
+    shift: int
+    below_node: str
+    has_nodes: bool
+    refused: str
+
+
+@dataclass(frozen=True)
+class CodeView:
+    """A parameter for the value of a key: how it is read from a frame, and how it is written."""
+
+    kind: str
+    name: str
+    read: str
+    lines: tuple[str, ...]
+    in_id: str
+
+
+@dataclass(frozen=True)
+class FormView:
+    """A form of frames: `match` tells whether a frame has it, `stamp` gives it to a frame."""
+
+    name: str
+    rule: RuleView
+    remote: bool
+    frame_id: str
+    other_id: str
+    keeps_id: bool
+    codes: tuple[CodeView, ...]
+
+    @property
+    def code_arguments(self) -> list[str]:
+        return [f"{code.kind} {code.name}" for code in self.codes]
+
+    @property
+    def same_codes(self) -> str:
+        """A condition that holds when a frame has the codes."""
+        return " && ".join(f"{code.read} == {code.name}" for code in self.codes)
+
+    @property
+    def id(self) -> str:
+        """The id without what fields put into it."""
+        bits_ = ["id" if self.rule.has_nodes else self.rule.id_macro, *(code.in_id for code in self.codes if code.in_id)]
+        return " | ".join([*bits_, *(["CANWRIGHT_REMOTE"] if self.remote else [])])
+
+
+@dataclass(frozen=True)
+class AddressView:
+    heading: str
+    doc: str
+    rules: tuple[RuleView, ...]
+    forms: tuple[FormView, ...]
+    nodes: tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True)
+class MessageView:
+    """A message. `matches` are the conditions on its codes, any of which it meets; `other_constant` is one to refuse."""
+
+    name: str
+    struct: str
+    direction: str
+    form: FormView
+    dlc: int
+    codes: tuple[tuple[str, ...], ...]
+    other_constant: str
+
+
+class Forms:
+    """The forms of an edition's messages."""
+
+    def __init__(self, names: Names, edition: Edition) -> None:
+        self._names, self._edition = names, edition
+        examples = {form_of(message): message for message in edition.all_messages()}
+        self._forms = {form: self._view(form, parts, examples[form]) for form, parts in named_forms(edition).items()}
+
+    def of(self, message: Message) -> FormView:
+        return self._forms[form_of(message)]
+
+    def at(self, address: Address) -> tuple[FormView, ...]:
+        return tuple(view for form, view in self._forms.items() if form.address == address.name)
+
+    def message(self, message: Message) -> MessageView:
+        return MessageView(
+            self._names.lower(message.name),
+            self._names.lower(message.name, "t"),
+            message.direction.value,
+            self.of(message),
+            message.dlc,
+            tuple(_codes(message)),
+            constant_mismatch(message),
+        )
+
+    def rule(self, address: Address, direction: Direction) -> RuleView:
+        return rule_view(self._names, self._edition, address, direction)
+
+    def _view(self, form: Form, name: tuple[str, ...], message: Message) -> FormView:
+        mask = address_mask(self._edition, form.address, form.direction) & ~form.id_mask
+        return FormView(
+            self._names.lower(*name),
+            self.rule(self._edition.address(form.address), form.direction),
+            form.remote,
+            frame_id(message),
+            f"(frame->id & 0x{mask:X}u) != 0u" if mask else "",
+            form.has_id_fields,
+            tuple(_code(key, i) for i, key in enumerate(message.keys)),
+        )
+
+
+def addresses(names: Names, edition: Edition, forms: Forms) -> list[AddressView]:
+    """The addresses that messages use, each with the directions that they use."""
+    found = []
+    for address in edition.addresses:
+        used = forms.at(address)
+        nodes = address.request.nodes or address.reply.nodes
+        rules = dict.fromkeys(form.rule for form in used)
+        ends = (("node_min", nodes[0]), ("node_max", nodes[-1])) if nodes else ()
+        heading = english(address.title) + (f" ({address.manual})" if address.manual else "")
+        if used:
+            macros = tuple((names.upper(address.name, ending), node) for ending, node in ends)
+            found.append(AddressView(heading, english(address.about), tuple(rules), used, macros))
+    return found
+
+
+def rule_view(names: Names, edition: Edition, address: Address, direction: Direction) -> RuleView:
+    rule = address.request if direction is Direction.REQUEST else address.reply
+    mask = address_mask(edition, address.name, direction)
+    base = names.lower(address.name, direction.value)
+    return RuleView(
+        direction.value,
+        names.upper(address.name, direction.value, "id"),
+        f"{base}_id",
+        f"{base}_node",
+        f"0x{rule.base | (EXTENDED if rule.extended else 0):X}u",
+        f" & 0x{0xFFFFFFFF & ~mask:08X}u" if mask else "",
+        rule.node_shift,
+        f"0x{(1 << rule.node_shift) - 1:X}u",
+        rule.nodes is not None,
+        _refused_nodes(rule),
+    )
+
+
+def frame_id(message: Message, frame: str = "frame") -> str:
+    """The id of a frame as far as the address tells it."""
+    return f"({frame}->id ^ CANWRIGHT_REMOTE)" if message.remote else f"{frame}->id"
+
+
+def constant_mismatch(message: Message) -> str:
+    """A condition that holds when a constant of this message is another value; empty when it has none."""
+    constants = [f for f in message.layout.fields if f.constant is not None and not f.only]
+    return " || ".join(c.replace(" == ", " != ") for f in constants for c in bits.constant_holds(f))
+
+
+def _codes(message: Message) -> Iterator[tuple[str, ...]]:
+    """The values of all keys of a message, then again with each value that a receiver takes for the first."""
+    if not message.keys:
+        yield ()
+        return
+    rest = [bits.labels(key, [key.value])[0] for key in message.keys[1:]]
+    for value in dict.fromkeys((message.keys[0].value, *message.accept)):
+        yield (*bits.labels(message.keys[0], [value]), *rest)
+
+
+def _code(key: Key, index: int) -> CodeView:
+    name = "code" if index == 0 else f"code_{index + 1}"
+    kind = working(key.width)
+    lines = []
+    for s in key.segments if key.space is Space.DATA else ():
+        if s.width == 8:
+            value = f"({name} >> {s.raw_low})" if s.raw_low else name
+        else:
+            value = f"(frame->data[{s.byte}] | {bits.piece(name, kind, s)})"
+        lines.append(f"frame->data[{s.byte}] = (uint8_t){value};")
+    in_id = bits.piece(name, kind, key.segments[0]) if key.space is Space.ID else ""
+    return CodeView(kind.name, name, bits.operand(bits.key_value(key)), tuple(lines), in_id)
+
+
+def _refused_nodes(rule: IdRule) -> str:
+    """The condition under which `node` is none of the address; one that an unsigned number cannot meet is left out."""
+    if rule.nodes is None:
+        return ""
+    low = [f"node < {rule.nodes[0]}u"] if rule.nodes[0] else []
+    return " || ".join([*low, f"node > {rule.nodes[-1]}u"])

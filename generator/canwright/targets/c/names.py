@@ -1,0 +1,137 @@
+"""Names in C: one prefix an edition, so that editions meet in one program, and no clash is ever emitted.
+
+Everything with file scope is named after the thing of the spec that it belongs to, with an ending from the tables here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...model import Edition, Layout, Parameter, Path, Type
+from .forms import named_forms
+
+Problem = tuple[Path, str, str]
+"""Where, what is wrong, and what to do about it."""
+
+RESERVED = frozenset(
+    # C up to C23
+    "alignas alignof auto bool break case char const constexpr continue default do double else enum extern false float "
+    "for goto if inline int long nullptr register restrict return short signed sizeof static static_assert struct switch "
+    "thread_local true typedef typeof typeof_unqual union unsigned void volatile while "
+    # C++ up to C++23
+    "and and_eq asm bitand bitor catch char8_t char16_t char32_t class co_await co_return co_yield compl concept "
+    "const_cast consteval constinit decltype delete dynamic_cast explicit export friend mutable namespace new noexcept "
+    "not not_eq operator or or_eq private protected public reinterpret_cast requires static_cast template this throw try "
+    "typeid typename using virtual wchar_t xor xor_eq "
+    # macros that compilers and common headers define in lower case
+    "assert complex errno far i386 imaginary interface linux near offsetof small stderr stdin stdout unix".split()
+)
+
+TYPE_ENDINGS = ("_valid", "_name", "_to_milli", "_from_milli", "_to_double", "_from_double")
+LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack")
+MESSAGE_ENDINGS = ("_encode", "_decode")
+ADDRESS_ENDINGS = ("_request_id", "_request_node", "_reply_id", "_reply_node")
+FORM_ENDINGS = ("_match", "_stamp")
+ADDRESS_MACROS = ("_REQUEST_ID", "_REPLY_ID", "_NODE_MIN", "_NODE_MAX")
+EDITION_NAMES = (
+    *("parameters_t", "field_t", "field_name", "command_t", "command_name", "command_effects", "command_available"),
+    *("any_request_t", "any_reply_t", "identify_request", "identify_reply", "decode_request", "decode_reply"),
+    *("check_reply", "H", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
+)
+
+
+class Names:
+    """The names of one edition."""
+
+    def __init__(self, edition: Edition) -> None:
+        self._prefix = f"{edition.family}_{edition.identifier}".lower()
+
+    def lower(self, *parts: str) -> str:
+        return "_".join((self._prefix, *parts)).lower()
+
+    def upper(self, *parts: str) -> str:
+        return "_".join((self._prefix, *parts)).upper()
+
+
+def member(name: str) -> str:
+    """A name of the spec as a member of a struct."""
+    return f"{name}_" if name in RESERVED else name
+
+
+def layouts(edition: Edition) -> list[Layout]:
+    """The layouts that messages use; the shared ones first, in spec order."""
+    found: list[Layout] = []
+    used = [message.layout for message in edition.all_messages()]
+    for layout in [*(s for s in edition.layouts if any(s is u for u in used)), *used]:
+        if not any(layout is known for known in found):
+            found.append(layout)
+    return found
+
+
+def problems(edition: Edition) -> Iterator[Problem]:
+    """Different things of this edition that would have one name in C."""
+    owners: dict[str, str] = {}
+    for name, what, path in defined(edition):
+        other = owners.setdefault(name, what)
+        if other != what:
+            yield path, f"{what} and {other} would both be `{name}` in C", "rename one of them"
+    for layout in layouts(edition):
+        fields: dict[str, str] = {}
+        for field in layout.fields:
+            other = fields.setdefault(member(field.name), field.name)
+            if other != field.name:
+                text = f"the fields `{field.name}` and `{other}` would both be `{member(other)}` in C"
+                yield field.path, text, "rename one of them"
+
+
+def defined(edition: Edition) -> Iterator[tuple[str, str, Path]]:
+    """Every name with file scope, what it belongs to, and where that stands."""
+    names = Names(edition)
+    for name in EDITION_NAMES:
+        yield names.upper(name) if name.isupper() else names.lower(name), "something that every edition has", ()
+    for parameter in edition.parameters:
+        yield from _parameter(names, parameter)
+    for address in edition.addresses:
+        what = f"the address `{address.name}`"
+        yield from ((names.lower(address.name) + e, what, address.path) for e in ADDRESS_ENDINGS)
+        yield from ((names.upper(address.name) + e, what, address.path) for e in ADDRESS_MACROS)
+    for form, parts in named_forms(edition).items():
+        what, path = f"the address `{form.address}`", edition.address(form.address).path
+        yield from ((names.lower(*parts) + e, what, path) for e in FORM_ENDINGS)
+    for type_ in edition.types:
+        yield from ((name, f"the type `{type_.name}`", type_.path) for name in _type(names, type_))
+    for effect in edition.effects:
+        yield names.upper("effect", effect.name), f"the effect `{effect.name}`", ("effects", effect.name)
+    for layout in layouts(edition):
+        what = _layout(layout)
+        yield from ((names.lower(layout.name) + e, what, layout.path) for e in LAYOUT_ENDINGS)
+        yield from ((names.upper("field", f.name), f"the field name `{f.name}`", f.path) for f in layout.fields)
+    for command in edition.commands:
+        for name in (names.upper("command", command.name), names.upper(command.name, "code")):
+            yield name, f"the command `{command.name}`", command.path
+    for message in edition.all_messages():
+        what = f"the {message.direction.value} of `{message.command}`"
+        own = message.name == message.layout.name
+        yield names.lower(message.name, "t"), _layout(message.layout) if own else what, message.path
+        yield from ((names.lower(message.name) + e, what, message.path) for e in MESSAGE_ENDINGS)
+
+
+def _layout(layout: Layout) -> str:
+    return f"the shared layout `{layout.name}`" if layout.shared else f"`{'.'.join(map(str, layout.path))}`"
+
+
+def _parameter(names: Names, parameter: Parameter) -> Iterator[tuple[str, str, Path]]:
+    what, path = f"the parameter `{parameter.name}`", ("parameters", parameter.name)
+    if parameter.is_choice:
+        yield names.lower(parameter.name, "t"), what, path
+        yield names.upper(parameter.name, "unknown"), what, path
+    for value in parameter.values:
+        yield names.upper(parameter.name, value.name), f"the value `{value.name}` of `{parameter.name}`", path
+
+
+def _type(names: Names, type_: Type) -> Iterator[str]:
+    yield from (names.lower(type_.name) + ending for ending in TYPE_ENDINGS)
+    for ending in ("RAW_MIN", "RAW_MAX"):
+        yield names.upper(type_.name, ending)
+        yield from (names.upper(type_.name, ending, case) for case in type_.raw_range.cases)
+    yield from (names.upper(type_.name, m.name) for m in (*type_.enum, *type_.flags))

@@ -1,0 +1,70 @@
+"""Integers of C: the types that hold them and how they are written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...model import Encoding, Type
+
+
+@dataclass(frozen=True)
+class Integer:
+    """An integer type of <stdint.h>."""
+
+    width: int
+    signed: bool
+
+    @property
+    def name(self) -> str:
+        return f"{'' if self.signed else 'u'}int{self.width}_t"
+
+    @property
+    def limits(self) -> tuple[int, int]:
+        if self.signed:
+            return -(1 << (self.width - 1)), (1 << (self.width - 1)) - 1
+        return 0, (1 << self.width) - 1
+
+    @property
+    def unsigned(self) -> Integer:
+        return Integer(self.width, False)
+
+    def holds(self, *numbers: int) -> bool:
+        low, high = self.limits
+        return all(low <= number <= high for number in numbers)
+
+    def literal(self, number: int) -> str:
+        """A number of this type, the same on every platform."""
+        if not self.signed:
+            return f"UINT64_C({number})" if self.width == 64 else f"{number}u"
+        return f"INT{self.width}_MIN" if number == self.limits[0] and self.width >= 32 else str(number)
+
+    def bits(self, number: int) -> str:
+        """Bits of this type, in hexadecimal."""
+        digits = f"0x{number:0{self.width // 4}X}"
+        return f"UINT64_C({digits})" if self.width == 64 else f"{digits}u"
+
+
+INT32 = Integer(32, True)
+INT64 = Integer(64, True)
+UINT32 = Integer(32, False)
+UINT64 = Integer(64, False)
+
+
+def smallest(width: int, signed: bool) -> Integer:
+    """The smallest type that holds `width` bits."""
+    return Integer(next(w for w in (8, 16, 32, 64) if width <= w), signed)
+
+
+def integer(type_: Type) -> Integer:
+    """What holds a raw integer of a type; for floats, their bits."""
+    return smallest(type_.width, type_.encoding is Encoding.SIGNED)
+
+
+def working(width: int) -> Integer:
+    """What bits are put together in: wide enough to shift in on every platform."""
+    return UINT32 if width <= 32 else UINT64
+
+
+def common(*numbers: int) -> Integer | None:
+    """The signed type of 32 or 64 bits that holds all of these; None when neither does."""
+    return next((kind for kind in (INT32, INT64) if kind.holds(*numbers)), None)

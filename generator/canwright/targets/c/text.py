@@ -1,0 +1,126 @@
+"""Texts of a spec as comments, in C and in Markdown: nothing in them can end a comment or become code."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+import unicodedata
+from collections.abc import Sequence
+from typing import Protocol
+
+from ...model import Text
+
+WIDTH = 118
+
+
+class Defined(Protocol):
+    """A macro."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> str: ...
+    @property
+    def doc(self) -> str: ...
+
+
+_UNSEEN = {"Cc", "Cf", "Co", "Cs", "Cn", "Zl", "Zp"}
+_ENTITIES = {"\\": "&#92;", "@": "&#64;"}
+
+
+def english(text: Text) -> str:
+    """The English text where there is one, else the first."""
+    return text.get("en") or next(iter(text.values()), "")
+
+
+def visible(text: str) -> str:
+    """One line without control, format or unassigned characters; those are shown by their number."""
+    line = " ".join(text.split())
+    return "".join(f"<U+{ord(c):04X}>" if unicodedata.category(c) in _UNSEEN else c for c in line)
+
+
+def in_comment(text: str) -> str:
+    """A text that stays text between `/**` and `*/`, for the compiler and for Doxygen."""
+    line = visible(text)
+    line = re.sub(r"\*(?=/)", "* ", line)
+    line = re.sub(r"/(?=[*/])", "/ ", line)
+    line = re.sub(r"\?(?=\?)", "? ", line)
+    line = re.sub(r"&(?=[#A-Za-z])", "&amp;", line)
+    line = re.sub(r"<(?=[A-Za-z/!?])", "&lt;", line)
+    return "".join(_ENTITIES.get(c, c) for c in line)
+
+
+def comment(paragraphs: str | Sequence[str], indent: int = 0) -> str:
+    """Paragraphs as one Doxygen comment, on one line where they fit. The first line is not indented."""
+    texts = [in_comment(p) for p in ([paragraphs] if isinstance(paragraphs, str) else paragraphs)]
+    margin = " " * indent
+    if len(texts) == 1 and len(texts[0]) + indent + 7 <= WIDTH:
+        return f"/** {texts[0]} */"
+    lines = ["/**"]
+    for number, text in enumerate(texts):
+        lines += [f"{margin} *"] if number else []
+        lines += [f"{margin} * {line}" for line in _wrapped(text, WIDTH - indent - 3)]
+    return "\n".join([*lines, f"{margin} */"])
+
+
+def in_markdown(text: str) -> str:
+    """A text that stays text in a Markdown document, its tables included."""
+    return re.sub(r"([\\`*_{}\[\]()<>#+!|~$&-])", r"\\\1", visible(text))
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
+
+
+def aside(text: str) -> str:
+    """A comment behind what it is about."""
+    return f"/**< {in_comment(text)} */"
+
+
+def paragraph(text: str) -> str:
+    """A paragraph within a comment that has begun."""
+    return "\n".join(f" * {line}" for line in _wrapped(in_comment(text), WIDTH - 3))
+
+
+def code(statements: str | Sequence[str], indent: int = 4) -> str:
+    """Statements, indented; lines that are too long go on behind an operator or a comma."""
+    lines = [line for s in ([statements] if isinstance(statements, str) else statements) for line in s.split("\n")]
+    return "\n".join(part for line in lines for part in _folded(" " * indent + line))
+
+
+def defines(macros: Sequence[Defined]) -> str:
+    """Macros one below the other, aligned, each with its comment where that fits, and an empty line."""
+    names = max((len(m.name) for m in macros), default=0)
+    values = max((len(m.value) for m in macros), default=0)
+    plain = [f"#define {m.name:{names}} {m.value}" for m in macros]
+    beside = [f"#define {m.name:{names}} {m.value:{values}} {aside(m.doc)}" for m in macros]
+    if all(len(line) <= WIDTH for line in beside):
+        lines = [one if m.doc else other for m, one, other in zip(macros, beside, plain, strict=True)]
+    else:
+        pairs = zip(macros, plain, strict=True)
+        lines = [line for m, one in pairs for line in ([comment(m.doc)] if m.doc else []) + [one]]
+    return "\n".join([*lines, ""])
+
+
+def function(returns: str, name: str, arguments: Sequence[str]) -> str:
+    """The head of a function; arguments that are empty are left out."""
+    listed = ", ".join(filter(None, arguments)) or "void"
+    gap = "" if returns.endswith("*") else " "
+    head = f"static inline {returns}{gap}{name}({listed})"
+    return head if len(head) <= WIDTH else "\n".join(_folded(f"static inline {returns}{gap}{name}(\x00{listed})"))
+
+
+def _folded(line: str) -> list[str]:
+    """A line of code, cut where it is too long: at a mark that has to be cut, before an operator, behind a comma."""
+    if len(line) <= WIDTH and "\x00" not in line:
+        return [line]
+    margin = " " * (len(line) - len(line.lstrip()) + 4)
+    parts = re.split(r"\x00|(?<=,) | (?=(?:&&|\|\||\|) )", line)
+    separators = re.findall(r"\x00|(?<=,) | (?=(?:&&|\|\||\|) )", line)
+    lines = [parts[0]]
+    for separator, part in zip(separators, parts[1:], strict=True):
+        if separator == "\x00" or len(lines[-1]) + 1 + len(part) > WIDTH:
+            lines.append(margin + part)
+        else:
+            lines[-1] += separator + part
+    return lines

@@ -1,0 +1,187 @@
+"""Which raw integers may be sent, as C conditions on `raw`."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+
+from ...model import Bound, Dependent, Edition, Encoding, Linear, Member, Path, Range, Type
+from .choices import Choice, choose
+from .names import Names, Problem, member
+from .numbers import INT64, UINT64, Integer, integer
+
+RATIO_LIMIT = 1 << 30
+"""Factors below it leave room for numerator and denominator of a ratio in 64 bits."""
+
+FORMATS = {32: (">f", ">I"), 64: (">d", ">Q")}
+GREATEST = {32: float.fromhex("0x1.fffffep+127"), 64: float.fromhex("0x1.fffffffffffffp+1023")}
+
+
+def valid(names: Names, type_: Type) -> Choice | None:
+    """The body of a function that tells whether a raw integer may be sent; None when every one may."""
+    found = _float_ranges(type_) if type_.encoding is Encoding.FLOAT else type_.raw_range
+    everything = ("return true;",)
+    choice = choose(names, found, lambda r: _returned(conditions(type_, r)), _returned(conditions(type_, None)))
+    return None if choice.is_constant and choice.otherwise == everything else choice
+
+
+def conditions(type_: Type, limits: Range | None) -> list[str]:
+    """Conditions that all hold for a raw integer that may be sent. What the C type implies is left out."""
+    kind = integer(type_)
+    if type_.encoding is Encoding.FLOAT:
+        return _float_conditions(type_, limits)
+    result = []
+    if type_.enum:
+        result.append(_among(kind, type_.enum))
+    elif type_.flags:
+        others = ((1 << kind.width) - 1) & ~sum(1 << m.value for m in type_.flags)
+        source = f"({kind.unsigned.name})raw" if kind.signed else "raw"
+        result += [f"({source} & {kind.bits(others)}) == 0u"] if others else []
+    if type_.is_number or limits is not None:
+        result += _between(kind, *_whole_limits(type_, limits))
+    for bound, is_low in ((limits.low, True), (limits.high, False)) if limits else ():
+        if bound.parameter is not None:
+            result.append(_dependent(kind, bound, is_low))
+    return result
+
+
+def constant_limits(type_: Type) -> tuple[int, int]:
+    """The smallest and largest raw integer, as far as no parameter decides."""
+    return _whole_limits(type_, type_.raw_range.constant if type_.raw_range.parameter is None else None)
+
+
+def has_constant_limits(type_: Type) -> bool:
+    """True when no parameter decides which raw integers may be sent."""
+    return type_.raw_range.parameter is None and not _depends_on_number(type_)
+
+
+def problems(edition: Edition) -> Iterator[Problem]:
+    """Ranges that cannot be checked with 64-bit integers."""
+    for type_ in edition.types:
+        path: Path = (*type_.path, "raw_range")
+        two = {type_.linear.parameter, type_.raw_range.parameter} - {None}
+        if type_.encoding is Encoding.FLOAT and (_depends_on_number(type_) or len(two) > 1):
+            yield path, "C has no check for a range of floats that depends on this", "let it depend on the scale's choice"
+            continue
+        for _, limits in type_.raw_range.distinct():
+            for bound in (limits.low, limits.high) if limits else ():
+                if bound.parameter is not None and max(map(abs, _factors(bound))) >= RATIO_LIMIT:
+                    yield path, "these factors are too large for a check with 64-bit integers in C", "use smaller ones"
+
+
+def _depends_on_number(type_: Type) -> bool:
+    ranges = [limits for _, limits in type_.raw_range.distinct() if limits is not None]
+    return any(not limits.is_constant for limits in ranges)
+
+
+def _returned(every: Sequence[str]) -> list[str]:
+    if not every:
+        return ["return true;"]
+    return [f"return {every[0]};"] if len(every) == 1 else [f"return {' && '.join(map(_grouped, every))};"]
+
+
+def _grouped(condition: str) -> str:
+    return f"({condition})" if " || " in condition else condition
+
+
+def _whole_limits(type_: Type, limits: Range | None) -> tuple[int, int]:
+    low, high = type_.raw_limits
+    if limits is not None and limits.low.parameter is None:
+        low = max(low, math.ceil(limits.low.constant))
+    if limits is not None and limits.high.parameter is None:
+        high = min(high, math.floor(limits.high.constant))
+    return low, high
+
+
+def _between(kind: Integer, low: int, high: int) -> list[str]:
+    least, most = kind.limits
+    result = [f"raw >= {kind.literal(low)}"] if low > least else []
+    return result + ([f"raw <= {kind.literal(high)}"] if high < most else [])
+
+
+def _among(kind: Integer, members: Sequence[Member]) -> str:
+    """That a raw integer has a name, by runs of neighbours."""
+    runs: list[list[int]] = []
+    for value in sorted(m.value for m in members):
+        if runs and value == runs[-1][-1] + 1:
+            runs[-1].append(value)
+        else:
+            runs.append([value])
+    terms = []
+    for run in runs:
+        ends = _between(kind, run[0], run[-1])
+        terms.append(f"raw == {kind.literal(run[0])}" if len(run) == 1 else " && ".join(ends) or "true")
+    return " || ".join(f"({term})" if "&&" in term and len(terms) > 1 else term for term in terms)
+
+
+def _factors(bound: Bound) -> tuple[int, int, int]:
+    """Factor, addend and divisor: the bound is `(factor * parameter + addend) / divisor`."""
+    divisor = math.lcm(bound.coefficient.denominator, bound.constant.denominator)
+    return int(bound.coefficient * divisor), int(bound.constant * divisor), divisor
+
+
+def _dependent(kind: Integer, bound: Bound, is_low: bool) -> str:
+    ratio = f"parameters->{member(bound.parameter or '')}"
+    function, sign = ("canwright_ceiling", ">=") if is_low else ("canwright_floor", "<=")
+    limit = f"{function}({ratio}, {', '.join(INT64.literal(n) for n in _factors(bound))})"
+    if kind != UINT64:
+        within = f"(int64_t)raw {sign} {limit}" if kind != INT64 else f"raw {sign} {limit}"
+    elif is_low:
+        within = f"(raw > (uint64_t)INT64_MAX || (int64_t)raw >= {limit})"
+    else:
+        within = f"(raw <= (uint64_t)INT64_MAX && (int64_t)raw <= {limit})"
+    return f"{ratio}.denominator == 0u || {within}"
+
+
+def _float_ranges(type_: Type) -> Dependent[Range]:
+    """The ranges of a float, which the spec gives for the value, as ranges of the number that the bits are."""
+    by = type_.linear.parameter or type_.raw_range.parameter
+    if by is None:
+        return Dependent.always(_raw(type_.raw_range.constant, type_.linear.constant))
+    cases = type_.linear.cases or type_.raw_range.cases
+    return Dependent(by, None, {n: _raw(type_.raw_range.at({by: n}), type_.linear.at({by: n})) for n in cases})
+
+
+def _raw(limits: Range | None, linear: Linear | None) -> Range | None:
+    if limits is None or linear is None:
+        return None
+    ends = [(end.constant - linear.offset) / linear.scale for end in (limits.low, limits.high)]
+    return Range(Bound(min(ends)), Bound(max(ends)))
+
+
+def _float_conditions(type_: Type, limits: Range | None) -> list[str]:
+    if limits is None:
+        return []
+    kind = integer(type_)
+    order = f"canwright_order{type_.width}(raw)"
+    low = _order(type_.width, limits.low.constant, up=True)
+    high = _order(type_.width, limits.high.constant, up=False)
+    return [f"{order} >= {kind.bits(low)}", f"{order} <= {kind.bits(high)}"]
+
+
+def _order(width: int, bound: Fraction, up: bool) -> int:
+    """The order of the float that is nearest to a bound and within it; both zeros are within a bound of zero."""
+    sign = 1 << (width - 1)
+    if bound == 0:
+        return sign - 1 if up else sign
+    order = _order_of(width, bound)
+    while (_number(width, order) < bound) if up else (_number(width, order) > bound):
+        order += 1 if up else -1
+    return order
+
+
+def _order_of(width: int, bound: Fraction) -> int:
+    number, integer_ = FORMATS[width]
+    sign = 1 << (width - 1)
+    greatest = Fraction(GREATEST[width])
+    (bits,) = struct.unpack(integer_, struct.pack(number, float(max(-greatest, min(greatest, bound)))))
+    return (2 * sign - 1) ^ bits if bits & sign else bits | sign
+
+
+def _number(width: int, order: int) -> Fraction:
+    number, integer_ = FORMATS[width]
+    sign = 1 << (width - 1)
+    bits = order & ~sign if order & sign else (2 * sign - 1) ^ order
+    return Fraction(struct.unpack(number, struct.pack(integer_, bits))[0])

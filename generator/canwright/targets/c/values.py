@@ -1,0 +1,102 @@
+"""Types: limits, names of raw values, what may be sent, and conversions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ...model import Edition, Encoding, Type
+from .choices import Choice
+from .conversions import ConversionView, double, milli
+from .facts import errata, type_facts
+from .names import Names, layouts
+from .numbers import Integer, integer
+from .text import english
+from .validity import valid
+
+
+@dataclass(frozen=True)
+class MacroView:
+    name: str
+    value: str
+    doc: str
+
+
+@dataclass(frozen=True)
+class NameView:
+    label: str
+    name: str
+
+
+@dataclass(frozen=True)
+class TypeView:
+    """A type with what belongs to it. `names` are those of an enum."""
+
+    name: str
+    heading: str
+    doc: tuple[str, ...]
+    kind: str
+    macros: tuple[MacroView, ...]
+    names: tuple[NameView, ...]
+    valid: Choice | None
+    milli: ConversionView | None
+    milli_unit: str
+    double: ConversionView | None
+    unit: str
+    parameters: str
+
+    @property
+    def is_empty(self) -> bool:
+        return not (self.macros or self.valid or self.milli)
+
+
+def types(names: Names, edition: Edition) -> list[TypeView]:
+    """The types that fields use, in spec order."""
+    used = {field.type.name for layout in layouts(edition) for field in layout.fields}
+    return [_type(names, edition, type_) for type_ in edition.types if type_.name in used]
+
+
+def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
+    kind, check = integer(type_), valid(names, type_)
+    unit = type_.unit.dbc if type_.unit else ""
+    title = english(type_.title) or type_.name
+    facts = " ".join(text for text in (english(type_.about), *type_facts(type_)) if text)
+    macros = [*_limits(names, type_, kind), *_members(names, type_, kind)]
+    return TypeView(
+        names.lower(type_.name),
+        title + (f", {unit}" if unit else ""),
+        tuple(text for text in (facts, *errata(edition, type_.path)) if text),
+        kind.name,
+        tuple(macros),
+        tuple(NameView(names.upper(type_.name, m.name), m.name) for m in type_.enum),
+        check,
+        milli(names, type_, check),
+        f"thousandths of {unit}" if unit else "thousandths",
+        double(names, type_, check),
+        unit or "a bare number",
+        names.lower("parameters", "t"),
+    )
+
+
+def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
+    """The ends of a range, one pair for each value of the parameter that decides it."""
+    if type_.encoding is Encoding.FLOAT:
+        return
+    found = type_.raw_range
+    cases = found.cases.items() if found.parameter else [("", found.constant)]
+    for case, limits in cases:
+        for ending, bound in (("RAW_MIN", limits.low), ("RAW_MAX", limits.high)) if limits else ():
+            if bound.parameter is None and bound.constant.denominator == 1:
+                name = names.upper(type_.name, ending, *([case] if case else []))
+                yield MacroView(name, _parenthesised(kind.literal(int(bound.constant))), "")
+
+
+def _members(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
+    for m in type_.enum:
+        yield MacroView(names.upper(type_.name, m.name), _parenthesised(kind.literal(m.value)), english(m.title))
+    for m in type_.flags:
+        yield MacroView(names.upper(type_.name, m.name), kind.unsigned.bits(1 << m.value), english(m.title))
+
+
+def _parenthesised(literal: str) -> str:
+    return f"({literal})" if literal.startswith("-") else literal

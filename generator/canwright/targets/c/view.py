@@ -1,0 +1,285 @@
+"""An edition as its header sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ... import words
+from ...model import Command, Direction, Edition, Level, ReplyForm
+from .. import header
+from .choices import ParameterView, parameters
+from .dispatch import AnswerView, Entry, answers, entries
+from .facts import errata
+from .layouts import LayoutView, fields_named, layout_view
+from .messages import AddressView, Forms, MessageView, addresses
+from .names import Names, layouts, member
+from .text import english
+from .values import MacroView, TypeView, types
+
+
+@dataclass(frozen=True)
+class FrameView:
+    """A message with its layout."""
+
+    message: MessageView
+    layout: LayoutView
+    own_layout: bool
+    own_struct: bool
+    title: str
+
+    @property
+    def name(self) -> str:
+        return self.message.name
+
+    @property
+    def struct(self) -> str:
+        """The struct's name; empty when the message has no fields."""
+        return self.message.struct if self.layout.members else ""
+
+    @property
+    def stamp(self) -> str:
+        """The call that gives a frame its id, length and code."""
+        form = self.message.form
+        arguments = ["frame", *(["node"] if form.rule.has_nodes else []), f"{self.message.dlc}u", *self.message.codes[0]]
+        return f"{form.name}_stamp({', '.join(arguments)})"
+
+    @property
+    def matches(self) -> list[str]:
+        """Calls one of which tells that a frame is this message."""
+        form = self.message.form
+        start = [*(["node"] if form.rule.has_nodes else []), "frame", f"{self.message.dlc}u"]
+        return [f"{form.name}_match({', '.join([*start, *codes])})" for codes in self.message.codes]
+
+    @property
+    def is_match_only(self) -> bool:
+        """True when nothing is left to be read or checked."""
+        return not (self.layout.members or self.layout.depends or self.message.other_constant or self.matches[1:])
+
+
+@dataclass(frozen=True)
+class CommandView:
+    name: str
+    enumerator: str
+    heading: str
+    doc: tuple[str, ...]
+    code: MacroView | None
+    frames: tuple[FrameView, ...]
+
+
+@dataclass(frozen=True)
+class MaskView:
+    """Commands that have the same effects."""
+
+    commands: tuple[str, ...]
+    value: str
+
+
+@dataclass(frozen=True)
+class OnlyView:
+    """Commands that are there under the same conditions."""
+
+    commands: tuple[str, ...]
+    there: str
+
+
+@dataclass(frozen=True)
+class ContentView:
+    """Commands whose messages of one direction have the same layout."""
+
+    commands: tuple[str, ...]
+    member: str
+    layout: LayoutView
+
+
+@dataclass(frozen=True)
+class DirectionView:
+    """Any message of one direction."""
+
+    word: str
+    entries: tuple[Entry, ...]
+    contents: tuple[ContentView, ...]
+
+    @property
+    def has_members(self) -> bool:
+        return any(content.layout.members for content in self.contents)
+
+    @property
+    def depends(self) -> bool:
+        return any(content.layout.depends for content in self.contents)
+
+
+@dataclass(frozen=True)
+class EditionView:
+    """All that a header lays out. `prefix` and `PREFIX` start every name."""
+
+    header: str
+    prefix: str
+    PREFIX: str
+    family: str
+    name: str
+    file: str
+    title: str
+    doc: tuple[str, ...]
+    parameters: tuple[ParameterView, ...]
+    addresses: tuple[AddressView, ...]
+    types: tuple[TypeView, ...]
+    fields: tuple[tuple[str, str], ...]
+    layouts: tuple[LayoutView, ...]
+    commands: tuple[CommandView, ...]
+    effects: tuple[MacroView, ...]
+    masks: tuple[MaskView, ...]
+    only: tuple[OnlyView, ...]
+    directions: tuple[DirectionView, ...]
+    answers: tuple[AnswerView, ...]
+
+    @property
+    def parameters_argument(self) -> str:
+        return f"const {self.prefix}parameters_t *parameters"
+
+    @property
+    def effect_bits(self) -> int:
+        return 64 if len(self.effects) > 32 else 32
+
+    @property
+    def answers_use_from(self) -> bool:
+        return any("&from" in condition for answer in self.answers for condition in answer.conditions)
+
+
+def edition_view(edition: Edition) -> EditionView:
+    names = Names(edition)
+    used = layouts(edition)
+    forms = Forms(names, edition)
+    views = {id(layout): layout_view(names, edition, layout) for layout in used}
+    types_ = tuple(types(names, edition))
+    return EditionView(
+        header(edition),
+        names.lower(""),
+        names.upper(""),
+        edition.family,
+        edition.name,
+        edition.identifier,
+        english(edition.title),
+        tuple(_edition_doc(edition)),
+        tuple(parameters(names, edition)),
+        tuple(addresses(names, edition, forms)),
+        types_,
+        tuple((names.upper("field", name), name) for name in fields_named(used)),
+        tuple(views[id(layout)] for layout in used if layout.shared),
+        tuple(_command(names, edition, forms, command, views) for command in edition.commands),
+        tuple(_effects(names, edition)),
+        tuple(_masks(names, edition)),
+        tuple(_only(names, edition)),
+        tuple(_direction(names, edition, forms, direction, views) for direction in Direction),
+        tuple(answers(names, edition, forms)),
+    )
+
+
+def _edition_doc(edition: Edition) -> list[str]:
+    manual = english(edition.manual)
+    source = f"Numbers in brackets are sections of: {manual}." if manual else ""
+    return [text for text in (english(edition.about), source) if text]
+
+
+def _command(
+    names: Names, edition: Edition, forms: Forms, command: Command, views: dict[int, LayoutView]
+) -> CommandView:
+    messages = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
+    code = None
+    if command.code is not None:
+        code = MacroView(names.upper(command.name, "code"), f"0x{command.code:02X}u", "")
+    frames: list[FrameView] = []
+    for message in messages:
+        own = not message.layout.shared and all(f.layout is not views[id(message.layout)] for f in frames)
+        of_its_own = message.name == message.layout.name
+        what = f"The {message.direction.value}" if of_its_own else "Request and reply"
+        title = f"{what} of {command.name}"
+        frames.append(FrameView(forms.message(message), views[id(message.layout)], own, of_its_own, title))
+    return CommandView(
+        command.name,
+        names.upper("command", command.name),
+        english(command.title) + (f" ({command.manual})" if command.manual else ""),
+        tuple(_command_doc(edition, command)),
+        code,
+        tuple(frames),
+    )
+
+
+def _command_doc(edition: Edition, command: Command) -> list[str]:
+    paragraphs = [english(command.about)]
+    if not command.implemented:
+        paragraphs.append("The manual says that this is not implemented yet.")
+    if command.only:
+        paragraphs.append(f"Only {words.condition(command.only)}.")
+    for level in (Level.DANGER, Level.WARNING, Level.NOTE):
+        titles = [english(e.title) for e in command.effects if e.level is level]
+        if titles:
+            paragraphs.append(f"{level.value.capitalize()}: {'; '.join(titles)}.")
+    for verb, settings in (("Limited by", command.limited_by), ("Not limited by", command.not_limited_by)):
+        if settings:
+            paragraphs.append(f"{verb}: {', '.join(english(s.title) for s in settings)}.")
+    paragraphs.append(_reply_doc(command))
+    paragraphs += [english(note) for note in command.notes]
+    return [text for text in (*paragraphs, *errata(edition, command.path)) if text]
+
+
+def _reply_doc(command: Command) -> str:
+    nodes = command.from_each
+    each = f", from each of the nodes {', '.join(map(str, nodes))} in this order" if nodes else ""
+    if command.reply is None:
+        return "There is no reply."
+    if command.reply_form is ReplyForm.ECHO:
+        return f"The reply is the request, sent back{each}."
+    if command.reply_form is ReplyForm.OTHER:
+        return f"The reply is that of {command.reply.command}{each}."
+    return f"One reply{each}." if each else ""
+
+
+def _effects(names: Names, edition: Edition) -> list[MacroView]:
+    digits = 16 if len(edition.effects) > 32 else 8
+    return [
+        MacroView(names.upper("effect", e.name), _mask(1 << i, digits), f"{english(e.title)}.")
+        for i, e in enumerate(edition.effects)
+    ]
+
+
+def _mask(value: int, digits: int) -> str:
+    return f"UINT64_C(0x{value:016X})" if digits == 16 else f"0x{value:08X}u"
+
+
+def _masks(names: Names, edition: Edition) -> list[MaskView]:
+    grouped: dict[str, list[str]] = {}
+    for command in edition.commands:
+        if command.effects:
+            value = " | ".join(names.upper("effect", effect.name) for effect in command.effects)
+            grouped.setdefault(value, []).append(names.upper("command", command.name))
+    return [MaskView(tuple(commands), value) for value, commands in grouped.items()]
+
+
+def _only(names: Names, edition: Edition) -> list[OnlyView]:
+    grouped: dict[str, list[str]] = {}
+    for command in edition.commands:
+        if command.only:
+            lacking = [
+                f"parameters->{member(name)} != {names.upper(name, value.name)}"
+                for name, values in command.only.items()
+                for value in edition.parameter(name).values
+                if value.name not in values
+            ]
+            if lacking:
+                grouped.setdefault(" && ".join(lacking), []).append(names.upper("command", command.name))
+    return [OnlyView(tuple(commands), there) for there, commands in grouped.items()]
+
+
+def _direction(
+    names: Names, edition: Edition, forms: Forms, direction: Direction, views: dict[int, LayoutView]
+) -> DirectionView:
+    grouped: dict[int, list[str]] = {}
+    order: dict[int, str] = {}
+    for message in edition.messages(direction):
+        view = views[id(message.layout)]
+        if view.members or view.depends:
+            grouped.setdefault(id(message.layout), []).append(names.upper("command", message.command))
+            order[id(message.layout)] = member(message.layout.name)
+    contents = [ContentView(tuple(commands), order[key], views[key]) for key, commands in grouped.items()]
+    return DirectionView(direction.value, tuple(entries(names, edition, forms, direction)), tuple(contents))

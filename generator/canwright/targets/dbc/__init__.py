@@ -1,0 +1,27 @@
+"""DBC files for CAN analysers: two for an edition, one a direction, for each value of the parameters that decide.
+
+A choice among names splits the set. A choice among numbers, or a number, is left open and its fields stay raw, unless
+it is set: then the files are a variant with it in their name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ...model import Assignment
+from ...render import environment
+from .. import Described, Output
+from .files import files
+from .guide import guide
+from .text import text
+
+
+def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
+    """The files of every edition, and a README.md that says which to load and how."""
+    env = environment("dbc", {"text": text})
+    template = env.get_template("file.dbc.j2")
+    made = [(one, list(files(one.edition, set_parameters))) for one in described]
+    for _, of_edition in made:
+        for file in of_edition:
+            yield Output(f"{file.name}.dbc", template.render(file=file))
+    yield Output("README.md", env.get_template("README.md.j2").render(guide=guide(made)))

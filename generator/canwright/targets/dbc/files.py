@@ -1,0 +1,146 @@
+"""The files of an edition: which there are, and each one's frames, named and spread over the nodes."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+
+from ... import notation
+from ...model import Assignment, Direction, Edition
+from .. import header
+from .frames import Frame, Part, Scope, frames, partners
+from .selectors import joined_span
+from .signals import Signals
+from .text import camel, fitting, in_ascii, number
+from .view import EXTENDED, File, Message, Signal
+
+KIND = {Direction.REPLY: "reply", Direction.REQUEST: "command"}
+"""What a direction is called in names of files and messages."""
+
+_OTHER = {Direction.REPLY: Direction.REQUEST, Direction.REQUEST: Direction.REPLY}
+_NOBODY = "Vector__XXX"
+
+
+def files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
+    """All files of an edition, those for every node before those for the first one alone."""
+    for scope in scopes(edition, set_parameters):
+        yield from _variants(scope, ())
+        nodes = next((m.id.nodes for m in edition.messages(scope.direction) if m.id.nodes), None)
+        if nodes and len(nodes) > 1:
+            yield from _variants(replace(scope, first_node_only=True), (f"node{nodes[0]}",))
+
+
+def scopes(edition: Edition, set_parameters: Assignment) -> Iterator[Scope]:
+    """One for each direction of each combination of parameter values that has files of its own."""
+    numbers = {
+        p.name: notation.rational(set_parameters[p.name])
+        for p in edition.parameters
+        if not p.is_choice and p.name in set_parameters
+    }
+    choices = []
+    for parameter in (p for p in edition.parameters if p.is_choice):
+        wanted = set_parameters.get(parameter.name)
+        if wanted is not None or not parameter.is_numeric:
+            choices.append([(parameter.name, v.name) for v in parameter.values if wanted in (None, v.name)])
+    for combination, direction in itertools.product(itertools.product(*choices), KIND):
+        yield Scope(edition, direction, dict(combination), numbers)
+
+
+def node_name(address: str, node: int | None) -> str:
+    """The name of a node: its address's, and its number."""
+    number_ = "" if node is None else str(node)
+    return fitting(camel(address), (), room=len(number_)) + number_
+
+
+def _variants(scope: Scope, part: tuple[str, ...]) -> Iterator[File]:
+    """The file that knows the first selector, and one for each place where all selectors are read as one number."""
+    yield _file(scope, part, [(frame, Signals(scope).of(frame.parts)) for frame in frames(scope)])
+    joined: dict[range, list[tuple[Frame, tuple[Signal, ...]]]] = {}
+    names: dict[range, str] = {}
+    for frame in frames(scope):
+        by_span: dict[range, list[Part]] = {}
+        for one in frame.parts:
+            span = joined_span(one)
+            if span:
+                by_span.setdefault(span, []).append(one)
+        for span, parts in by_span.items():
+            if span not in names:
+                names[span] = fitting("-".join(key.name for key, _ in parts[0].selectors[1:]), names.values())
+            joined.setdefault(span, []).append((replace(frame, parts=tuple(parts)), Signals(scope).joined(parts, span)))
+    for span, found in joined.items():
+        yield _file(scope, (names[span], *part), found)
+
+
+def _file(scope: Scope, part: tuple[str, ...], found: Sequence[tuple[Frame, tuple[Signal, ...]]]) -> File:
+    edition = scope.edition
+    host = fitting(edition.bus.host, ())
+    shared = {(frame.rule, frame.id_bits) for frame in frames(replace(scope, direction=_OTHER[scope.direction]))}
+    messages: dict[str, Message] = {}
+    for frame, signals in found:
+        comment = _comment(scope, frame, (frame.rule, frame.id_bits) in shared)
+        for node in scope.nodes(frame.rule) or (None,):
+            message = _message(scope, frame, node, host, signals, comment, messages)
+            messages[message.name] = message
+    ends = [end for message in messages.values() for end in (*message.senders, *message.receivers) if end != _NOBODY]
+    return File(
+        f"{edition.family}-{edition.name}",
+        tuple(_known(scope)),
+        KIND[scope.direction],
+        part,
+        header(edition),
+        _about(scope),
+        tuple(dict.fromkeys((host, *ends))),
+        tuple(messages.values()),
+    )
+
+
+def _message(
+    scope: Scope,
+    frame: Frame,
+    node: int | None,
+    host: str,
+    signals: tuple[Signal, ...],
+    comment: str,
+    taken: Collection[str],
+) -> Message:
+    """A frame of one node; it is called after the direction, or after the command where the id alone tells it."""
+    first = frame.parts[0]
+    address = first.message.address
+    ends = [(address, node)] if node is not None else [end for part in frame.parts for end in partners(scope, part)]
+    nodes = tuple(dict.fromkeys(node_name(*end) for end in ends)) or (_NOBODY,)
+    name = f"{node_name(address, node)}_{KIND[scope.direction] if first.selectors else first.command.name}"
+    return Message(
+        frame.id(node) | (EXTENDED if frame.rule.extended else 0),
+        fitting(name, taken),
+        max(part.message.dlc for part in frame.parts),
+        (host,) if scope.direction is Direction.REQUEST else nodes,
+        nodes if scope.direction is Direction.REQUEST else (host,),
+        comment,
+        signals,
+    )
+
+
+def _comment(scope: Scope, frame: Frame, shared: bool) -> str:
+    first = frame.parts[0]
+    address = scope.edition.address(first.message.address)
+    about = first.command.title if not first.selectors else address.title
+    warning = f" A {KIND[_OTHER[scope.direction]]} has the same id." if shared else ""
+    return f"{in_ascii(about)}: {KIND[scope.direction]}.{warning}"
+
+
+def _known(scope: Scope) -> Iterator[str]:
+    """The parameter values in file names: a name stands for itself, a number needs its parameter's."""
+    for name, value in scope.assignment.items():
+        yield f"{name}_{value}" if scope.edition.parameter(name).is_numeric else value
+    for name, fixed in scope.numbers.items():
+        yield f"{name}_{number(fixed)}"
+
+
+def _about(scope: Scope) -> str:
+    kind, other = KIND[scope.direction], KIND[_OTHER[scope.direction]]
+    known = "".join(f", {word}" for word in _known(scope))
+    return (
+        f"{scope.edition.family} {scope.edition.name}{known}: {kind} frames only. A DBC does not know directions: "
+        f"a {other} frame read with this file shows values that nobody sent."
+    )

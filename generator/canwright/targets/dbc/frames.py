@@ -1,0 +1,115 @@
+"""Which frames a file has: one for every CAN id, with the messages that share it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ...model import Address, Assignment, Command, Direction, Edition, Field, IdRule, Key, Message, Space
+
+
+@dataclass(frozen=True)
+class Scope:
+    """What one file is about: a direction of an edition, and what is known of its nodes."""
+
+    edition: Edition
+    direction: Direction
+    assignment: Assignment
+    numbers: Mapping[str, Fraction]
+    first_node_only: bool = False
+
+    def nodes(self, rule: IdRule) -> range | None:
+        """The nodes of a rule that the file is for; None when the id is fixed."""
+        return rule.nodes[:1] if self.first_node_only and rule.nodes else rule.nodes
+
+
+@dataclass(frozen=True)
+class Part:
+    """A message under one code; `values` are those of its keys."""
+
+    command: Command
+    message: Message
+    values: tuple[int, ...]
+
+    @property
+    def selectors(self) -> tuple[tuple[Key, int], ...]:
+        """The keys that stand in the data, with their values."""
+        return tuple((k, v) for k, v in zip(self.message.keys, self.values, strict=True) if k.space is Space.DATA)
+
+    @property
+    def code(self) -> str:
+        """The values of the keys in hexadecimal, as a part of names."""
+        keys = zip(self.message.keys, self.values, strict=True)
+        return "_".join(f"{value:0{(key.width + 3) // 4}X}" for key, value in keys)
+
+    @property
+    def id_bits(self) -> int:
+        """What keys and constant fields put into the id."""
+        keys = zip(self.message.keys, self.values, strict=True)
+        placed = [(key.segments[0].low, value) for key, value in keys if key.space is Space.ID]
+        placed += [(f.elements[0].segments[0].low, f.constant or 0) for f in fields_in_id(self.message)]
+        return sum(value << low for low, value in placed)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """All that stands under one id of each node: `rule` and `id_bits` make the id."""
+
+    rule: IdRule
+    id_bits: int
+    parts: tuple[Part, ...]
+
+    def id(self, node: int | None) -> int:
+        return self.rule.base + ((node or 0) << self.rule.node_shift) + self.id_bits
+
+
+def fields_in_id(message: Message) -> Iterator[Field]:
+    return (f for f in message.layout.fields if f.space is Space.ID)
+
+
+def obstacle(message: Message) -> str:
+    """Why no DBC can say this message; empty when it can."""
+    if message.remote:
+        return "a remote frame has no data, and a DBC does not tell it from a data frame"
+    varying = [f.name for f in fields_in_id(message) if f.constant is None]
+    return f"the id carries {', '.join(varying)}, and a DBC has fixed ids only" if varying else ""
+
+
+def messages(scope: Scope) -> Iterator[Message]:
+    """The messages of the commands that there are under the assignment, in spec order."""
+    available = [c for c in scope.edition.commands if c.available(scope.assignment)]
+    used = {m.name for c in available for m in (c.request, c.reply) if m is not None}
+    return (m for m in scope.edition.messages(scope.direction) if m.name in used)
+
+
+def frames(scope: Scope) -> list[Frame]:
+    """The frames of a file, in the order their first messages have in the spec."""
+    found: dict[tuple[IdRule, int], list[Part]] = {}
+    for message in (m for m in messages(scope) if not obstacle(m)):
+        command = scope.edition.command(message.command)
+        rest = tuple(k.value for k in message.keys[1:])
+        for values in [(code, *rest) for code in message.claims] if message.keys else [()]:
+            part = Part(command, message, values)
+            found.setdefault((message.id, part.id_bits), []).append(part)
+    return [Frame(rule, id_bits, tuple(parts)) for (rule, id_bits), parts in found.items()]
+
+
+def partners(scope: Scope, part: Part) -> Sequence[tuple[str, int | None]]:
+    """The nodes at the other end of a fixed id, as address and node: who hears a request, who sends a reply.
+
+    That is the nodes of the command's addresses; where these have none, a request is heard by every node there is.
+    """
+    command, message, edition = part.command, part.message, scope.edition
+    other = command.reply if message.direction is Direction.REQUEST else command.request
+    near = dict.fromkeys((message.address, other.address if other else message.address))
+    everywhere = [address.name for address in edition.addresses] if message.direction is Direction.REQUEST else []
+    for names in (list(near), everywhere):
+        found = [(name, node) for name in names for node in _nodes(scope, edition.address(name))]
+        if found:
+            return [end for end in found if end[1] in (command.from_each or (end[1],))]
+    return [(message.address, None)]
+
+
+def _nodes(scope: Scope, address: Address) -> Sequence[int]:
+    return scope.nodes(address.request) or scope.nodes(address.reply) or ()

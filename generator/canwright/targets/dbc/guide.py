@@ -1,0 +1,147 @@
+"""What README.md says of the files: which there are, what they leave out, and examples from golden frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ...golden import Frame as GoldenFrame
+from ...model import Direction, Edition
+from .. import Described, header
+from .files import KIND
+from .frames import Part, Scope, frames, obstacle
+from .selectors import joined_span
+from .signals import LETTER
+from .text import number
+from .view import EXTENDED, File, Message, Signal
+
+_HIGHEST_STANDARD_ID = 0x7FF
+
+
+@dataclass(frozen=True)
+class Section:
+    """The files of one edition as a table: a row for each combination of parameter values.
+
+    `open_choices` are parameters that are not set, with their values; `lacking` is direction, command and reason.
+    """
+
+    edition: str
+    header: str
+    parameters: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, tuple[File, ...]], ...]
+    open_choices: tuple[tuple[str, tuple[str, ...]], ...]
+    lacking: tuple[tuple[str, str, str], ...]
+
+
+@dataclass(frozen=True)
+class Example:
+    """A golden frame with one of the files: the selector's signal and text, and each other signal's value."""
+
+    file: File
+    frame: GoldenFrame
+    message: Message
+    selector: tuple[str, str] | None
+    values: tuple[tuple[Signal, str, bool], ...]
+    """Signals and their values as text; True where the value is a name."""
+
+    @property
+    def digits(self) -> int:
+        return 8 if self.message.extended else 3
+
+    @property
+    def id(self) -> str:
+        return f"{self.frame.id:0{self.digits}X}"
+
+    @property
+    def is_seen_in_a_log(self) -> bool:
+        """False for a 29-bit id that fits 11 bits: `cantools decode` takes it for one of 11."""
+        return not self.message.extended or self.frame.id > _HIGHEST_STANDARD_ID
+
+    @property
+    def data(self) -> str:
+        return self.frame.data.hex(" ").upper()
+
+
+@dataclass(frozen=True)
+class Guide:
+    """All that README.md shows; an example is None where there is no golden frame for it."""
+
+    sections: tuple[Section, ...]
+    first: File | None
+    reading: Example | None
+    sending: Example | None
+
+
+def guide(made: Sequence[tuple[Described, Sequence[File]]]) -> Guide:
+    sections = tuple(_section(described.edition, files) for described, files in made)
+    reading = [e for described, files in made for e in _examples(described, files, Direction.REPLY)]
+    requests = (e for described, files in made for e in _examples(described, files, Direction.REQUEST))
+    sending = next((e for e in requests if len(e.values) == len(e.frame.raw)), None)
+    best = max(reading, key=lambda e: len(e.values), default=None)
+    first = next((file for _, files in made for file in files), None)
+    return Guide(sections, best.file if best else first, best, sending)
+
+
+def _section(edition: Edition, files: Sequence[File]) -> Section:
+    rows: dict[tuple[str, ...], list[File]] = {}
+    for file in files:
+        rows.setdefault(file.known, []).append(file)
+    return Section(
+        f"{edition.family} {edition.name}",
+        header(edition),
+        ", ".join(p.name for p in edition.parameters if p.is_choice and not p.is_numeric) or "for",
+        tuple(" ".join((file.kind, *file.part)) for file in next(iter(rows.values()), ())),
+        tuple((" ".join(known) or "all", tuple(row)) for known, row in rows.items()),
+        tuple((p.name, tuple(v.name for v in p.values)) for p in edition.parameters if p.is_choice and p.is_numeric),
+        tuple(_lacking(edition)),
+    )
+
+
+def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
+    """Direction, command and reason of what the files lack, or say less of than the spec."""
+    for direction, kind in KIND.items():
+        for message in edition.messages(direction):
+            reason = obstacle(message)
+            if reason:
+                yield kind, message.command, f"left out: {reason}"
+        for frame in frames(Scope(edition, direction, {}, {})):
+            length = max(part.message.dlc for part in frame.parts)
+            for part in frame.parts:
+                if len(part.selectors) > 1 and joined_span(part) is None:
+                    yield kind, part.command.name, "its fields are shown as bare bits: its selectors stand apart"
+                if part.message.dlc < length:
+                    yield kind, part.command.name, f"it has {part.message.dlc} bytes, the file says {length}"
+
+
+def _examples(described: Described, files: Sequence[File], direction: Direction) -> Iterator[Example]:
+    """Golden frames that a file of this run reads without any other parameter than those in its name."""
+    for frame in described.frames.frames if described.frames else ():
+        for file in files:
+            known = {str(value) for value in frame.parameters.values()}
+            if frame.direction is direction and file.kind == KIND[direction] and set(file.known) == known:
+                example = _example(described.edition, file, frame)
+                if example and not frame.decode_only and not file.part:
+                    yield example
+
+
+def _example(edition: Edition, file: File, frame: GoldenFrame) -> Example | None:
+    command = edition.command(frame.command)
+    message = command.request if frame.direction is Direction.REQUEST else command.reply
+    view = next((m for m in file.messages if m.id & ~EXTENDED == frame.id), None)
+    if message is None or view is None:
+        return None
+    code = Part(command, message, tuple(key.value for key in message.keys)).code
+    signals = {signal.name: signal for signal in view.signals}
+    values = []
+    for field, value in frame.values.items():
+        signal = signals.get(f"{LETTER[frame.direction]}{code}_{field}")
+        if signal and isinstance(value, Fraction):
+            values.append((signal, number(value), False))
+        elif signal and isinstance(value, str) and value in dict(signal.values).values():
+            values.append((signal, value, True))
+    selector = next((s for s in view.signals if s.mux == "M"), None)
+    if not values or len(message.keys) > 1:
+        return None
+    return Example(file, frame, view, (selector.name, frame.command) if selector else None, tuple(values))

@@ -1,0 +1,58 @@
+"""The selectors of a message as bits and numbers, one by one and read as one.
+
+Readers that know nested multiplexors are few. Where all selectors of a message stand side by side, they can be read as
+one number, which is a plain multiplexor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from ...model import Key, Space
+from .frames import Part
+
+MAX_WIDTH = 64
+
+
+def bits(key: Key) -> tuple[int, ...]:
+    """Frame bits of a key from the least significant up."""
+    return tuple(s.byte * 8 + s.low + i for s in key.segments for i in range(s.width))
+
+
+def selector_bits(part: Part) -> set[int]:
+    return {bit for key, _ in part.selectors for bit in bits(key)}
+
+
+def joined_span(part: Part) -> range | None:
+    """The bits from the first selector to the last; None where there is one only, or more than constants between."""
+    if len(part.selectors) < 2:
+        return None
+    span = range(min(selector_bits(part)), max(selector_bits(part)) + 1)
+    fixed = {bit for places, _ in _fixed(part) for bit in places}
+    return span if fixed.issuperset(span) and len(span) <= MAX_WIDTH else None
+
+
+def joined_value(part: Part, span: range) -> int:
+    """What `span` reads, lowest bit first, in every frame of this part."""
+    ones = {bit for places, value in _fixed(part) for i, bit in enumerate(places) if value >> i & 1}
+    return sum(1 << i for i, bit in enumerate(span) if bit in ones)
+
+
+def runs(numbers: Iterable[int], split: Iterable[int] = ()) -> list[tuple[int, ...]]:
+    """Neighbouring numbers together, at most 64 of them; those in `split` by themselves."""
+    found: list[tuple[int, ...]] = []
+    for n in sorted(numbers):
+        joins = bool(found) and found[-1][-1] == n - 1 and len(found[-1]) < MAX_WIDTH
+        if joins and n not in split and n - 1 not in split:
+            found[-1] = (*found[-1], n)
+        else:
+            found.append((n,))
+    return found
+
+
+def _fixed(part: Part) -> Iterator[tuple[tuple[int, ...], int]]:
+    """Bits that are the same in every frame of the part, with what they hold: selectors and constants."""
+    yield from ((bits(key), value) for key, value in part.selectors)
+    for field in part.message.layout.fields:
+        if field.constant is not None and field.space is Space.DATA and not field.only:
+            yield from ((element.bits, field.constant) for element in field.elements)

@@ -1,0 +1,57 @@
+"""Names, numbers and texts as every DBC reader takes them."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Collection, Mapping
+from decimal import Decimal
+from fractions import Fraction
+
+NAME_LENGTH = 32
+
+_KEYWORD = re.compile(r"[A-Z_]+_|VERSION|FILTER|INT|HEX|FLOAT|STRING|ENUM")
+
+_ASCII = str.maketrans(
+    {"°": "deg", "μ": "u", "Ω": "Ohm", "×": "x", "–": "-", "—": "-", "‘": "'", "’": "'", "“": "'", "”": "'"}
+    | {"\u2044": "/", '"': "'", "\\": "/"}
+)
+
+
+def number(value: Fraction) -> str:
+    """A number without exponent: every digit of a finite decimal, otherwise those of the nearest double."""
+    places = value.denominator.bit_length()
+    if 10**places % value.denominator:
+        return format(Decimal(repr(float(value))), "f")
+    digits = format(Decimal(f"{value.numerator * 10**places // value.denominator}E-{places}"), "f")
+    return digits.rstrip("0").rstrip(".") if "." in digits else digits
+
+
+def text(written: str) -> str:
+    """A text on one line of ASCII without quotes and backslashes; nothing where it has letters beyond ASCII."""
+    plain = unicodedata.normalize("NFKD", written).translate(_ASCII)
+    kept = [c if c.isprintable() else " " for c in plain if not unicodedata.combining(c)]
+    if any(c.isalpha() and not c.isascii() for c in kept):
+        return ""
+    return " ".join("".join(c if c.isascii() else "?" for c in kept).split())
+
+
+def in_ascii(texts: Mapping[str, str]) -> str:
+    """What a DBC can hold of a text in several languages: the English one, or the first."""
+    return text(texts.get("en") or next(iter(texts.values()), ""))
+
+
+def camel(name: str) -> str:
+    """`one_name` as `OneName`."""
+    return "".join(part.capitalize() for part in name.split("_"))
+
+
+def fitting(name: str, taken: Collection[str], room: int = 0) -> str:
+    """`name` cut to what readers take, less `room`, with a number at the end where it is `taken` or a keyword."""
+    length = NAME_LENGTH - room
+    fitted, count = name[:length], 1
+    while fitted in taken or _KEYWORD.fullmatch(fitted):
+        count += 1
+        ending = f"_{count}"
+        fitted = name[: length - len(ending)] + ending
+    return fitted

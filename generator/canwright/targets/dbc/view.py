@@ -1,0 +1,65 @@
+"""What the templates lay out: the parts of one DBC file, every number already text."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+EXTENDED = 1 << 31
+"""Marks a 29-bit id."""
+
+
+@dataclass(frozen=True)
+class Signal:
+    """An SG_ line and what hangs on it. `mux` is empty, `M`, or `m` and a selector value."""
+
+    name: str
+    mux: str
+    start: int
+    width: int
+    big_endian: bool
+    signed: bool
+    factor: str
+    offset: str
+    minimum: str
+    maximum: str
+    unit: str
+    comment: str
+    values: tuple[tuple[int, str], ...]
+    start_value: int
+    float_kind: int
+    """1 for a float of 32 bits, 2 for one of 64, 0 for an integer."""
+
+
+@dataclass(frozen=True)
+class Message:
+    """A BO_ line with its signals. `id` has bit 31 set when it is a 29-bit one."""
+
+    id: int
+    name: str
+    length: int
+    senders: tuple[str, ...]
+    receivers: tuple[str, ...]
+    comment: str
+    signals: tuple[Signal, ...]
+
+    @property
+    def extended(self) -> bool:
+        return bool(self.id & EXTENDED)
+
+
+@dataclass(frozen=True)
+class File:
+    """One DBC file. `known` are the parameter values it holds for, `part` is what it is restricted to, if anything."""
+
+    edition: str
+    known: tuple[str, ...]
+    kind: str
+    part: tuple[str, ...]
+    header: str
+    comment: str
+    nodes: tuple[str, ...]
+    messages: tuple[Message, ...]
+
+    @property
+    def name(self) -> str:
+        return "-".join((self.edition, *self.known, self.kind, *self.part))

@@ -1,0 +1,49 @@
+"""The docs target: Markdown that reads well on its own and builds into a site, in every language of the spec."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import jinja2
+import yaml
+
+from ... import resources, words
+from ...model import Assignment
+from ...render import environment
+from .. import Described, Output, header
+from .pages import Pages
+from .tables import id_text
+from .text import code, markdown
+
+_PAGES = ("types", "parameters", "errata", "bus")
+
+
+def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
+    """A folder for each language, in it one for each edition."""
+    labels = yaml.safe_load((resources.TEMPLATES / "docs" / "labels.yaml").read_text("utf-8"))
+    env = environment("docs", {"md": markdown, "code": code, "exact": words.exact, "raw_format": words.raw_format, "id_text": id_text})
+    families = {d.edition.family for d in described}
+    for language in [one for one in labels if any(one in d.edition.languages for d in described)]:
+        here = [d for d in described if language in d.edition.languages]
+        folders = {id(d): d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}" for d in here}
+        common = {"labels": labels[language], "lang": language}
+        editions = [(folders[id(d)], d.edition) for d in here]
+        yield Output(f"{language}/index.md", env.get_template("language.md.j2").render(common, editions=editions))
+        for item in here:
+            yield from _edition(env, item, common, f"{language}/{folders[id(item)]}")
+
+
+def _edition(env: jinja2.Environment, item: Described, common: Mapping[str, object], folder: str) -> Iterator[Output]:
+    language = str(common["lang"])
+    pages = Pages(item.edition, item.frames, common["labels"], language)  # type: ignore[arg-type]
+    view = {**common, "edition": item.edition, "header": header(item.edition), "pages": pages}
+    yield Output(f"{folder}/index.md", env.get_template("overview.md.j2").render(view, **pages.overview()))
+    for name in _PAGES:
+        yield Output(f"{folder}/{name}.md", env.get_template(f"{name}.md.j2").render(view, **pages.types()))
+    template = env.get_template("command.md.j2")
+    for command in item.edition.commands:
+        page = pages.command(command)
+        yield Output(f"{folder}/commands/{command.name}.md", template.render(view, **page))
+        for half in page["halves"]:
+            for picture in half.pictures:
+                yield Output(f"{folder}/pictures/{picture.file}", picture.svg)

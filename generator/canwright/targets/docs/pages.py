@@ -1,0 +1,126 @@
+"""The pages of one edition in one language: what the templates lay out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ... import words
+from ...golden import GoldenFrames
+from ...model import Command, Direction, Edition, Erratum, Message, Variant
+from . import picture, tables
+from .examples import Example, examples
+from .tables import Labels, Row
+from .text import code, markdown
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture file, and under which parameter values it holds."""
+
+    file: str
+    svg: str
+    alt: str
+    only: str
+
+
+@dataclass(frozen=True)
+class Half:
+    """One direction of a command."""
+
+    title: str
+    facts: tuple[tuple[str, str], ...]
+    rows: tuple[Row, ...]
+    pictures: tuple[Picture, ...]
+    examples: tuple[Example, ...]
+
+
+@dataclass(frozen=True)
+class Line:
+    """A command in the overview."""
+
+    name: str
+    code: str
+    title: str
+    reply: str
+    only: str
+    effects: str
+
+
+class Pages:
+    """Builds what the templates of an edition are given."""
+
+    def __init__(self, edition: Edition, golden: GoldenFrames | None, labels: Labels, language: str) -> None:
+        self.edition = edition
+        self._golden = golden
+        self._labels = labels
+        self._language = language
+
+    def overview(self) -> Mapping[str, Any]:
+        """The first page of the edition."""
+        return {"lines": [self._line(command) for command in self.edition.commands]}
+
+    def _line(self, command: Command) -> Line:
+        reply = self._labels[f"form_{command.reply_form.value}"].split(":")[0].split("：")[0]
+        return Line(
+            command.name,
+            code(f"0x{command.code:02X}") if command.code is not None else "",
+            markdown(command.title[self._language]),
+            reply,
+            code(words.condition(command.only)),
+            ", ".join(code(effect.name) for effect in command.effects),
+        )
+
+    def command(self, command: Command) -> Mapping[str, Any]:
+        """The page of one command."""
+        commands = self.edition.commands
+        at = commands.index(command)
+        return {
+            "command": command,
+            "halves": [self._half(command, d) for d in Direction],
+            "only": code(words.condition(command.only)),
+            "previous": commands[at - 1] if at else None,
+            "following": commands[at + 1] if at + 1 < len(commands) else None,
+            "errata": self.edition.errata_of(command),
+        }
+
+    def _half(self, command: Command, direction: Direction) -> Half:
+        labels = self._labels
+        message = command.request if direction is Direction.REQUEST else command.reply
+        facts = list(tables.facts(message, labels)) if message else []
+        if direction is Direction.REPLY:
+            facts += tables.reply_facts(command, labels)
+        elif message is None:
+            facts.append((labels["form"], labels["no_request"]))
+        if message is None:
+            return Half(labels[direction.value], tuple(facts), (), (), ())
+        return Half(
+            labels[direction.value],
+            tuple(facts),
+            tuple(tables.rows(message, command, labels, self._language)),
+            tuple(self._pictures(command, message)),
+            tuple(examples(self._golden, message, command.name, labels, self._language)),
+        )
+
+    def _pictures(self, command: Command, message: Message) -> Iterator[Picture]:
+        variants = [v for v in message.layout.variants if self._can_be(command, message, v)]
+        for variant in variants:
+            suffix = "-" + "-".join(variant.values) if len(variants) > 1 else ""
+            only = f"{message.layout.parameter} {', '.join(variant.values)}" if suffix else ""
+            title = f"{self._labels['picture']} {command.name} {self._labels[message.direction.value]} {only}".strip()
+            svg = picture.svg(message, variant, title)
+            yield Picture(f"{command.name}-{message.direction.value}{suffix}.svg", svg, markdown(title), code(only))
+
+    @staticmethod
+    def _can_be(command: Command, message: Message, variant: Variant) -> bool:
+        allowed = command.only.get(message.layout.parameter or "", variant.values)
+        return not variant.values or bool(set(variant.values) & set(allowed))
+
+    def types(self) -> Mapping[str, Any]:
+        """The page of types."""
+        return {"named_types": [t for t in self.edition.types if t.path[0] == "types"], "tables": tables}
+
+    def erratum_links(self, erratum: Erratum) -> list[str]:
+        """The commands that an erratum touches."""
+        return [c.name for c in self.edition.commands if erratum in self.edition.errata_of(c)]

@@ -1,0 +1,141 @@
+"""Byte tables and type tables: everything a reader, or a parser, needs to decode a frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from ... import words
+from ...model import Command, Field, IdRule, Layout, Message, ReplyForm, Type
+from .text import code, markdown
+
+Labels = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of a byte table, its cells in Markdown."""
+
+    place: str
+    field: str
+    type: str
+    raw: str
+    scale: str
+    raw_range: str
+    value_range: str
+    only: str
+    what: str
+
+
+def rows(message: Message, command: Command, labels: Labels, language: str) -> Iterator[Row]:
+    """The selector and the fields of a frame, in the order of the spec."""
+    for key in message.keys:
+        accepted = "".join(f", `0x{value:02X}`" for value in message.accept)
+        value = f"`0x{key.value:02X}`"
+        note = f"{labels['selector']}; {labels['accepted']}{accepted[1:]}" if accepted else labels["selector"]
+        order = " big-endian" if key.order.value == "big" and key.width > 8 else ""
+        yield Row(code(words.place(key.space, key.segments)), "", "", f"`u{key.width}{order}`", "", value, "", "", note)
+    for field in message.layout.fields:
+        if not _there(message.layout, field, command):
+            continue
+        for name, segments in words.elements(field):
+            yield Row(
+                code(words.place(field.space, segments)),
+                code(name),
+                f"[{markdown(field.type.name)}](../types.md#{field.type.name})" if field.type.path[0] == "types" else "",
+                code(words.raw_format(field.type)),
+                *_numbers(field, message.layout, command, labels),
+                _only(message.layout, field),
+                markdown(field.title[language]) + _sentence(field.about[language]),
+            )
+
+
+def _there(layout: Layout, field: Field, command: Command) -> bool:
+    """Whether a field is there under some parameter value that has the command."""
+    having = command.only.get(layout.parameter or "", field.only)
+    return not field.only or bool(set(field.only) & set(having))
+
+
+def _only(layout: Layout, field: Field) -> str:
+    return code(f"{layout.parameter} {', '.join(field.only)}") if field.only else ""
+
+
+def _sentence(about: str) -> str:
+    return f". {markdown(about)}" if about else ""
+
+
+def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> tuple[str, str, str]:
+    if field.constant is not None:
+        return "", code(str(field.constant)), labels["constant"]
+    here = field.only if layout.parameter == field.type.linear.parameter else ()
+    among = here or command.only.get(field.type.linear.parameter or "", ())
+    return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
+
+
+def cases(pairs: list[tuple[str, str]]) -> str:
+    """`MF: 16.5/2048 A`, one line a case."""
+    return "<br>".join(f"{names}: {code(text)}" if names else code(text) for names, text in pairs)
+
+
+def scale(type_: Type, labels: Labels, among: tuple[str, ...] = ()) -> str:
+    """What one raw step is worth, exact."""
+    if not type_.is_number:
+        return ""
+    found = words.scale(type_, among)
+    return "<br>".join(
+        (f"{names}: " if names else "") + (labels["not_given"] if text == "not given" else code(text))
+        for names, text in found
+    )
+
+
+def raw_range(type_: Type) -> str:
+    """The raw range, exact."""
+    return cases(words.ranges(type_))
+
+
+def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
+    """The range in the unit, where scale and range allow to say it."""
+    unit = f" {type_.unit.symbol}" if type_.unit else ""
+    linear, limits = type_.linear, type_.raw_range
+    by = linear.parameter or limits.parameter
+    if by is None:
+        pairs = [("", {})]
+    else:
+        names = linear.cases if linear.parameter else limits.cases
+        pairs = [(name, {by: name}) for name in names if not among or name in among]
+    found = []
+    for name, assignment in pairs:
+        span, scale_ = limits.at(assignment), linear.at(assignment)
+        if span is not None and scale_ is not None and type_.is_number:
+            found.append((name, words.span(words.in_unit(span, scale_)) + unit))
+    return cases(found)
+
+
+def id_text(rule: IdRule) -> str:
+    """`0x140 + node`, `node << 5`, or a fixed id."""
+    if rule.nodes is None:
+        return f"0x{rule.base:X}"
+    node = f"node << {rule.node_shift}" if rule.node_shift else "node"
+    return f"0x{rule.base:X} + {node}" if rule.base else node
+
+
+def facts(message: Message, labels: Labels) -> Iterator[tuple[str, str]]:
+    """Id, nodes and frame of a message."""
+    yield labels["id"], code(id_text(message.id))
+    if message.id.nodes is not None:
+        yield labels["nodes"], code(f"{message.id.nodes[0]}..{message.id.nodes[-1]}")
+    kind = labels["extended" if message.id.extended else "standard"]
+    frame = labels["remote_frame" if message.remote else "data_frame"]
+    yield labels["frame"], f"{kind}, {frame}, `{message.dlc}` {labels['data_bytes']}"
+
+
+def reply_facts(command: Command, labels: Labels) -> Iterator[tuple[str, str]]:
+    """How the reply comes about."""
+    text = labels[f"form_{command.reply_form.value}"]
+    if command.reply_form is ReplyForm.OTHER and command.reply_of:
+        text += f" [{markdown(command.reply_of)}]({command.reply_of}.md)"
+    if command.reply_form is ReplyForm.LAYOUT and command.reply:
+        text += f" {code(command.reply.layout.name)}"
+    yield labels["form"], text
+    if command.from_each:
+        yield labels["from_each"], code(", ".join(map(str, command.from_each)))

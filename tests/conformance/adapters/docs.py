@@ -1,0 +1,283 @@
+"""The published pages as a decoder: whoever reads them has all it takes."""
+
+from __future__ import annotations
+
+import math
+import re
+import struct
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+
+from canwright.golden import Refusal
+from canwright.model import Direction
+from canwright.targets import Described
+from canwright.targets import docs as target
+
+from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
+from .docs_tables import FieldRow, MessagePage, Scale, message, plain, tables
+
+
+def adapter(described: Described, workdir: Path) -> DocsAdapter:
+    """Generates the pages and reads them back."""
+    pages = {output.path: output.text for output in target.generate([described], {})}
+    return DocsAdapter({path: text for path, text in pages.items() if path.startswith("en/")})
+
+
+class DocsAdapter:
+    """Answers from the tables of the English pages alone."""
+
+    name = "docs"
+    tolerance = 0.0
+    cannot: Mapping[str, str] = {}
+
+    def __init__(self, pages: Mapping[str, str]) -> None:
+        self._members: dict[str, dict[str, int]] = {}
+        self._flags: set[str] = set()
+        self._choices: dict[str, list[str]] = {}
+        self._messages: dict[tuple[Direction, str], MessagePage] = {}
+        for path, text in pages.items():
+            if path.endswith("/types.md"):
+                self._read_types(text)
+            elif path.endswith("/parameters.md"):
+                self._choices = {n: [plain(r[0]) for r in rows[1:]] for n, rows in tables(text)}
+            elif "/commands/" in path:
+                self._read_command(Path(path).stem, text)
+
+    def _read_types(self, text: str) -> None:
+        for heading, rows in tables(text):
+            if rows[0][0] in ("Value", "Bit"):
+                self._members[heading] = {plain(row[1]): int(plain(row[0])) for row in rows[1:]}
+                if rows[0][0] == "Bit":
+                    self._flags.add(heading)
+
+    def _read_command(self, name: str, text: str) -> None:
+        found = [(heading, rows) for heading, rows in tables(text) if heading in ("Request", "Reply")]
+        for direction in Direction:
+            here = [rows for heading, rows in found if heading.lower() == direction.value]
+            if len(here) == 2:
+                self._messages[direction, name] = message(*here)
+
+    def decode(
+        self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
+    ) -> Decoded | Refused:
+        ours = [(n, m, self._node(m, frame)) for (d, n), m in self._messages.items() if d is direction]
+        ours = [(name, page, node) for name, page, node in ours if node != ()]
+        if not ours:
+            return Refused(Refusal.UNKNOWN_ID)
+        if all(len(frame.data) != page.dlc for _, page, _ in ours):
+            return Refused(Refusal.WRONG_LENGTH)
+        if answering is not None:
+            ours = [entry for entry in ours if entry[0] == answering]
+        rank = {"sent": 0, "accepted": 1}
+        fits = [(rank[fit], i) for i, (_, page, _) in enumerate(ours) if (fit := _fit(page, frame))]
+        if not fits:
+            return Refused(Refusal.UNKNOWN_CODE)
+        name, page, node = ours[min(fits)[1]]
+        if len(frame.data) != page.dlc:
+            return Refused(Refusal.WRONG_LENGTH)
+        rows = self._rows(page, parameters)
+        if isinstance(rows, Refused):
+            return rows
+        for row in rows:
+            if row.constant is not None and _raw(row, frame) != row.constant:
+                return Refused(Refusal.WRONG_CONSTANT)
+        return self._decoded(name, node[0], [r for r in rows if r.constant is None], frame, parameters)
+
+    def _decoded(
+        self, name: str, node: int | None, rows: Sequence[FieldRow], frame: CanFrame, parameters: Parameters
+    ) -> Decoded:
+        raw: dict[str, Raw] = {}
+        values: dict[str, Value] = {}
+        for row in rows:
+            one = _raw(row, frame)
+            value = self._value(row, one, parameters)
+            if row.index is None:
+                raw[row.name] = one
+                if not isinstance(value, Refused):
+                    values[row.name] = value
+            else:
+                raw[row.name] = [*raw.get(row.name, []), one]  # type: ignore[misc]
+                values[row.name] = [*values.get(row.name, []), value]  # type: ignore[misc, list-item]
+        return Decoded(name, node, raw, values)
+
+    def _value(self, row: FieldRow, raw: int, parameters: Parameters) -> Value | Refused:
+        if row.type in self._members:
+            names = self._members[row.type]
+            if row.type in self._flags:
+                return [name for name, bit in names.items() if raw >> bit & 1]
+            return next((name for name, value in names.items() if value == raw), None)
+        if row.raw.startswith("f"):
+            return _float(row, raw)
+        found = self._scale(row, parameters)
+        if isinstance(found, Refused):
+            return None if found.says is Refusal.NO_SCALE else found
+        value = raw * found.step.numerator / found.step.denominator
+        return value + float(found.offset) if found.offset else value
+
+    def _scale(self, row: FieldRow, parameters: Parameters) -> Scale | Refused:
+        case = self._case(row.scales, parameters)
+        if case is None:
+            return Refused(Refusal.MISSING_PARAMETER, row.name)
+        return row.scales[case] or Refused(Refusal.NO_SCALE, row.name)
+
+    def _case(self, cases: Mapping[str, object], parameters: Parameters) -> str | None:
+        """The case that the parameters lead to."""
+        if "" in cases:
+            return ""
+        return next((str(v) for n, v in parameters.items() if str(v) in cases and n in self._choices), None)
+
+    def _rows(self, page: MessagePage, parameters: Parameters) -> list[FieldRow] | Refused:
+        """The fields that are there under the parameters."""
+        needed = {row.only[0] for row in page.rows if row.only[0]}
+        if any(name not in parameters for name in needed):
+            return Refused(Refusal.MISSING_PARAMETER)
+        return [row for row in page.rows if not row.only[0] or str(parameters[row.only[0]]) in row.only[1]]
+
+    @staticmethod
+    def _node(page: MessagePage, frame: CanFrame) -> tuple[int | None] | tuple[()]:
+        """The node of a frame, in a tuple; an empty one when the id is not of this page."""
+        if (page.extended, page.remote) != (frame.extended, frame.remote):
+            return ()
+        free = sum(1 << bit for part in (*page.keys, *page.rows) if part.bits.in_id for bit in part.bits.numbers)
+        rest = (frame.id & ~free) - page.base
+        if page.nodes is None:
+            return (None,) if rest == 0 else ()
+        node = rest >> page.shift
+        return (node,) if rest >= 0 and node << page.shift == rest and node in page.nodes else ()
+
+    def encode_raw(
+        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+    ) -> Encoded | Refused:
+        page = self._messages[direction, command]
+        rows = self._rows(page, parameters)
+        if isinstance(rows, Refused):
+            return rows
+        if page.nodes is not None and node not in page.nodes:
+            return Refused(Refusal.UNKNOWN_NODE)
+        can_id, word = page.base + ((node or 0) << page.shift), 0
+        parts = [(key.bits, key.value) for key in page.keys]
+        seen: dict[str, int] = {}
+        for row in rows:
+            given = raw[row.name] if row.constant is None else row.constant
+            one = given[seen.get(row.name, 0)] if isinstance(given, list) else given
+            seen[row.name] = seen.get(row.name, 0) + 1
+            if row.constant is None and not self._allowed(row, one, parameters):
+                return Refused(Refusal.OUT_OF_RANGE, row.name)
+            parts.append((row.bits, one))
+        for bits, one in parts:
+            can_id, word = (can_id | bits.write(one), word) if bits.in_id else (can_id, word | bits.write(one))
+        return Encoded(can_id, word.to_bytes(page.dlc, "little"))
+
+    def _allowed(self, row: FieldRow, raw: int, parameters: Parameters) -> bool:
+        width = int(row.raw[1:].split()[0])
+        low, high = (-(1 << width - 1), (1 << width - 1) - 1) if row.raw[0] == "i" else (0, (1 << width) - 1)
+        if not low <= raw <= high:
+            return False
+        if row.type in self._members:
+            values = self._members[row.type].values()
+            return not raw & ~sum(1 << bit for bit in values) if row.type in self._flags else raw in values
+        case = self._case(row.ranges, parameters)
+        if case is None:
+            return True
+        value = Fraction(_float(row, raw)) if row.raw[0] == "f" else Fraction(raw)
+        bottom, top = (end.at(parameters) for end in row.ranges[case])
+        return (bottom is None or value >= bottom) and (top is None or value <= top)
+
+    def encode_values(
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        values: Mapping[str, ExactValue],
+        parameters: Parameters,
+    ) -> Encoded | Refused:
+        rows = self._rows(self._messages[direction, command], parameters)
+        if isinstance(rows, Refused):
+            return rows
+        raw: dict[str, Raw] = {}
+        for row in rows:
+            if row.constant is not None or row.name in raw and row.index is None:
+                continue
+            given = values[row.name]
+            index = len(raw.get(row.name, [])) if row.index is not None else 0  # type: ignore[arg-type]
+            is_array = row.index is not None and isinstance(given, list)
+            one = self._to_raw(row, given[index] if is_array else given, parameters)  # type: ignore[index]
+            if isinstance(one, Refused):
+                return one
+            raw[row.name] = one if row.index is None else [*raw.get(row.name, []), one]  # type: ignore[misc]
+        return self.encode_raw(direction, command, node, raw, parameters)
+
+    def _to_raw(self, row: FieldRow, value: ExactValue, parameters: Parameters) -> int | Refused:
+        if row.type in self._members and not isinstance(value, Fraction):
+            names = self._members[row.type]
+            return sum(1 << names[str(n)] for n in value) if isinstance(value, list) else names[value]
+        if value in ("nan", "inf", "-inf"):
+            return Refused(Refusal.NOT_FINITE, row.name)
+        assert isinstance(value, Fraction)
+        if row.raw[0] == "f":
+            return _float_bits(row, float(value))
+        found = self._scale(row, parameters)
+        if isinstance(found, Refused):
+            return found
+        exact = (value - found.offset) / found.step
+        size = math.floor(abs(exact) + Fraction(1, 2))
+        return size if exact >= 0 else -size
+
+    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
+        sent = self._sent(request)
+        if isinstance(sent, Refused):
+            return sent
+        name, node = sent
+        page = self._messages.get((Direction.REPLY, name))
+        if page is None:
+            return Refused(Refusal.NOT_ANSWER)
+        from_node = self._node(page, reply)
+        if from_node == () or from_node[0] not in (page.from_each or (node,)) or not _fit(page, reply):
+            return Refused(Refusal.NOT_ANSWER)
+        if page.form == "echo" and request.data != reply.data:
+            return Refused(Refusal.NOT_ANSWER)
+        return None
+
+    def _sent(self, frame: CanFrame) -> tuple[str, int | None] | Refused:
+        for (direction, name), page in self._messages.items():
+            if direction is Direction.REQUEST and (node := self._node(page, frame)) != () and _fit(page, frame):
+                return name, node[0]
+        return Refused(Refusal.UNKNOWN_CODE)
+
+
+def _fit(page: MessagePage, frame: CanFrame) -> str:
+    """Whether the selectors of a page are those of a frame: `sent`, `accepted`, or not at all."""
+    fit = "sent"
+    for key in page.keys:
+        found = key.bits.read(frame.id, frame.data)
+        if found != key.value:
+            if found not in key.accepted:
+                return ""
+            fit = "accepted"
+    return fit
+
+
+def _raw(row: FieldRow, frame: CanFrame) -> int:
+    raw = row.bits.read(frame.id, frame.data)
+    width = len(row.bits.numbers)
+    return raw - (1 << width) if row.raw[0] == "i" and raw >> width - 1 else raw
+
+
+def _formats(row: FieldRow) -> tuple[str, str]:
+    return ("<I", "<f") if re.match("f32", row.raw) else ("<Q", "<d")
+
+
+def _float(row: FieldRow, raw: int) -> float:
+    bits, number = _formats(row)
+    value: float = struct.unpack(number, struct.pack(bits, raw))[0]
+    return value
+
+
+def _float_bits(row: FieldRow, value: float) -> int | Refused:
+    bits, number = _formats(row)
+    try:
+        raw: int = struct.unpack(bits, struct.pack(number, value))[0]
+    except OverflowError:
+        return Refused(Refusal.OUT_OF_RANGE, row.name)
+    return raw

@@ -1,0 +1,218 @@
+"""The published English pages, parsed back into what a decoder needs. Nothing but their text is read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+
+def tables(page: str) -> Iterator[tuple[str, list[list[str]]]]:
+    """Every table of a page with the heading above it; its rows without the separator."""
+    heading, rows = "", list[list[str]]()
+    for line in [*page.splitlines(), ""]:
+        if line.startswith("|"):
+            cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip())[1:-1]]
+            if not all(re.fullmatch(r"-+", cell) for cell in cells):
+                rows.append(cells)
+            continue
+        if rows:
+            yield heading, rows
+            rows = []
+        if line.startswith("#"):
+            heading = re.sub(r"<[^>]*>", "", line).lstrip("# ").replace("\\", "")
+
+
+def plain(cell: str) -> str:
+    """The text of the first code span of a cell."""
+    match = re.search(r"`([^`]*)`", cell)
+    return match.group(1) if match else ""
+
+
+def cases(cell: str) -> dict[str, str | None]:
+    """`MF: 16.5/2048 A`, one line a case; the key is empty where there is one case, the value None for "not given"."""
+    found: dict[str, str | None] = {}
+    for line in filter(None, cell.split("<br>")):
+        names, colon, _ = line.partition(": ")
+        for name in names.split(", ") if colon else [""]:
+            found[name] = None if line.endswith("not given") else plain(line)
+    return found
+
+
+def rational(text: str) -> Fraction:
+    """`0.01`, `16.5/2048`, `-3`."""
+    above, _, below = text.partition("/")
+    return Fraction(above) / Fraction(below or "1")
+
+
+@dataclass(frozen=True)
+class Scale:
+    """value = raw * step + offset."""
+
+    step: Fraction
+    offset: Fraction
+
+
+def scale(text: str | None) -> Scale | None:
+    """`0.1 °C - 40 °C`."""
+    if text is None:
+        return None
+    match = re.fullmatch(r"(\S+?)(?: [^\s+-]\S*)?(?: ([+-]) (\S+)(?: \S+)?)?", text)
+    assert match, text
+    offset = rational(match[3]) if match[3] else Fraction(0)
+    return Scale(rational(match[1]), -offset if match[2] == "-" else offset)
+
+
+@dataclass(frozen=True)
+class End:
+    """An end of a range: a number, or `factor * parameter + number`."""
+
+    number: Fraction
+    factor: Fraction
+    parameter: str
+
+    def at(self, parameters: Mapping[str, int | str]) -> Fraction | None:
+        if not self.parameter:
+            return self.number
+        given = parameters.get(self.parameter)
+        return None if given is None else self.number + self.factor * Fraction(str(given))
+
+
+def ends(text: str) -> tuple[End, End]:
+    """`0..36000*gear_ratio-1`."""
+    low, high = (_end(part) for part in text.split(".."))
+    return low, high
+
+
+def _end(text: str) -> End:
+    match = re.fullmatch(r"([^*]+)(?:\*([a-z]\w*)([+-].+)?)?", text)
+    assert match, text
+    if match[2] is None:
+        return End(rational(match[1]), Fraction(0), "")
+    return End(rational(match[3] or "0"), rational(match[1]), match[2])
+
+
+@dataclass(frozen=True)
+class Bits:
+    """Where a raw integer is: bit numbers from its least significant bit up, in the data or in the id."""
+
+    in_id: bool
+    numbers: tuple[int, ...]
+
+    def read(self, can_id: int, data: bytes) -> int:
+        word = can_id if self.in_id else int.from_bytes(data, "little")
+        return sum((word >> bit & 1) << i for i, bit in enumerate(self.numbers))
+
+    def write(self, raw: int) -> int:
+        return sum((raw >> i & 1) << bit for i, bit in enumerate(self.numbers))
+
+
+def bits(place: str, raw: str) -> Bits:
+    """`DATA[4..5]` of `i16`, `DATA[3] bits 0..3, DATA[4]` of `u12 big-endian`, `id bits 5..10`."""
+    parts = []
+    for part in place.split(", "):
+        match = re.fullmatch(r"(id|DATA\[(\d+)(?:\.\.(\d+))?\])(?: bits? (\d+)(?:\.\.(\d+))?)?", part)
+        assert match, place
+        low, high = int(match[4] or 0), int(match[5] or match[4] or 7)
+        if match[1] == "id":
+            return Bits(True, tuple(range(low, high + 1)))
+        first = int(match[2])
+        parts += [[byte * 8 + bit for bit in range(low, high + 1)] for byte in range(first, int(match[3] or first) + 1)]
+    if raw.endswith("big-endian"):
+        parts.reverse()
+    return Bits(False, tuple(bit for part in parts for bit in part))
+
+
+@dataclass(frozen=True)
+class FieldRow:
+    """A field, or one element of an array, as its row says."""
+
+    name: str
+    index: int | None
+    type: str
+    raw: str
+    bits: Bits
+    scales: Mapping[str, Scale | None]
+    ranges: Mapping[str, tuple[End, End]]
+    constant: int | None
+    only: tuple[str, tuple[str, ...]]
+
+
+@dataclass(frozen=True)
+class Key:
+    """The selector: where it is, what is sent, what else is taken."""
+
+    bits: Bits
+    value: int
+    accepted: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class MessagePage:
+    """One direction of a command page."""
+
+    base: int
+    shift: int
+    nodes: range | None
+    extended: bool
+    remote: bool
+    dlc: int
+    form: str
+    from_each: tuple[int, ...]
+    keys: tuple[Key, ...]
+    rows: tuple[FieldRow, ...]
+
+
+def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> MessagePage:
+    """A direction of a command page from its two tables."""
+    said = {row[0]: row[1] for row in facts if len(row) == 2}
+    base, shift = _id(plain(said["Id"]))
+    first, last = (plain(said["Nodes"]).split("..") + [""])[:2] if "Nodes" in said else ("", "")
+    each = plain(said.get("One from each of", ""))
+    return MessagePage(
+        base,
+        shift,
+        range(int(first), int(last) + 1) if first else None,
+        "29-bit" in said["Frame"],
+        "remote frame" in said["Frame"],
+        int(plain(said["Frame"])),
+        said.get("Form", "").split(":")[0],
+        tuple(int(node) for node in each.split(", ") if node),
+        tuple(_key(row) for row in rows[1:] if not row[1]),
+        tuple(_field(row) for row in rows[1:] if row[1]),
+    )
+
+
+def _id(text: str) -> tuple[int, int]:
+    base, shift = 0, 0
+    for term in text.split(" + "):
+        if term.startswith("node"):
+            shift = int(term.partition("<< ")[2] or 0)
+        else:
+            base = int(term, 0)
+    return base, shift
+
+
+def _key(row: Sequence[str]) -> Key:
+    accepted = tuple(int(code, 16) for code in re.findall(r"`0x([0-9A-F]+)`", row[8]))
+    return Key(bits(plain(row[0]), plain(row[3])), int(plain(row[5]), 0), accepted)
+
+
+def _field(row: Sequence[str]) -> FieldRow:
+    place, field, type_, raw, step, limits, _, only, what = row
+    match = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", plain(field))
+    assert match, field
+    parameter, _, values = plain(only).partition(" ")
+    constant = int(plain(limits)) if limits and ".." not in limits else None
+    return FieldRow(
+        match[1],
+        int(match[2]) if match[2] else None,
+        re.sub(r"\[(.*)\]\(.*", r"\1", type_).replace("\\", ""),
+        plain(raw),
+        bits(plain(place), plain(raw)),
+        {name: scale(text) for name, text in cases(step).items()},
+        {} if constant is not None else {name: ends(text) for name, text in cases(limits).items() if text},
+        constant,
+        (parameter, tuple(values.split(", "))),
+    )

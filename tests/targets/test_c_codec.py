@@ -1,0 +1,216 @@
+"""What the C functions do, against bits and fractions that are worked out here from the model alone."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from canwright.golden import Refusal
+from canwright.load import described
+from canwright.model import Command, Direction, Edition, Encoding, Field, Message, Space, Type
+
+from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Raw, Refused
+from ..conformance.adapters.c import CAdapter, adapter
+from .test_c_compiles import SPECS
+
+ROUNDS = 20
+
+
+@pytest.fixture(scope="module", params=SPECS, ids=lambda spec: spec.stem)
+def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Edition, CAdapter]:
+    one = described(request.param)
+    return one.edition, adapter(one, tmp_path_factory.mktemp("codec"))
+
+
+def test_every_message_there_and_back(made: tuple[Edition, CAdapter]) -> None:
+    edition, target = made
+    chance = random.Random(1)
+    for command, direction, message in _messages(edition):
+        for parameters in _assignments(edition):
+            for _ in range(ROUNDS):
+                raw = {f.name: _raw(f, chance, parameters) for f in _fields(message, parameters)}
+                node = chance.choice(message.id.nodes) if message.id.nodes is not None else None
+                frame = _frame(message, node, raw, parameters)
+                encoded = target.encode_raw(direction, command.name, node, raw, parameters)
+                assert encoded == Encoded(frame.id, frame.data), (message.name, raw)
+                decoded = target.decode(direction, frame, parameters, command.name)
+                assert isinstance(decoded, Decoded), (message.name, raw, decoded)
+                assert (decoded.command, decoded.node, decoded.raw) == (command.name, node, raw)
+
+
+def test_noise_in_reserved_bits_is_ignored_and_other_frames_are_refused(made: tuple[Edition, CAdapter]) -> None:
+    edition, target = made
+    for command, direction, message in _messages(edition):
+        for parameters in _assignments(edition):
+            chance = random.Random(2)
+            raw = {f.name: _raw(f, chance, parameters) for f in _fields(message, parameters)}
+            node = message.id.nodes[0] if message.id.nodes is not None else None
+            frame = _frame(message, node, raw, parameters)
+            used = sum(1 << bit for bit in _used(message, parameters))
+            noise = (~used & ((1 << 8 * message.dlc) - 1)).to_bytes(message.dlc, "little")
+            loud = bytes(a | b for a, b in zip(frame.data, noise, strict=True))
+
+            def ask(
+                can: CanFrame, direction: Direction = direction, known: Parameters = parameters, c: Command = command
+            ) -> Decoded | Refused:
+                return target.decode(direction, can, known, c.name)
+
+            noisy = ask(CanFrame(frame.id, loud, frame.extended, frame.remote))
+            assert isinstance(noisy, Decoded)
+            assert noisy.raw == raw
+            other_format = CanFrame(frame.id, frame.data, not frame.extended, frame.remote)
+            assert ask(other_format) == Refused(Refusal.UNKNOWN_ID)
+            other_kind = CanFrame(frame.id, frame.data, frame.extended, not frame.remote)
+            assert isinstance(ask(other_kind), Refused)
+            if message.dlc < 8:
+                long = CanFrame(frame.id, frame.data + b"\0", frame.extended, frame.remote)
+                assert ask(long) in (Refused(Refusal.WRONG_LENGTH), Refused(Refusal.UNKNOWN_CODE))
+
+
+def test_a_raw_integer_beyond_its_range_is_refused_by_name(made: tuple[Edition, CAdapter]) -> None:
+    edition, target = made
+    for command, direction, message in _messages(edition):
+        for parameters in _assignments(edition):
+            chance = random.Random(3)
+            node = message.id.nodes[0] if message.id.nodes is not None else None
+            raw = {f.name: _raw(f, chance, parameters) for f in _fields(message, parameters)}
+            for field in _fields(message, parameters):
+                for beyond in _beyond(field.type, parameters):
+                    value: Raw = [beyond] * len(field.elements) if field.is_array else beyond
+                    answer = target.encode_raw(
+                        direction, command.name, node, {**raw, field.name: value}, parameters
+                    )
+                    assert answer == Refused(Refusal.OUT_OF_RANGE, field.name), (message.name, field.name, beyond)
+
+
+def test_thousandths_are_the_nearest(made: tuple[Edition, CAdapter]) -> None:
+    edition, target = made
+    chance = random.Random(4)
+    for type_ in edition.types:
+        if not type_.is_number or type_.is_plain or type_.encoding is Encoding.FLOAT:
+            continue
+        for parameters in _assignments(edition):
+            linear = type_.linear.at({name: str(value) for name, value in parameters.items()})
+            low, high = _limits(type_, parameters)
+            for raw in [low, low + 1, 0, 1, -1, high - 1, high, *(chance.randint(low, high) for _ in range(ROUNDS))]:
+                if not low <= raw <= high:
+                    continue
+                answer = target.milli(type_.name, "to", raw, parameters)
+                if linear is None:
+                    assert answer == Refused(Refusal.NO_SCALE)
+                    continue
+                exact = (raw * linear.scale + linear.offset) * 1000
+                assert answer == _nearest(exact), (type_.name, raw)
+                assert isinstance(answer, int)
+                back = _nearest((Fraction(answer, 1000) - linear.offset) / linear.scale)
+                if low <= back <= high:
+                    assert target.milli(type_.name, "from", answer, parameters) == back, (type_.name, answer)
+                else:
+                    says = target.milli(type_.name, "from", answer, parameters)
+                    assert says == Refused(Refusal.OUT_OF_RANGE), (type_.name, answer)
+            if linear is not None:
+                for end in (low - 1, high + 1):
+                    milli = _nearest((end * linear.scale + linear.offset) * 1000)
+                    beyond = _nearest((Fraction(milli, 1000) - linear.offset) / linear.scale)
+                    if not low <= beyond <= high:
+                        says = target.milli(type_.name, "from", milli, parameters)
+                        assert says == Refused(Refusal.OUT_OF_RANGE), (type_.name, milli)
+
+
+def _messages(edition: Edition) -> Iterator[tuple[Command, Direction, Message]]:
+    for message in edition.all_messages():
+        yield edition.command(message.command), message.direction, message
+
+
+def _assignments(edition: Edition) -> list[Parameters]:
+    """Every value of every parameter at least once, numbers as 7/2."""
+    count = max((len(p.values) for p in edition.parameters), default=1)
+    return [
+        {p.name: p.values[i % len(p.values)].name if p.is_choice else "3.5" for p in edition.parameters}
+        for i in range(count)
+    ]
+
+
+def _fields(message: Message, parameters: Parameters) -> list[Field]:
+    variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
+    assert variant is not None
+    return [field for field in variant.fields if field.constant is None]
+
+
+def _limits(type_: Type, parameters: Parameters) -> tuple[int, int]:
+    low, high = type_.raw_limits
+    limits = type_.raw_range.at({name: str(value) for name, value in parameters.items()})
+    if limits is not None:
+        numbers = {n: Fraction(str(v)) for n, v in parameters.items() if str(v)[0].isdigit()}
+        least, most = limits.low.at(numbers), limits.high.at(numbers)
+        low = low if least is None else max(low, math.ceil(least))
+        high = high if most is None else min(high, math.floor(most))
+    return low, high
+
+
+def _raw(field: Field, chance: random.Random, parameters: Parameters) -> Raw:
+    numbers = [_one(field.type, chance, parameters) for _ in field.elements]
+    return numbers if field.is_array else numbers[0]
+
+
+def _one(type_: Type, chance: random.Random, parameters: Parameters) -> int:
+    if type_.enum:
+        return chance.choice(type_.enum).value
+    if type_.flags:
+        return sum(1 << m.value for m in type_.flags if chance.random() < 0.5)
+    if type_.encoding is Encoding.FLOAT:
+        return chance.choice([0, 1 << (type_.width - 1), 0x3F800000 << (type_.width - 32), 1])
+    low, high = _limits(type_, parameters)
+    return chance.choice([low, high, chance.randint(low, high)])
+
+
+def _beyond(type_: Type, parameters: Parameters) -> list[int]:
+    if type_.encoding is Encoding.FLOAT:
+        return []
+    if type_.flags:
+        return [1 << bit for bit in range(type_.width + 1) if bit not in {m.value for m in type_.flags}]
+    if type_.enum:
+        return [n for n in range(1 << min(type_.width, 8)) if n not in {m.value for m in type_.enum}]
+    low, high = _limits(type_, parameters)
+    return [low - 1, high + 1]
+
+
+def _place(frame: list[int], bits: tuple[int, ...], raw: int) -> None:
+    for number, bit in enumerate(bits):
+        frame[bit] = raw >> number & 1
+
+
+def _used(message: Message, parameters: Parameters) -> set[int]:
+    used = {s.byte * 8 + s.low + i for k in message.keys if k.space is Space.DATA for s in k.segments for i in range(s.width)}
+    variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
+    for field in variant.fields if variant else ():
+        if field.space is Space.DATA:
+            used |= {bit for element in field.elements for bit in element.bits}
+    return used
+
+
+def _frame(message: Message, node: int | None, raw: dict[str, Raw], parameters: Parameters) -> CanFrame:
+    """The frame bit by bit."""
+    spaces = {Space.DATA: [0] * 64, Space.ID: [0] * 32}
+    for key in message.keys:
+        bits = tuple(s.byte * 8 + s.low + i for s in key.segments for i in range(s.width))
+        _place(spaces[key.space], bits, key.value)
+    variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
+    for field in variant.fields if variant else ():
+        given = field.constant if field.constant is not None else raw[field.name]
+        numbers = given if isinstance(given, list) else [given] * len(field.elements)
+        for element, number in zip(field.elements, numbers, strict=True):
+            _place(spaces[field.space], element.bits, number)
+    data = sum(bit << i for i, bit in enumerate(spaces[Space.DATA])).to_bytes(8, "little")[: message.dlc]
+    id_ = message.id.base + ((node or 0) << message.id.node_shift)
+    id_ += sum(bit << i for i, bit in enumerate(spaces[Space.ID]))
+    return CanFrame(id_, data, message.id.extended, message.remote)
+
+
+def _nearest(number: Fraction) -> int:
+    magnitude = math.floor(abs(number) + Fraction(1, 2))
+    return magnitude if number >= 0 else -magnitude

@@ -1,0 +1,139 @@
+"""The C headers under every compiler, standard and level, on a bare Cortex-M0, and several editions in one unit."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from canwright.load import described
+from canwright.targets import Described, c
+
+from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, compilers
+from ..conformance.adapters.c_harness import harness
+from ..conformance.adapters.c_signatures import functions
+
+ROOT = Path(__file__).parents[2]
+CASES = Path(__file__).parent / "dbc"
+MAIN = ROOT / "spec" / "mwd_motor" / "v2.35.yaml"
+SPECS = [MAIN, CASES / "tiny.yaml", CASES / "packed.yaml"]
+
+
+def write(described_: Sequence[Described], folder: Path) -> Path:
+    """The generated files below a folder."""
+    for output in c.generate(described_, {}):
+        file = folder / output.path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(output.text, "utf-8")
+    return folder
+
+
+def headers(described_: Sequence[Described]) -> list[str]:
+    names = [f"{d.edition.family}/{d.edition.identifier}" for d in described_]
+    return [f"{name}{part}.h" for name in names for part in ("", "_float")]
+
+
+def everything(include: Path, names: Sequence[str]) -> str:
+    """A unit that takes the address of every function, so that a compiler makes code of each."""
+    found = [name for header in names for name in functions((include / header).read_text("utf-8"))]
+    lines = [f'#include "{header}"' for header in [*names, *names]]
+    table = [f"    (void (*)(void)){name}," for name in found]
+    lines += ["extern void (*const everything[])(void);", "void (*const everything[])(void) = {", *table, "};"]
+    return "\n".join([*lines, ""])
+
+
+@pytest.fixture(scope="module")
+def units(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with `include/`, one unit that has all editions, and a program that uses each."""
+    folder = tmp_path_factory.mktemp("c")
+    second = folder / "second.yaml"
+    text = MAIN.read_text("utf-8")
+    second.write_text(re.sub(r"(?m)^edition: .*$", "edition: v9-second", text), "utf-8")
+    editions = [described(spec) for spec in [*SPECS, second]]
+    write(editions, folder)
+    include = folder / "include"
+    (folder / "everything.c").write_text(everything(include, headers(editions)), "utf-8")
+    for one in editions[:3]:
+        (folder / f"{one.edition.family}.c").write_text(harness(one.edition, include), "utf-8")
+    return folder
+
+
+@pytest.mark.parametrize("standard", STANDARDS)
+@pytest.mark.parametrize("compiler", compilers(), ids=lambda compiler: compiler.name)
+def test_no_warning(compiler: Compiler, standard: str, units: Path, tmp_path: Path) -> None:
+    language = ("-x", "c++") if standard.startswith("c++") else ()
+    for level in LEVELS:
+        for source in sorted(units.glob("*.c")):
+            flags = (*WARNINGS, level, f"-I{units / 'include'}", *language)
+            compiler.run(standard, *flags, "-c", source, "-o", tmp_path / "unit.o")
+
+
+@pytest.mark.parametrize("standard", STANDARDS)
+def test_bare_cortex_m0(standard: str, units: Path, tmp_path: Path) -> None:
+    """No library but that of the compiler itself: the linker finds every function that is called."""
+    language = ("-x", "c++") if standard.startswith("c++") else ()
+    flags = (*CORTEX_M0, *WARNINGS, "-Os", f"-I{units / 'include'}", *language)
+    ZIG.run(standard, *flags, "-c", units / "everything.c", "-o", tmp_path / "unit.o")
+
+
+def test_main_header_has_no_float(units: Path) -> None:
+    for header in sorted((units / "include").rglob("*.h")):
+        text = re.sub(r"/\*.*?\*/", "", header.read_text("utf-8"), flags=re.S)
+        includes = set(re.findall(r"#include <(.*?)>", text))
+        if header.stem.endswith("_float"):
+            assert includes <= {"float.h"}
+        else:
+            assert includes <= {"stdbool.h", "stddef.h", "stdint.h"}
+            assert not re.search(r"\b(float|double)\b", text)
+
+
+def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
+    program = (
+        "import sys; from pathlib import Path; from canwright.load import described; from canwright.targets import c; "
+        "sys.stdout.write(repr([(o.path, o.text) for o in c.generate([described(Path(sys.argv[1]))], {})]))"
+    )
+    made = {
+        subprocess.run(
+            [sys.executable, "-c", program, str(MAIN)],
+            capture_output=True,
+            check=True,
+            env={"PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT / "generator")},
+        ).stdout
+        for seed in ("1", "2")
+    }
+    assert len(made) == 1
+
+
+def test_example_builds_and_runs(tmp_path: Path) -> None:
+    folder = write([described(MAIN)], tmp_path / "c")
+    cmake = (sys.executable, "-c", "import cmake; cmake.cmake()")
+    ninja = subprocess.run(
+        [sys.executable, "-c", "import ninja; print(ninja.BIN_DIR)"], capture_output=True, text=True, check=True
+    ).stdout.strip()
+    build, prefix = tmp_path / "build", tmp_path / "prefix"
+
+    def run(*command: str | Path) -> str:
+        done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    generator = ("-G", "Ninja", f"-DCMAKE_MAKE_PROGRAM={ninja}/ninja", *_cmake_compilers())
+    run(*cmake, "-S", folder, "-B", build, *generator, f"-DCMAKE_INSTALL_PREFIX={prefix}")
+    run(*cmake, "--build", build)
+    run(*cmake, "--install", build)
+    examples = tmp_path / "examples"
+    run(*cmake, "-S", folder / "examples", "-B", examples, *generator, f"-DCMAKE_PREFIX_PATH={prefix}")
+    run(*cmake, "--build", examples)
+    programs = [f for f in sorted(examples.iterdir()) if f.is_file() and f.stat().st_mode & 0o111 and not f.suffix]
+    assert programs
+    for program in programs:
+        assert run(program)
+
+
+def _cmake_compilers() -> list[str]:
+    """Settings that name the compilers; those of PyPI where there is no other."""
+    first = compilers()[0]
+    return [f"-DCMAKE_C_COMPILER={';'.join(first.c)}", f"-DCMAKE_CXX_COMPILER={';'.join(first.cxx)}"]

@@ -1,0 +1,236 @@
+"""The DBC files: which there are, what they say, and the rules that keep every reader right."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Mapping
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from canwright.golden import Frame, GoldenFrames
+from canwright.load import described
+from canwright.targets import Described, dbc
+
+ROOT = Path(__file__).parents[2]
+CASES = Path(__file__).parent / "dbc"
+MAIN = ROOT / "spec" / "mwd_motor" / "v2.35.yaml"
+SPECS = [MAIN, CASES / "tiny.yaml", CASES / "packed.yaml"]
+
+SECTIONS = [
+    "VERSION",
+    "NS_",
+    "BS_",
+    "BU_",
+    "BO_",
+    "BO_TX_BU_",
+    "CM_",
+    "BA_DEF_",
+    "BA_DEF_DEF_",
+    "BA_",
+    "VAL_",
+    "SIG_VALTYPE_",
+]
+
+
+def made(spec: Path, **set_parameters: str) -> dict[str, str]:
+    return {output.path: output.text for output in dbc.generate([described(spec)], set_parameters)}
+
+
+def files(spec: Path, **set_parameters: str) -> dict[str, str]:
+    return {path: text for path, text in made(spec, **set_parameters).items() if path.endswith(".dbc")}
+
+
+@pytest.fixture(scope="module", params=SPECS, ids=lambda spec: spec.stem)
+def texts(request: pytest.FixtureRequest) -> Mapping[str, str]:
+    return files(request.param)
+
+
+@pytest.mark.parametrize("name", ["lamp-v1-small-reply-node1.dbc", "lamp-v1-small-command.dbc"])
+def test_text_of_a_small_spec(name: str) -> None:
+    assert made(CASES / "tiny.yaml")[name] == (CASES / name).read_text("ascii")
+
+
+def test_a_choice_among_names_splits_the_files() -> None:
+    expected = {
+        f"mwd_motor-v2.35-{series}-{kind}{part}.dbc"
+        for series in ("MS", "MF", "MH", "MG")
+        for kind in ("reply", "command")
+        for part in ("", "-node1")
+    }
+    assert set(made(MAIN)) == {*expected, "README.md"}
+    assert set(made(CASES / "packed.yaml")) == {
+        f"drive-v1-{kind}{part}.dbc" for kind in ("reply", "command") for part in ("", "-node1")
+    } | {"README.md"}
+
+
+def test_a_set_choice_among_names_leaves_only_its_files() -> None:
+    assert {path.split("-")[2] for path in files(CASES / "tiny.yaml", size="big")} == {"big"}
+
+
+def test_set_numbers_make_a_variant_with_its_own_name_and_scale() -> None:
+    plain = files(CASES / "tiny.yaml")["lamp-v1-big-command.dbc"]
+    variant = files(CASES / "tiny.yaml", steps="12", rating="7/2")["lamp-v1-big-steps_12-rating_3.5-command.dbc"]
+    assert '48|16@1+ (1,0) [0|65535] "raw"' in plain
+    assert '48|16@1+ (0.087890625,0) [0|5759.912109375] "deg"' in variant
+    assert '32|16@1+ (0.1,-10) [-10|6543.5] "W"' in plain
+    assert '32|16@1+ (0.1,-10) [-10|24.9] "W"' in variant
+
+
+def test_commands_that_a_value_lacks_are_left_out_but_their_reply_stays_where_another_command_has_it() -> None:
+    texts = files(CASES / "tiny.yaml")
+    assert "c1A_" in texts["lamp-v1-small-command.dbc"]
+    assert "c1A_" not in texts["lamp-v1-big-command.dbc"]
+    assert "r1A_turn" in texts["lamp-v1-big-reply.dbc"]
+
+
+def test_an_accepted_code_is_defined_beside_the_printed_one() -> None:
+    reply = files(MAIN)["mwd_motor-v2.35-MG-reply.dbc"]
+    for code, name in (("m154", "r9A_voltage"), ("m155", "r9B_voltage")):
+        assert f" SG_ {name} {code} : 24|16@1+ (0.1,0)" in reply
+
+
+def test_scale_of_each_series_and_of_the_broadcast() -> None:
+    texts = files(MAIN)
+    current = {series: texts[f"mwd_motor-v2.35-{series}-command.dbc"] for series in ("MS", "MF", "MH", "MG")}
+    assert '32|16@1- (0.01611328125,0) [-33|33] "A"' in current["MG"]
+    assert '32|16@1- (0.008056640625,0) [-16.5|16.5] "A"' in current["MF"]
+    assert '32|16@1- (1,0) [-2048|2048] "raw"' in current["MH"]
+    assert "cA1_" not in current["MS"]
+    assert all('0|16@1- (0.016,0) [-32|32] "A"' in text for text in current.values())
+    assert "BO_ 640" not in texts["mwd_motor-v2.35-MG-reply.dbc"]
+
+
+def test_files_are_plain_ascii_lines(texts: Mapping[str, str]) -> None:
+    for text in texts.values():
+        assert text.isascii()
+        assert "\r" not in text
+        assert text.endswith("\n")
+        assert text.startswith("VERSION ")
+
+
+def test_sections_stand_in_canonical_order(texts: Mapping[str, str]) -> None:
+    for path, text in texts.items():
+        words = [re.split(r"[ :]", line)[0] for line in text.splitlines() if line and not line.startswith(" ")]
+        places = [SECTIONS.index(word) for word in words]
+        assert places == sorted(places), path
+
+
+def test_names_are_short_and_unique_in_their_message(texts: Mapping[str, str]) -> None:
+    for path, text in texts.items():
+        messages = re.findall(r"^BO_ (\d+) (\w+):(.*\n(?: SG_ .*\n)*)", text, re.MULTILINE)
+        assert messages, path
+        ids, names = [m[0] for m in messages], [m[1] for m in messages]
+        assert len(set(ids)) == len(ids)
+        for group in (names, *(re.findall(r" SG_ (\w+)", body) for _, _, body in messages)):
+            assert len(set(group)) == len(group)
+            assert all(re.fullmatch(r"[A-Za-z]\w{0,31}", name) for name in group)
+
+
+def test_numbers_have_no_exponent(texts: Mapping[str, str]) -> None:
+    for text in texts.values():
+        for line in re.findall(r"^ SG_ .*", text, re.MULTILINE):
+            assert re.search(r" \(-?[\d.]+,-?[\d.]+\) \[-?[\d.]+\|-?[\d.]+\] \"", line), line
+
+
+def test_comments_are_on_one_line_without_quotes(texts: Mapping[str, str]) -> None:
+    for text in texts.values():
+        for line in text.splitlines():
+            if line.startswith("CM_"):
+                assert re.fullmatch(r'CM_ (BO_ \d+ |SG_ \d+ \w+ )?"[^"\\]+";', line), line
+
+
+def test_every_code_has_a_signal(texts: Mapping[str, str]) -> None:
+    for text in texts.values():
+        for id_, selector, table in re.findall(r"^VAL_ (\d+) ([rc]_code) (.*) ;", text, re.MULTILINE):
+            body = re.search(rf"^BO_ {id_} .*\n((?: SG_ .*\n)*)", text, re.MULTILINE)
+            assert body and selector
+            assert set(re.findall(r"(\d+) \"", table)) == set(re.findall(r" m(\d+) :", body.group(1)))
+
+
+def test_ids_of_29_bits_are_marked() -> None:
+    text = files(CASES / "packed.yaml")["drive-v1-command.dbc"]
+    assert f"BO_ {1 << 31 | 2 << 5 | 0x0C} Axis2_move: 8 Tester" in text
+    assert f'BA_ "VFrameFormat" BO_ {1 << 31 | 2 << 5 | 0x0C} 1;' in text
+
+
+def test_what_has_no_form_is_left_out_and_named() -> None:
+    texts = made(CASES / "packed.yaml")
+    assert "read_precise" not in texts["drive-v1-command.dbc"]
+    assert "- `read_precise` (command): left out: a remote frame" in texts["README.md"]
+
+
+def test_a_message_that_is_shorter_than_others_of_its_id_is_named() -> None:
+    assert "- `short` (command): it has 2 bytes, the file says 8." in made(CASES / "tiny.yaml")["README.md"]
+    assert " SG_ c1D_reserved m29 : 8|8@1+ " in files(CASES / "tiny.yaml")["lamp-v1-small-command.dbc"]
+
+
+def test_several_senders_of_one_id_are_all_named() -> None:
+    assert "BO_TX_BU_ 1408 : Probe4,Probe5;" in files(CASES / "packed.yaml")["drive-v1-reply.dbc"]
+
+
+def example() -> Described:
+    """The edition with two golden frames, so that the guide has examples."""
+    plain = described(MAIN)
+    parameters: dict[str, int | str] = {"series": "MG"}
+    reply = Frame(
+        source="by_hand",
+        parameters=parameters,
+        reply="read_status_1",
+        id=0x142,
+        node=2,
+        data="9A E2 00 E0 01 00 00 08",  # type: ignore[arg-type]
+        raw={"temperature": -30, "voltage": 480, "errors": 8},
+        values={"temperature": Fraction(-30), "voltage": Fraction(48), "errors": ["over_temperature"]},
+    )
+    request = Frame(
+        source="by_hand",
+        parameters=parameters,
+        request="turn_to_angle",
+        id=0x143,
+        node=3,
+        data="A5 01 00 00 39 30 00 00",  # type: ignore[arg-type]
+        raw={"spin_direction": 1, "angle": 12345},
+        values={"spin_direction": "counterclockwise", "angle": Fraction("123.45")},
+    )
+    frames = GoldenFrames(
+        canwright=1, family="mwd_motor", edition="v2.35", sources={"by_hand": "By hand"}, frames=[reply, request]
+    )
+    return Described(plain.edition, frames)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("dbc")
+    for output in dbc.generate([example()], {}):
+        (folder / output.path).write_text(output.text, "ascii" if output.path.endswith(".dbc") else "utf-8")
+    return folder
+
+
+def test_links_of_the_guide_lead_to_all_files(folder: Path) -> None:
+    links = re.findall(r"\]\(([^)]+)\)", (folder / "README.md").read_text("utf-8"))
+    assert sorted(links) == sorted(file.name for file in folder.glob("*.dbc"))
+
+
+def test_the_guides_python_works_as_printed(folder: Path) -> None:
+    code = re.search(r"```python\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
+    assert code
+    run = subprocess.run([sys.executable, "-c", code.group(1)], cwd=folder, capture_output=True, text=True, check=True)
+    shown, sent = run.stdout.splitlines()
+    assert "'r9A_voltage': 48.0" in shown
+    assert sent == "143#a501000039300000"
+    assert f"# {sent}" in code.group(1)
+
+
+def test_the_guides_lines_for_the_terminal_work(folder: Path) -> None:
+    guide = (folder / "README.md").read_text("utf-8")
+    by_hand = re.search(r"^echo '(.*)' \| cantools decode (\S+)$", guide, re.MULTILINE)
+    live = re.search(r"^candump -x can0 \| sed -n '(.*)' \| cantools decode --single-line (\S+)$", guide, re.MULTILINE)
+    assert by_hand and live and live.group(1) == "s/ RX - - //p"
+    marked = "  can0  RX - -  142   [8]  9A E2 00 E0 01 00 00 08"
+    for line, file in ((by_hand.group(1), by_hand.group(2)), (marked.replace(" RX - - ", ""), live.group(2))):
+        command = [sys.executable, "-m", "cantools", "decode", "--single-line", file]
+        run = subprocess.run(command, cwd=folder, input=line + "\n", capture_output=True, text=True, check=True)
+        assert "Motor2_reply(r_code: read_status_1, r9A_temperature: -30 degC, r9A_voltage: 48.0 V" in run.stdout

@@ -1,0 +1,242 @@
+"""The DBC files in readers: both load all of it and agree, and every message crosses cantools unharmed."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import io
+import struct
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import canmatrix.formats
+import cantools
+import pytest
+from cantools.database import Database
+from canwright.golden import Refusal
+from canwright.load import described
+from canwright.model import (
+    Assignment,
+    Direction,
+    Edition,
+    Element,
+    Encoding,
+    Field,
+    Key,
+    Layout,
+    Message,
+    Segment,
+    Space,
+    Variant,
+)
+from canwright.targets import Described, dbc
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
+from ..conformance.adapters.dbc import DbcAdapter
+from ..conformance.adapters.dbc_fields import Cannot
+from .test_dbc import CASES, SPECS, files
+
+
+def loaded(text: str) -> Database:
+    database = cantools.database.load_string(text, "dbc", strict=True)
+    assert isinstance(database, Database)
+    return database
+
+
+def loaded_by_canmatrix(text: str) -> Any:
+    """Loads a file afresh: canmatrix keeps ids in its class, which would mix one file with the next."""
+    matrix: Any = canmatrix.formats.load_flat(io.BytesIO(text.encode("ascii")), "dbc")
+    type(matrix)._frames_dict_id_extend.clear()
+    return matrix
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
+def test_cantools_and_canmatrix_agree_on_every_signal(spec: Path) -> None:
+    for path, text in files(spec).items():
+        first, second = loaded(text), loaded_by_canmatrix(text)
+        assert second.load_errors == []
+        assert {m.name for m in first.messages} == {f.name for f in second.frames}
+        for message in first.messages:
+            frame = second.frame_by_name(message.name)
+            assert (frame.arbitration_id.id, frame.arbitration_id.extended, frame.size) == (
+                message.frame_id,
+                message.is_extended_frame,
+                message.length,
+            )
+            assert set(frame.transmitters) == set(message.senders)
+            assert {s.name for s in message.signals} == {s.name for s in frame.signals}
+            for signal in message.signals:
+                other = frame.signal_by_name(signal.name)
+                mux = signal.multiplexer_ids[0] if signal.multiplexer_ids else None
+                start = other.get_startbit(bit_numbering=1)
+                assert start == signal.start, f"{path} {signal.name}"
+                assert (other.size, other.is_little_endian, other.is_float) == (
+                    signal.length,
+                    signal.byte_order == "little_endian",
+                    signal.conversion.is_float,
+                )
+                assert other.is_signed == signal.is_signed
+                assert (float(other.factor), float(other.offset)) == (signal.conversion.scale, signal.conversion.offset)
+                assert (other.is_multiplexer, None if other.is_multiplexer else other.mux_val) == (
+                    signal.is_multiplexer,
+                    mux,
+                )
+                assert (other.unit or None, set(other.receivers)) == (signal.unit, set(signal.receivers))
+                assert {int(k): str(v) for k, v in other.values.items()} == {
+                    int(k): str(v) for k, v in (signal.choices or {}).items()
+                }
+                assert (other.comment or None) == signal.comment
+
+
+@functools.cache
+def adapter(spec: Path) -> DbcAdapter:
+    return DbcAdapter(described(spec))
+
+
+def every_message() -> Iterator[object]:
+    """All that a DBC can say, which leaves out a remote frame and one that is shorter than others of its id."""
+    for spec in SPECS:
+        edition = described(spec).edition
+        for direction in Direction:
+            for message in edition.messages(direction):
+                if not message.remote and message.name != "short_request":
+                    yield pytest.param(spec, message, id=f"{spec.stem}-{message.name}")
+
+
+def packed(message: Message, raw: Mapping[str, list[int]]) -> bytes:
+    """The data of a message, bit by bit."""
+    places = [(bits_of(key.segments), key.value) for key in message.keys if key.space is Space.DATA]
+    for field in message.layout.fields:
+        values = [field.constant] * len(field.elements) if field.constant is not None else raw.get(field.name, [])
+        places += [(element.bits, value) for element, value in zip(field.elements, values, strict=False)]
+    frame = sum(1 << bit for bits, value in places for i, bit in enumerate(bits) if value >> i & 1)
+    return frame.to_bytes(message.dlc, "little")
+
+
+def bits_of(segments: tuple[Segment, ...]) -> tuple[int, ...]:
+    return Element(None, segments).bits
+
+
+def raw_integers(field: Field, assignment: Assignment) -> st.SearchStrategy[int]:
+    """Raw integers that an encoder must take."""
+    type_ = field.type
+    if type_.enum:
+        return st.sampled_from([member.value for member in type_.enum])
+    if type_.flags:
+        return st.sets(st.sampled_from([flag.value for flag in type_.flags])).map(lambda on: sum(1 << n for n in on))
+    span = type_.raw_range.at(assignment)
+    if type_.encoding is Encoding.FLOAT:
+        limit = 100 if span else None
+        as_int, as_float = (">I", ">f") if type_.width == 32 else (">Q", ">d")
+        floats = st.floats(limit and -limit, limit, width=32, allow_nan=False, allow_infinity=False)
+        return floats.map(lambda value: int(struct.unpack(as_int, struct.pack(as_float, value))[0]))
+    low, high = type_.raw_limits
+    if span:
+        first, last = span.low.at({}), span.high.at({})
+        low = low if first is None else int(first)
+        high = high if last is None else int(last)
+    return st.integers(low, high)
+
+
+@pytest.mark.parametrize(("spec", "message"), list(every_message()))
+@settings(max_examples=30, deadline=None)
+@given(data=st.data())
+def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.DataObject) -> None:
+    edition = described_once(spec)
+    command = edition.command(message.command)
+    splits = [p for p in edition.parameters if p.is_choice and not p.is_numeric]
+    assignment = {
+        p.name: data.draw(st.sampled_from(command.only.get(p.name, [v.name for v in p.values]))) for p in splits
+    }
+    variant = message.layout.variant(assignment)
+    assert variant
+    raw = {
+        field.name: [data.draw(raw_integers(field, assignment)) for _ in field.elements]
+        for field in variant.fields
+        if field.constant is None
+    }
+    flat = {f.name: raw[f.name] if f.is_array else raw[f.name][0] for f in variant.fields if f.name in raw}
+    node = data.draw(st.sampled_from(message.id.nodes)) if message.id.nodes else None
+    keys_in_id = sum(key.value << key.segments[0].low for key in message.keys if key.space is Space.ID)
+    id_ = message.id.base + ((node or 0) << message.id.node_shift) + keys_in_id
+    frame = CanFrame(id_, packed(message, raw), message.id.extended)
+
+    written = adapter(spec).encode_raw(message.direction, message.command, node, flat, assignment)
+    assert written == Encoded(frame.id, frame.data)
+    if not message.keys or message.keys[0].value in message.claims:
+        read = adapter(spec).decode(message.direction, frame, assignment, None)
+        assert isinstance(read, Decoded)
+        assert (read.command, read.node, read.raw) == (message.command, node, flat)
+
+
+@functools.cache
+def described_once(spec: Path) -> Edition:
+    return described(spec).edition
+
+
+def with_second_selector(at: int) -> Described:
+    """A small edition whose code 0x1B has two forms, told apart by byte `at`."""
+    small = described(CASES / "tiny.yaml")
+    commands = []
+    for command in small.edition.commands:
+        if command.name not in ("shine", "turn"):
+            continue
+        reply = command.reply
+        assert reply
+        code = dataclasses.replace(reply.keys[0], value=0x1B)
+        index = Key(
+            "index", Space.DATA, code.order, 8, (Segment(at, 0, 8, 0),), {"shine": 0x0A, "turn": 0x0B}[command.name]
+        )
+        moved = dataclasses.replace(
+            reply, keys=(code, index), accept=(), claims=(0x1B,), layout=moved_layout(reply.layout)
+        )
+        commands.append(dataclasses.replace(command, reply=moved))
+    return Described(dataclasses.replace(small.edition, commands=tuple(commands)), None)
+
+
+def moved_layout(layout: Layout) -> Layout:
+    """The layout with its first field out of the second selector's way."""
+    first, *others = layout.fields
+    away = dataclasses.replace(first, elements=(Element(None, (Segment(4, 0, 8, 0), Segment(5, 0, 8, 8))),))
+    fields = (away, *others)
+    return dataclasses.replace(layout, fields=fields, variants=(Variant((), fields),))
+
+
+def test_selectors_side_by_side_have_a_file_that_reads_them_as_one() -> None:
+    texts = {o.path: o.text for o in dbc.generate([with_second_selector(1)], {})}
+    plain, joined = loaded(texts["lamp-v1-small-reply.dbc"]), loaded(texts["lamp-v1-small-reply-index.dbc"])
+    frame = bytes.fromhex("1B 0B 00 00 34 12 00 21")
+    assert plain.decode_message(0x101, frame) == {"r_code": 0x1B, "r1B_index": "turn", "r1B_data": 0x2100_1234_0000}
+    assert joined.decode_message(0x101, frame) == {
+        "r_code_index": "turn",
+        "r1B_0B_turn": 0x1234,
+        "r1B_0B_faults_hot": 1,
+        "r1B_0B_faults_bits_1_4": 0,
+        "r1B_0B_faults_dead": 1,
+        "r1B_0B_faults_bits_6_7": 0,
+    }
+    assert "lamp-v1-small-reply-index-node1.dbc" in texts
+
+
+def test_a_message_with_two_selectors_crosses_cantools() -> None:
+    both = DbcAdapter(with_second_selector(1))
+    frame = CanFrame(0x101, bytes.fromhex("1B 0B 00 00 34 12 00 21"))
+    read = both.decode(Direction.REPLY, frame, {}, None)
+    assert isinstance(read, Decoded)
+    assert (read.command, read.raw) == ("turn", {"turn": 0x1234, "faults": 0x21})
+    assert both.encode_raw(Direction.REPLY, "turn", 1, read.raw, {}) == Encoded(frame.id, frame.data)
+    unknown = CanFrame(0x101, bytes.fromhex("1B 0C 00 00 34 12 00 21"))
+    assert both.decode(Direction.REPLY, unknown, {}, None) == Refused(Refusal.UNKNOWN_CODE)
+
+
+def test_selectors_apart_leave_the_bits_between_undecided() -> None:
+    texts = {o.path: o.text for o in dbc.generate([with_second_selector(2)], {})}
+    assert not any("index" in path for path in texts)
+    read = loaded(texts["lamp-v1-small-reply.dbc"]).decode_message(0x101, bytes.fromhex("1B 01 0A 02 00 00 00 80"))
+    assert read == {"r_code": 0x1B, "r1B_index": "shine", "r1B_data": 1, "r1B_data_2": 0x80_0000_0002}
+    assert "`turn` (reply): its fields are shown as bare bits" in texts["README.md"]
+    with pytest.raises(Cannot, match="selectors_apart"):
+        DbcAdapter(with_second_selector(2)).encode_raw(Direction.REPLY, "turn", 1, {"turn": 0, "faults": 0}, {})
