@@ -18,6 +18,16 @@ _COMMANDS = {"en": "Commands", "zh": "命令"}
 _NEEDED = ("mkdocs", "material", "mkdocs_static_i18n")
 
 
+_THEME = """{% extends "base.html" %}
+{% block extrahead %}<style>
+.md-grid { max-width: 80rem }
+.md-typeset table:not([class]) :is(td, th) { padding: .5em .7em; min-width: 0 }
+.md-typeset table:not([class]) code { white-space: nowrap }
+</style>{% endblock %}
+"""
+"""Byte tables are wide: more room for them, and no break within a number."""
+
+
 class SiteError(Exception):
     """The site cannot be built; says why and what to do."""
 
@@ -31,21 +41,25 @@ def build(docs: Path, site: Path) -> None:
     if not languages:
         raise SiteError(f"there are no pages in {docs.as_posix()}; run `canwright generate --target docs` first")
     with tempfile.TemporaryDirectory() as folder:
-        config = Path(folder) / "mkdocs.yml"
-        config.write_text(yaml.safe_dump(_config(docs, site, languages), allow_unicode=True, sort_keys=False), "utf-8")
+        config, theme = Path(folder) / "mkdocs.yml", Path(folder) / "theme"
+        theme.mkdir()
+        (theme / "main.html").write_text(_THEME, "utf-8")
+        settings = _config(docs, site, theme, languages)
+        config.write_text(yaml.safe_dump(settings, allow_unicode=True, sort_keys=False), "utf-8")
         command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--config-file", str(config)]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
     if result.returncode != 0:
         raise SiteError(f"mkdocs stopped:\n{result.stdout}{result.stderr}")
 
 
-def _config(docs: Path, site: Path, languages: list[str]) -> dict[str, Any]:
+def _config(docs: Path, site: Path, theme: Path, languages: list[str]) -> dict[str, Any]:
     return {
         "site_name": "canwright",
         "docs_dir": str(docs.resolve()),
         "site_dir": str(site.resolve()),
         "theme": {
             "name": "material",
+            "custom_dir": str(theme),
             "font": False,
             "features": ["navigation.indexes", "navigation.top", "navigation.footer", "content.code.copy"],
             "palette": [

@@ -7,7 +7,8 @@ can: such a case is a named exception.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
@@ -16,8 +17,7 @@ from canwright.golden import Refusal
 from canwright.model import Assignment, Direction, Space
 from canwright.targets import Described, dbc
 
-from ..adapter import Cannot, CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
-
+from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
 from .dbc_file import KIND, DbcFile, message_of
 
 Result = TypeVar("Result", Decoded, Encoded)
@@ -50,18 +50,23 @@ class DbcAdapter:
         self._described = described
         self._edition = described.edition
         self._texts: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
-        self._loaded_files: dict[str, list[DbcFile]] = {}
+        self._loaded: dict[str, DbcFile] = {}
+        self._limiting = {
+            bound.parameter
+            for message in self._edition.messages(Direction.REQUEST)
+            for field in message.layout.fields
+            for _, span in field.type.raw_range.distinct()
+            for bound in ((span.low, span.high) if span else ())
+        }
 
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
     ) -> Decoded | Refused:
         if frame.remote:
             return Refused(Refusal.UNKNOWN_ID)
-        read = [self._read(files, direction, frame) for files in self._files(direction, parameters)]
-        result = _agreed(_agreed_values(read))
+        result = _agreed(_agreed_values(self._read(direction, frame, parameters)))
         if result == Refused(Refusal.UNKNOWN_CODE):
-            elsewhere = (self._read(files, direction, frame) for files in self._files(direction, {}))
-            if any(isinstance(other, Decoded) for other in elsewhere):
+            if any(isinstance(other, Decoded) for other in self._read(direction, frame, {})):
                 raise Cannot("other_value")
         if answering is None or isinstance(result, Refused):
             return result
@@ -88,7 +93,7 @@ class DbcAdapter:
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         raise Cannot("exchanges")
 
-    def _files(self, direction: Direction, parameters: Parameters) -> Iterator[list[DbcFile]]:
+    def _names(self, direction: Direction, parameters: Parameters) -> Iterator[tuple[str, Assignment]]:
         """The files that a node with these parameters may need: one, or several where a parameter is not given."""
         choices: list[list[str]] = []
         fixed: dict[str, str] = {}
@@ -96,36 +101,37 @@ class DbcAdapter:
             given = parameters.get(parameter.name)
             if not parameter.is_numeric:
                 choices.append([str(given)] if given is not None else [value.name for value in parameter.values])
-            elif given is not None:
+            elif given is not None and (parameter.is_choice or parameter.name in self._limiting):
                 fixed[parameter.name] = str(given)
         words = [f"{name}_{value}" for name, value in fixed.items()]
         for combination in itertools.product(*choices):
             names = (self._edition.family, self._edition.name, *combination, *words, KIND[direction])
-            yield self._loaded("-".join(names), fixed)
+            yield "-".join(names), fixed
 
-    def _loaded(self, name: str, fixed: Assignment) -> list[DbcFile]:
-        """The file of a name, after those that read its selectors as one."""
+    def _files(self, name: str, fixed: Assignment) -> Iterator[list[DbcFile]]:
+        """The files of a name: those of one node, which load fast, then those of all. The plain one is always last."""
         variant = tuple(fixed.items())
         if variant not in self._texts:
             self._texts[variant] = {output.path: output.text for output in dbc.generate([self._described], fixed)}
-        if name not in self._loaded_files:
-            texts = self._texts[variant]
-            joined = [path for path in texts if path.startswith(f"{name}-") and "-node" not in path]
-            self._loaded_files[name] = [DbcFile(self._edition, texts[path]) for path in (*joined, f"{name}.dbc")]
-        return self._loaded_files[name]
+        paths = [path for path in self._texts[variant] if re.match(re.escape(name) + "[-.]", path)]
+        for of_one_node in (True, False):
+            some = [path for path in paths if ("-node" in path) is of_one_node]
+            if some:
+                yield [self._file(path, variant) for path in sorted(some, key=len, reverse=True)]
 
-    def _read(self, files: Sequence[DbcFile], direction: Direction, frame: CanFrame) -> Decoded | Refused:
-        """What the first file that knows the frame says."""
-        for file in files[:-1]:
-            result = file.read(direction, frame)
-            if isinstance(result, Decoded):
-                return result
-        try:
-            return files[-1].read(direction, frame)
-        except Cannot as exception:
-            if exception.name == "selectors_apart" and len(files) > 1:
-                return Refused(Refusal.UNKNOWN_CODE)
-            raise
+    def _file(self, path: str, variant: tuple[tuple[str, str], ...]) -> DbcFile:
+        if path not in self._loaded:
+            self._loaded[path] = DbcFile(self._edition, self._texts[variant][path])
+        return self._loaded[path]
+
+    def _read(self, direction: Direction, frame: CanFrame, parameters: Parameters) -> list[Decoded | Refused]:
+        """What the files say, for each combination of parameters that are not given."""
+        read: list[Decoded | Refused] = []
+        for name, fixed in self._names(direction, parameters):
+            results = (_read(files, direction, frame) for files in self._files(name, fixed))
+            known = (result for result in results if result != Refused(Refusal.UNKNOWN_ID))
+            read.append(next(known, Refused(Refusal.UNKNOWN_ID)))
+        return read
 
     def _encode(
         self,
@@ -140,9 +146,13 @@ class DbcAdapter:
         if message.remote or any(f.space is Space.ID and f.constant is None for f in message.layout.fields):
             raise Cannot("left_out")
         written = []
-        for files in self._files(direction, parameters):
-            results = [file.write(message, node, given, parameters, scaled) for file in files]
-            written.append(next((result for result in results if result is not None), None))
+        for name, fixed in self._names(direction, parameters):
+            results = (
+                file.write(message, node, given, parameters, scaled)
+                for files in self._files(name, fixed)
+                for file in files
+            )
+            written.append(_first(results))
         if all(result is None for result in written):
             raise Cannot("selectors_apart" if len(message.keys) > 1 else "other_value")
         result = _agreed([result for result in written if result is not None])
@@ -152,6 +162,31 @@ class DbcAdapter:
             )
             return Refused(Refusal.MISSING_PARAMETER, next(undecided, None))
         return result
+
+
+def _read(files: Sequence[DbcFile], direction: Direction, frame: CanFrame) -> Decoded | Refused:
+    """What the first of the files that knows the frame says; the last one is the plain one."""
+    *joined, plain = files
+    for file in joined:
+        result = file.read(direction, frame)
+        if isinstance(result, Decoded):
+            return result
+    try:
+        return plain.read(direction, frame)
+    except Cannot as exception:
+        if exception.name == "selectors_apart" and joined:
+            return Refused(Refusal.UNKNOWN_CODE)
+        raise
+
+
+def _first(results: Iterable[Encoded | Refused | None]) -> Encoded | Refused | None:
+    """The first result of a file that has the node and the command; None when no file has the command."""
+    lacks = False
+    for result in results:
+        if result is not None and result != Refused(Refusal.UNKNOWN_NODE):
+            return result
+        lacks = lacks or result is None
+    return None if lacks else Refused(Refusal.UNKNOWN_NODE)
 
 
 def _agreed(results: Sequence[Result | Refused]) -> Result | Refused:

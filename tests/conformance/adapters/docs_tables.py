@@ -166,7 +166,7 @@ class MessagePage:
 
 def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> MessagePage:
     """A direction of a command page from its two tables."""
-    said = {row[0]: row[1] for row in facts if len(row) == 2}
+    said = dict(zip(*facts, strict=True))
     base, shift = _id(plain(said["Id"]))
     first, last = (plain(said["Nodes"]).split("..") + [""])[:2] if "Nodes" in said else ("", "")
     each = plain(said.get("One from each of", ""))

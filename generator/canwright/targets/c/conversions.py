@@ -20,6 +20,8 @@ from .validity import constant_limits, has_constant_limits
 NO_SCALE = ("return CANWRIGHT_NO_SCALE;",)
 MISSING_PARAMETER = ("return CANWRIGHT_MISSING_PARAMETER;",)
 DOUBLE_LIMIT = 10**300
+EXACT = 1 << 53
+"""Up to here a double holds every integer."""
 
 
 @dataclass(frozen=True)
@@ -191,7 +193,7 @@ def double(names: Names, type_: Type, valid: Choice | None) -> ConversionView | 
     def to(linear: Linear | None) -> list[str]:
         if linear is None:
             return list(NO_SCALE)
-        number = _value(linear, f"canwright_number{type_.width}(raw)" if is_float else "(double)raw")
+        number = _value(linear, type_)
         return [f"*value = {number};", "return CANWRIGHT_OK;"] if fails else [f"return {number};"]
 
     def from_(linear: Linear | None) -> list[str]:
@@ -213,12 +215,25 @@ def double(names: Names, type_: Type, valid: Choice | None) -> ConversionView | 
     )
 
 
-def _value(linear: Linear, raw: str) -> str:
+def _value(linear: Linear, type_: Type) -> str:
     """The value, one operation a step; a factor of 1 and an offset of 0 are no step."""
-    scale, offset = linear.scale, linear.offset
-    above = f" * {_literal(scale.numerator)}" if scale.numerator != 1 else ""
-    below = f" / {_literal(scale.denominator)}" if scale.denominator != 1 else ""
-    return raw + above + below + (f" + {_literal(offset)}" if offset else "")
+    factor, divisor = linear.scale.numerator, linear.scale.denominator
+    if type_.encoding is Encoding.FLOAT:
+        raw = f"canwright_number{type_.width}(raw)"
+    else:
+        raw = "(double)raw"
+    above = f" * {_literal(factor)}" if factor != 1 else ""
+    scaled = raw + above + (f" / {_literal(divisor)}" if divisor != 1 else "")
+    if type_.encoding is not Encoding.FLOAT and _is_wide(type_, factor, divisor):
+        exact = f"canwright_quotient({_cast(INT64, integer(type_), 'raw')}, {factor}, {divisor})"
+        scaled = f"(raw <= (uint64_t)INT64_MAX ? {exact} : {scaled})" if integer(type_) == UINT64 else exact
+    return scaled + (f" + {_literal(linear.offset)}" if linear.offset else "")
+
+
+def _is_wide(type_: Type, factor: int, divisor: int) -> bool:
+    """True when a product can be beyond what a double holds, while the quotient can be had by one rounding."""
+    greatest = max(map(abs, type_.raw_limits)) * factor
+    return greatest > EXACT and 0 < factor < 1 << 31 and 1 < divisor < 1 << 26
 
 
 def _steps(linear: Linear) -> str:

@@ -38,7 +38,7 @@ def examples(
             ", ".join(code(f"{name} = {value}") for name, value in frame.parameters.items()),
             "<br>".join(_meanings(frame, message, labels)) or labels["none"],
             markdown(source if isinstance(source, str) else source.get(language) or next(iter(source.values())))
-            + (f" {markdown(frame.note)}" if frame.note else ""),
+            + (f" ({markdown(frame.note)})" if frame.note and language == "en" else ""),
         )
 
 

@@ -12,8 +12,8 @@ from .text import xml
 CELL, ROW, LEFT, TOP = 44, 34, 84, 26
 _STYLE = (
     "text{font:12px ui-monospace,monospace;fill:#1f2328;text-anchor:middle;dominant-baseline:central}"
-    ".n{fill:#59636e}.e{text-anchor:end}rect{stroke:#8b949e}.r{fill:#f6f8fa}.k{fill:#ffe8b3}.a{fill:#d3e8ff}.b{fill:#d8f3dc}"
-    "@media(prefers-color-scheme:dark){text{fill:#e6edf3}.n{fill:#9198a1}rect{stroke:#6e7681}.r{fill:#161b22}"
+    ".n{fill:#59636e}.e{text-anchor:end}rect{stroke:#8b949e}.g{fill:#fff;stroke:none}.r{fill:#f6f8fa}.k{fill:#ffe8b3}.a{fill:#d3e8ff}.b{fill:#d8f3dc}"
+    "@media(prefers-color-scheme:dark){text{fill:#e6edf3}.n{fill:#9198a1}rect{stroke:#6e7681}.g{fill:#0d1117;stroke:none}.r{fill:#161b22}"
     ".k{fill:#5c4400}.a{fill:#123a63}.b{fill:#15452a}}"
 )
 
@@ -38,6 +38,7 @@ def svg(message: Message, variant: Variant, title: str) -> str:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
         f'role="img"><title>{xml(title)}</title><style>{_STYLE}</style>'
     ]
+    parts.append(f'<rect class="g" x="0" y="0" width="{width}" height="{height}" rx="6"/>')
     parts += [f'<text class="n" x="{LEFT + (7 - b) * CELL + CELL // 2}" y="{TOP // 2}">{b}</text>' for b in range(8)]
     for byte in range(message.dlc):
         y = TOP + byte * ROW
