@@ -38,7 +38,7 @@ def write_raw(direction: Direction, command: str, raw: dict[str, Raw], parameter
 @pytest.mark.parametrize(
     ("data", "id_", "says"),
     [
-        ("1A 00 00 00 00 00 00 00", 0x103, Refusal.UNKNOWN_ID),
+        ("1A 00 00 00 00 00 00 00", 0x104, Refusal.UNKNOWN_ID),
         ("1A 00 00 00 00 00 00", 0x101, Refusal.WRONG_LENGTH),
         ("2D 00 00 00 00 00 00 00", 0x101, Refusal.UNKNOWN_CODE),
     ],
@@ -83,7 +83,7 @@ def test_values_within_and_beyond(
 
 def test_nodes_and_parameters_that_are_missing() -> None:
     turn: dict[str, ExactValue] = {"turn": Fraction(90), "power": Fraction(0)}
-    assert write("turn", turn, {"steps": 12}, node=3) == Refused(Refusal.UNKNOWN_NODE)
+    assert write("turn", turn, {"steps": 12}, node=4) == Refused(Refusal.UNKNOWN_NODE)
     assert write("turn", turn, {}) == Refused(Refusal.MISSING_PARAMETER, "turn")
     assert write("turn", turn, {"steps": 12}) == Encoded(0x101, bytes.fromhex("1B 00 00 00 64 00 00 04"))
     too_much: dict[str, ExactValue] = {"turn": Fraction(90), "power": Fraction(1)}

@@ -153,7 +153,9 @@ def _message(command: Command, direction: Direction) -> Message:
     return message
 
 
-def _items(message: Message, given: Mapping[str, Raw] | Mapping[str, ExactValue]) -> Iterator[tuple[Field, int, object]]:
+def _items(
+    message: Message, given: Mapping[str, Raw] | Mapping[str, ExactValue]
+) -> Iterator[tuple[Field, int, object]]:
     """Every element of every given field; flags are one value, though they are a list."""
     fields = {field.name: field for field in message.layout.fields}
     for name, value in given.items():

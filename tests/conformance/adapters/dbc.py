@@ -65,9 +65,9 @@ class DbcAdapter:
         if frame.remote:
             return Refused(Refusal.UNKNOWN_ID)
         result = _agreed(_agreed_values(self._read(direction, frame, parameters)))
-        if result == Refused(Refusal.UNKNOWN_CODE):
-            if any(isinstance(other, Decoded) for other in self._read(direction, frame, {})):
-                raise Cannot("other_value")
+        unknown = result == Refused(Refusal.UNKNOWN_CODE)
+        if unknown and any(isinstance(other, Decoded) for other in self._read(direction, frame, {})):
+            raise Cannot("other_value")
         if answering is None or isinstance(result, Refused):
             return result
         expected = self._edition.command(answering).reply

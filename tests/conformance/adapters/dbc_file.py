@@ -14,8 +14,8 @@ from cantools.database.can import Signal
 from canwright.golden import Refusal
 from canwright.model import Command, Direction, Edition, Encoding, Field, Message, Space
 
-from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
-from .dbc_fields import Cannot, Data, Number, cells, values_of
+from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
+from .dbc_fields import Data, Number, cells, values_of
 
 KIND = {Direction.REQUEST: "command", Direction.REPLY: "reply"}
 _NUMBER = re.compile(r"\d+(\.\d+)?")
@@ -43,7 +43,7 @@ class DbcFile:
         name = shown[selector.name] if selector else found.name.partition("_")[2]
         if isinstance(name, (int, float)):
             raise Cannot("selectors_apart")
-        command = self._edition.command(str(name))
+        command = self._command(str(name))
         message = message_of(command, direction)
         if message.dlc != found.length:
             raise Cannot("lengths")
@@ -59,6 +59,11 @@ class DbcFile:
                     raw[field.name] = read if field.is_array else read[0]
                     values[field.name] = values_of(places, shown)
         return Decoded(command.name, _node(message, found), raw, values)
+
+    def _command(self, name: str) -> Command:
+        """The command of a selector's text, which ends in the code where a command has several."""
+        known = {command.name: command for command in self._edition.commands}
+        return known.get(name) or known[name.rpartition("_")[0]]
 
     def write(
         self,

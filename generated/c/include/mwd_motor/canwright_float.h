@@ -14,6 +14,9 @@
 #error "Conversions to double need the 64-bit IEEE 754 numbers that this compiler does not have; use thousandths."
 #endif
 
+/** Up to here, a double holds every integer. */
+#define CANWRIGHT_EXACT (INT64_C(1) << 53)
+
 /** The bits of a 64-bit number. */
 static inline uint64_t canwright_bits_of(double number)
 {
@@ -51,6 +54,21 @@ static inline double canwright_number32(uint32_t bits)
         to[i] = from[i];
     }
     return (double)number;
+}
+
+/** `raw * factor / divisor`, rounded once also where a double cannot hold the product; both are positive. */
+static inline double canwright_quotient(int64_t raw, int64_t factor, int64_t divisor)
+{
+    const int64_t most = INT64_MAX / factor;
+    if (raw >= -most && raw <= most) {
+        const int64_t product = raw * factor;
+        const int64_t whole = product / divisor;
+        const bool is_beyond = product > CANWRIGHT_EXACT || product < -CANWRIGHT_EXACT;
+        if (is_beyond && whole <= CANWRIGHT_EXACT && whole >= -CANWRIGHT_EXACT) {
+            return (double)whole + (double)(product % divisor) / (double)divisor;
+        }
+    }
+    return (double)raw * (double)factor / (double)divisor;
 }
 
 /** The bits of the 64-bit number for `steps`, which come of `value`. */
