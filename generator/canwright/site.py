@@ -46,7 +46,7 @@ def build(docs: Path, site: Path) -> None:
         (theme / "main.html").write_text(_THEME, "utf-8")
         settings = _config(docs, site, theme, languages)
         config.write_text(yaml.safe_dump(settings, allow_unicode=True, sort_keys=False), "utf-8")
-        command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--config-file", str(config)]
+        command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", str(config)]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
     if result.returncode != 0:
         raise SiteError(f"mkdocs stopped:\n{result.stdout}{result.stderr}")

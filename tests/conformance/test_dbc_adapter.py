@@ -11,9 +11,8 @@ from canwright.golden import Refusal
 from canwright.load import described
 from canwright.model import Direction
 
-from .adapter import Cannot, CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
+from .adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
 from .adapters.dbc import DbcAdapter
-
 
 CASES = Path(__file__).parents[1] / "targets" / "dbc"
 

@@ -6,7 +6,6 @@ import math
 import random
 from collections.abc import Iterator
 from fractions import Fraction
-from pathlib import Path
 
 import pytest
 from canwright.golden import Refusal
@@ -81,9 +80,7 @@ def test_a_raw_integer_beyond_its_range_is_refused_by_name(made: tuple[Edition, 
             for field in _fields(message, parameters):
                 for beyond in _beyond(field.type, parameters):
                     value: Raw = [beyond] * len(field.elements) if field.is_array else beyond
-                    answer = target.encode_raw(
-                        direction, command.name, node, {**raw, field.name: value}, parameters
-                    )
+                    answer = target.encode_raw(direction, command.name, node, {**raw, field.name: value}, parameters)
                     assert answer == Refused(Refusal.OUT_OF_RANGE, field.name), (message.name, field.name, beyond)
 
 
@@ -185,7 +182,13 @@ def _place(frame: list[int], bits: tuple[int, ...], raw: int) -> None:
 
 
 def _used(message: Message, parameters: Parameters) -> set[int]:
-    used = {s.byte * 8 + s.low + i for k in message.keys if k.space is Space.DATA for s in k.segments for i in range(s.width)}
+    used = {
+        s.byte * 8 + s.low + i
+        for k in message.keys
+        if k.space is Space.DATA
+        for s in k.segments
+        for i in range(s.width)
+    }
     variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
     for field in variant.fields if variant else ():
         if field.space is Space.DATA:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -92,6 +93,38 @@ def test_an_accepted_code_is_defined_beside_the_printed_one() -> None:
         assert f" SG_ {name} {code} : 24|16@1+ (0.1,0)" in reply
 
 
+def test_every_code_that_only_this_reply_takes_is_defined() -> None:
+    reply = files(CASES / "tiny.yaml")["lamp-v1-small-reply.dbc"]
+    assert " SG_ r1E_dim m30 : " in reply
+    assert " SG_ r1F_dim m31 : " in reply
+    assert ' 30 "gauge" 31 "gauge_1F" ' in reply
+
+
+@pytest.mark.parametrize(
+    "hostile",
+    [
+        '";\nBO_ 1 Evil: 8 Desk\n SG_ evil : 0|8@1+ (1,0) [0|0] "" Desk',
+        'a\\"; BA_ "DBName" "evil";',
+        "\u2028CM_ \u202e\u0085*/ {{ 7 * 7 }} {% raw %}",
+        "电机",
+        "'\"`;\\",
+    ],
+)
+def test_no_text_of_a_spec_changes_more_than_comments(tmp_path: Path, hostile: str) -> None:
+    spec = (CASES / "tiny.yaml").read_text("utf-8")
+    for title in ("Too hot", "Dazzles", "Switch off", "Shine"):
+        spec = spec.replace(f"title: {title}", f"title: {json.dumps(hostile)}")
+    (tmp_path / "hostile.yaml").write_text(spec, "utf-8")
+    changed, kept = files(tmp_path / "hostile.yaml"), files(CASES / "tiny.yaml")
+    for path, text in kept.items():
+        assert [line for line in changed[path].splitlines()[1:] if not line.startswith("CM_")] == [
+            line for line in text.splitlines()[1:] if not line.startswith("CM_")
+        ]
+        assert changed[path].isascii()
+        comments = [line for line in changed[path].splitlines() if line.startswith("CM_")]
+        assert all(re.fullmatch(r'CM_ [^"]*"[^"\\]+";', line) for line in comments)
+
+
 def test_scale_of_each_series_and_of_the_broadcast() -> None:
     texts = files(MAIN)
     current = {series: texts[f"mwd_motor-v2.35-{series}-command.dbc"] for series in ("MS", "MF", "MH", "MG")}
@@ -156,6 +189,15 @@ def test_ids_of_29_bits_are_marked() -> None:
     assert f'BA_ "VFrameFormat" BO_ {1 << 31 | 2 << 5 | 0x0C} 1;' in text
 
 
+def test_constants_and_floats_are_marked() -> None:
+    texts = files(CASES / "packed.yaml")
+    id_ = 1 << 31 | 1 << 5 | 0x0C
+    assert f'BA_ "GenSigStartValue" SG_ {id_} r0C_magic 90;' in texts["drive-v1-reply.dbc"]
+    assert " SG_ c0C_magic : 63|8@0+ (1,0) [165|165]" in texts["drive-v1-command.dbc"]
+    assert f"SIG_VALTYPE_ {id_} r0C_position : 1;" in texts["drive-v1-reply.dbc"]
+    assert f"SIG_VALTYPE_ {id_ + 1} r0D_precise : 2;" in texts["drive-v1-reply.dbc"]
+
+
 def test_what_has_no_form_is_left_out_and_named() -> None:
     texts = made(CASES / "packed.yaml")
     assert "read_precise" not in texts["drive-v1-command.dbc"]
@@ -218,6 +260,7 @@ def test_the_guides_python_works_as_printed(folder: Path) -> None:
     code = re.search(r"```python\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
     assert code
     run = subprocess.run([sys.executable, "-c", code.group(1)], cwd=folder, capture_output=True, text=True, check=True)
+    assert "mwd_motor-v2.35-MG-reply.dbc" in code.group(1)
     shown, sent = run.stdout.splitlines()
     assert "'r9A_voltage': 48.0" in shown
     assert sent == "143#a501000039300000"

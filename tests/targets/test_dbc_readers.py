@@ -34,9 +34,8 @@ from canwright.targets import Described, dbc
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
+from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
 from ..conformance.adapters.dbc import DbcAdapter
-from ..conformance.adapters.dbc_fields import Cannot
 from .test_dbc import CASES, SPECS, files
 
 
@@ -166,7 +165,10 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
 
     written = adapter(spec).encode_raw(message.direction, message.command, node, flat, assignment)
     assert written == Encoded(frame.id, frame.data)
-    if not message.keys or message.keys[0].value in message.claims:
+    for code in message.claims or [None]:
+        if code is not None and message.keys[0].space is Space.DATA:
+            key = dataclasses.replace(message.keys[0], value=code)
+            frame = dataclasses.replace(frame, data=packed(dataclasses.replace(message, keys=(key,)), raw))
         read = adapter(spec).decode(message.direction, frame, assignment, None)
         assert isinstance(read, Decoded)
         assert (read.command, read.node, read.raw) == (message.command, node, flat)
@@ -177,31 +179,29 @@ def described_once(spec: Path) -> Edition:
     return described(spec).edition
 
 
-def with_second_selector(at: int) -> Described:
-    """A small edition whose code 0x1B has two forms, told apart by byte `at`."""
+def with_second_selector(at: int, constant: int | None = None) -> Described:
+    """A small edition whose code 0x1B has two forms, told apart by byte `at`; byte 1 is constant where it is given."""
     small = described(CASES / "tiny.yaml")
     commands = []
-    for command in small.edition.commands:
-        if command.name not in ("shine", "turn"):
-            continue
+    for name, value in (("shine", 0x0A), ("turn", 0x0B)):
+        command = small.edition.command(name)
         reply = command.reply
         assert reply
         code = dataclasses.replace(reply.keys[0], value=0x1B)
-        index = Key(
-            "index", Space.DATA, code.order, 8, (Segment(at, 0, 8, 0),), {"shine": 0x0A, "turn": 0x0B}[command.name]
-        )
-        moved = dataclasses.replace(
-            reply, keys=(code, index), accept=(), claims=(0x1B,), layout=moved_layout(reply.layout)
-        )
-        commands.append(dataclasses.replace(command, reply=moved))
+        index = Key("index", Space.DATA, code.order, 8, (Segment(at, 0, 8, 0),), value)
+        layout = moved(reply.layout, constant)
+        moved_reply = dataclasses.replace(reply, keys=(code, index), accept=(), claims=(0x1B,), layout=layout)
+        commands.append(dataclasses.replace(command, reply=moved_reply))
     return Described(dataclasses.replace(small.edition, commands=tuple(commands)), None)
 
 
-def moved_layout(layout: Layout) -> Layout:
-    """The layout with its first field out of the second selector's way."""
+def moved(layout: Layout, constant: int | None) -> Layout:
+    """The layout with its first field out of the second selector's way, and a constant in byte 1."""
     first, *others = layout.fields
     away = dataclasses.replace(first, elements=(Element(None, (Segment(4, 0, 8, 0), Segment(5, 0, 8, 8))),))
-    fields = (away, *others)
+    byte = (Element(None, (Segment(1, 0, 8, 0),)),)
+    fixed = dataclasses.replace(others[-1], name="fixed", elements=byte, constant=constant)
+    fields = (away, *others) if constant is None else (fixed, away, *others)
     return dataclasses.replace(layout, fields=fields, variants=(Variant((), fields),))
 
 
@@ -219,6 +219,16 @@ def test_selectors_side_by_side_have_a_file_that_reads_them_as_one() -> None:
         "r1B_0B_faults_bits_6_7": 0,
     }
     assert "lamp-v1-small-reply-index-node1.dbc" in texts
+
+
+def test_a_constant_between_selectors_is_read_with_them() -> None:
+    texts = {o.path: o.text for o in dbc.generate([with_second_selector(2, constant=0x05)], {})}
+    joined = loaded(texts["lamp-v1-small-reply-index.dbc"])
+    read = joined.decode_message(0x101, bytes.fromhex("1B 05 0B 00 34 12 00 20"))
+    assert read == {
+        "r_code_index": "turn",
+        "r1B_0B_turn": 0x1234,
+    }
 
 
 def test_a_message_with_two_selectors_crosses_cantools() -> None:

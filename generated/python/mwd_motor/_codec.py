@@ -312,7 +312,8 @@ class Message:
         raise TypeError(f"{type(self).__name__} is no frame of its own")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Any) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Any) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         raise TypeError(f"{cls.__name__} is no frame of its own")
 
     @classmethod
@@ -483,7 +484,8 @@ class Bare(Message):
         return self.DATA
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Any) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Any) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters

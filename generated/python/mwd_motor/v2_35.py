@@ -169,7 +169,8 @@ class PidGains(Message):
         self.iq_ki_raw = GAIN.raw(iq_ki, self.parameters, "iq_ki")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -236,7 +237,8 @@ class WriteAccelerationRam(Message):
         self.acceleration_raw = ACCELERATION.raw(acceleration, self.parameters, "acceleration")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -282,7 +284,8 @@ class WriteEncoderOffsetRom(Message):
         self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -351,7 +354,8 @@ class MotionFeedback(Message):
         self.encoder_raw = ENCODER_POSITION.raw(encoder, self.parameters, "encoder")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -459,7 +463,8 @@ class Status1(Message):
         self.errors_raw = flags(0x9)(errors, self.parameters, "errors")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -598,7 +603,8 @@ class SetPowerRequest(Request["SetPowerReply"]):
         self.power_raw = POWER.raw(power, self.parameters, "power")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -658,7 +664,8 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         self.iq_raw = TORQUE_CURRENT.raw(iq, self.parameters, "iq")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -716,7 +723,8 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         self.speed_raw = SPEED_SETPOINT.raw(speed, self.parameters, "speed")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -775,7 +783,8 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         self.angle_raw = ANGLE.raw(angle, self.parameters, "angle")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -837,7 +846,8 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         self.angle_raw = ANGLE.raw(angle, self.parameters, "angle")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -907,7 +917,8 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -978,7 +989,8 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1049,7 +1061,8 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         self.increment_raw = ANGLE.raw(increment, self.parameters, "increment")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1111,7 +1124,8 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         self.increment_raw = ANGLE.raw(increment, self.parameters, "increment")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1482,7 +1496,8 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
         self.iq_raw = each(BROADCAST_CURRENT.raw, 4)(iq, self.parameters, "iq")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1777,7 +1792,8 @@ class ReadAccelerationReply(Reply):
         self.acceleration_raw = ACCELERATION.raw(acceleration, self.parameters, "acceleration")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1854,7 +1870,8 @@ class ReadEncoderReply(Reply):
         self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1942,7 +1959,8 @@ class WritePositionAsZeroRomReply(Reply):
         self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1995,7 +2013,8 @@ class ReadMultiTurnAngleReply(Reply):
         self.angle_raw = MULTI_TURN_ANGLE.raw(angle, self.parameters, "angle")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2048,7 +2067,8 @@ class ReadSingleTurnAngleReply(Reply):
         self.angle_raw = SINGLE_TURN_POSITION.raw(angle, self.parameters, "angle")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2178,7 +2198,8 @@ class ReadStatus3Reply(Reply):
         self.phase_c_raw = PHASE_CURRENT.raw(phase_c, self.parameters, "phase_c")
 
     @classmethod
-    def _unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes; its id, length and selector are taken as checked."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2281,7 +2302,7 @@ def decode_request(
 ) -> Message:
     """The request that a frame is. Raises CodecError."""
     route, node = _REQUESTS.find(can_id, extended, remote)
-    return route.message(can_id, data)._unpack(node, can_id, data, parameters)
+    return route.message(can_id, data).unpack(node, can_id, data, parameters)
 
 
 def decode_reply(
@@ -2289,7 +2310,7 @@ def decode_reply(
 ) -> Message:
     """The reply that a frame is, judged by itself. Raises CodecError."""
     route, node = _REPLIES.find(can_id, extended, remote)
-    return route.message(can_id, data)._unpack(node, can_id, data, parameters)
+    return route.message(can_id, data).unpack(node, can_id, data, parameters)
 
 
 def decode_answer(
@@ -2314,7 +2335,7 @@ def decode_answer(
         route.message(can_id, data)
     elif route.selector is None or route.selector(can_id, data) not in answer.selectors:
         raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not answer {request.__name__}")
-    return cast(R, answer.reply._unpack(node, can_id, data, parameters))
+    return cast(R, answer.reply.unpack(node, can_id, data, parameters))
 
 
 def check_reply(request_id: int, request: bytes, reply_id: int, reply: bytes) -> None:

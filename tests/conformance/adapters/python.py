@@ -63,7 +63,7 @@ class PythonAdapter:
     ) -> Decoded | Refused:
         module, flags = self._module, {"extended": frame.extended, "remote": frame.remote}
         try:
-            known = self._parameters(parameters)
+            known = self.parameters(parameters)
             if direction is Direction.REQUEST:
                 message = module.decode_request(frame.id, frame.data, known, **flags)
             elif answering is None:
@@ -97,12 +97,18 @@ class PythonAdapter:
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
     ) -> Encoded | Refused:
         try:
-            cls = self._class(direction, command)
-            given = {attribute(n): v for n, v in raw.items()}
-            message = cls.from_raw(**self._node(cls, node), parameters=self._parameters(parameters), **given)
+            message = self.message(direction, command, node, raw, parameters)
             return Encoded(message.can_id, message.encode())
         except ValueError as error:
             return _refused(error)
+
+    def message(
+        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+    ) -> Any:
+        """A message of the package from its raw integers."""
+        cls = self._class(direction, command)
+        given = {attribute(n): v for n, v in raw.items()}
+        return cls.from_raw(**self._node(cls, node), parameters=self.parameters(parameters), **given)
 
     def encode_values(
         self,
@@ -115,7 +121,7 @@ class PythonAdapter:
         try:
             cls = self._class(direction, command)
             given = {attribute(n): self._given(cls, n, v) for n, v in values.items()}
-            extra = {"parameters": self._parameters(parameters)} if self._takes_parameters(cls) else {}
+            extra = {"parameters": self.parameters(parameters)} if self._takes_parameters(cls) else {}
             message = cls(**self._node(cls, node), **given, **extra)
             return Encoded(message.can_id, message.encode())
         except ValueError as error:
@@ -142,7 +148,8 @@ class PythonAdapter:
     def _node(cls: Any, node: int | None) -> dict[str, int | None]:
         return {"node": node} if hasattr(cls, "NODES") else {}
 
-    def _parameters(self, parameters: Parameters) -> Any:
+    def parameters(self, parameters: Parameters) -> Any:
+        """The package's own `Parameters`."""
         given: dict[str, Any] = {}
         for name, value in parameters.items():
             parameter = self._edition.parameter(name)

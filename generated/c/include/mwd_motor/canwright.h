@@ -44,7 +44,7 @@ typedef enum {
     CANWRIGHT_MISSING_PARAMETER,
     /** There is a raw integer, and no way to a value. */
     CANWRIGHT_NO_SCALE,
-    /** The value is beyond its range, its bits or its names; or a field is set that is not there. */
+    /** Beyond the range, the bits or the names of the type; or a field that is not there is set. */
     CANWRIGHT_OUT_OF_RANGE,
     /** NaN or infinity. */
     CANWRIGHT_NOT_FINITE,

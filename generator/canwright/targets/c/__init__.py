@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ...golden import Refusal
 from ...model import Assignment
 from ...render import environment
-from .. import Described, Output, header
+from .. import Described, Output
 from .bits import operand
-from .text import code, comment, defines, function, in_comment, paragraph
+from .examples import example
+from .problems import check
+from .text import call, code, comment, defines, function, in_comment, paragraph
 from .view import edition_view
 
+SHARED = ("canwright.h", "canwright_float.h")
+FILTERS: dict[str, Callable[..., object]] = {
+    "code": code,
+    "comment": comment,
+    "defines": defines,
+    "operand": operand,
+    "paragraph": paragraph,
+    "safe_text": in_comment,
+}
 REFUSALS = {
     Refusal.UNKNOWN_ID: "No message of this direction has this id, or none of this format.",
     Refusal.UNKNOWN_CODE: "The id is known, the code is not.",
@@ -20,7 +31,7 @@ REFUSALS = {
     Refusal.WRONG_CONSTANT: "A field that always holds one value holds another.",
     Refusal.MISSING_PARAMETER: "The answer depends on a parameter that is not known.",
     Refusal.NO_SCALE: "There is a raw integer, and no way to a value.",
-    Refusal.OUT_OF_RANGE: "The value is beyond its range, its bits or its names; or a field is set that is not there.",
+    Refusal.OUT_OF_RANGE: "Beyond the range, the bits or the names of the type; or a field that is not there is set.",
     Refusal.NOT_FINITE: "NaN or infinity.",
     Refusal.UNKNOWN_NODE: "The address has no such node.",
     Refusal.NOT_ANSWER: "The reply does not belong to the request.",
@@ -29,33 +40,47 @@ REFUSALS = {
 
 @dataclass(frozen=True)
 class StatusView:
+    """A status, its word and what it means."""
+
     name: str
     word: str
     doc: str
 
 
+STATUSES = tuple(StatusView(f"CANWRIGHT_{refusal.name}", refusal.value, REFUSALS[refusal]) for refusal in Refusal)
+
+
+@dataclass(frozen=True)
+class FamilyView:
+    """What the files for a whole family say of it: the headers of its editions and their examples."""
+
+    name: str
+    editions: tuple[str, ...]
+    examples: tuple[str, ...]
+
+
 def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
-    filters = {
-        "code": code,
-        "comment": comment,
-        "defines": defines,
-        "operand": operand,
-        "paragraph": paragraph,
-        "safe_text": in_comment,
-    }
-    env = environment("c", filters)
-    env.globals.update(function=function, tab="    ")
-    refusals = [StatusView(f"CANWRIGHT_{r.name}", r.value, REFUSALS[r]) for r in Refusal]
-    families: dict[str, list[Described]] = {}
-    for one in described:
-        families.setdefault(one.edition.family, []).append(one)
-    for family, editions in families.items():
-        folder = f"include/{family}"
-        headers = [header(one.edition) for one in editions]
-        for file in ("canwright.h", "canwright_float.h"):
-            text = env.get_template(f"{file}.j2").render(headers=headers, refusals=refusals)
-            yield Output(f"{folder}/{file}", text)
-        for one in editions:
-            view = edition_view(one.edition)
-            yield Output(f"{folder}/{view.file}.h", env.get_template("edition.h.j2").render(e=view))
-            yield Output(f"{folder}/{view.file}_float.h", env.get_template("edition_float.h.j2").render(e=view))
+    """Headers, a CMake package, and an example an edition. The parameters stay open: a program decides on them."""
+    check([one.edition for one in described])
+    env = environment("c", FILTERS)
+    env.globals.update(call=call, function=function, tab="    ")
+    views = [(one, edition_view(one.edition)) for one in described]
+    shown = [(view, example(one, view)) for one, view in views]
+    families: list[FamilyView] = []
+    for family in dict.fromkeys(view.family for _, view in views):
+        editions = [view for _, view in views if view.family == family]
+        for file in SHARED:
+            text = env.get_template(f"{file}.j2").render(headers=[v.header for v in editions], refusals=STATUSES)
+            yield Output(f"include/{family}/{file}", text)
+        for view in editions:
+            yield Output(f"include/{family}/{view.file}.h", env.get_template("edition.h.j2").render(e=view))
+            yield Output(f"include/{family}/{view.file}_float.h", env.get_template("edition_float.h.j2").render(e=view))
+        examples = tuple(x.file for v, x in shown if v.family == family and x.exchanges)
+        families.append(FamilyView(family, tuple(v.file for v in editions), examples))
+    for view, x in shown:
+        if x.exchanges:
+            yield Output(f"examples/{x.file}.c", env.get_template("examples/example.c.j2").render(e=view, x=x))
+    for file in ("CMakeLists.txt", "examples/CMakeLists.txt", "README.md"):
+        headers = [view.header for _, view in views]
+        e, x = shown[0]
+        yield Output(file, env.get_template(f"{file}.j2").render(headers=headers, families=families, e=e, x=x))

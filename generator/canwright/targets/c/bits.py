@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ...model import Encoding, Field, Key, Segment, Space
-from .numbers import UINT32, Integer, integer, smallest, working
+from .numbers import Integer, integer, smallest, working
 
 
 @dataclass(frozen=True)

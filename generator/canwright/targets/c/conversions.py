@@ -108,15 +108,16 @@ def milli(names: Names, type_: Type, valid: Choice | None) -> ConversionView | N
 def _milli_kind(type_: Type, known: Sequence[_Milli], ends: tuple[int, int]) -> Integer | None:
     """What holds the thousandths of every raw integer, when all arithmetic on the way is within 64 bits."""
     kind = common(*(m.thousandths(end) for m in known for end in ends))
-    if kind is None or common(*ends, *itertools.chain.from_iterable(m.steps_from(e) for m in known for e in ends)) is None:
+    if (
+        kind is None
+        or common(*ends, *itertools.chain.from_iterable(m.steps_from(e) for m in known for e in ends)) is None
+    ):
         return None
     spans = [(m, end) for m in known for end in m.span(*constant_limits(type_), kind)]
     return kind if common(*itertools.chain.from_iterable(m.steps_to(end) for m, end in spans)) else None
 
 
-def _milli(
-    names: Names, type_: Type, kind: Integer, ends: tuple[int, int], valid: Choice | None
-) -> ConversionView:
+def _milli(names: Names, type_: Type, kind: Integer, ends: tuple[int, int], valid: Choice | None) -> ConversionView:
     guard = [] if ends == integer(type_).limits else _unless_between(integer(type_), "raw", *ends)
     fails = bool(guard) or type_.linear.parameter is not None
     check = None if has_constant_limits(type_) else valid
@@ -162,7 +163,7 @@ def _from_milli(m: _Milli, kind: Integer, type_: Type, checked: bool) -> list[st
 def _quotient(dividend: str, wide: Integer, divisor: int, kind: Integer) -> str:
     plain = divisor == 1
     quotient = dividend if plain else f"canwright_divide{wide.width}({dividend}, {wide.literal(divisor)})"
-    if kind == wide or kind == INT64:
+    if kind in (wide, INT64):
         return quotient
     return f"({kind.name})({quotient})" if plain else f"({kind.name}){quotient}"
 
@@ -218,13 +219,11 @@ def double(names: Names, type_: Type, valid: Choice | None) -> ConversionView | 
 def _value(linear: Linear, type_: Type) -> str:
     """The value, one operation a step; a factor of 1 and an offset of 0 are no step."""
     factor, divisor = linear.scale.numerator, linear.scale.denominator
-    if type_.encoding is Encoding.FLOAT:
-        raw = f"canwright_number{type_.width}(raw)"
-    else:
-        raw = "(double)raw"
+    is_float = type_.encoding is Encoding.FLOAT
+    raw = f"canwright_number{type_.width}(raw)" if is_float else "(double)raw"
     above = f" * {_literal(factor)}" if factor != 1 else ""
     scaled = raw + above + (f" / {_literal(divisor)}" if divisor != 1 else "")
-    if type_.encoding is not Encoding.FLOAT and _is_wide(type_, factor, divisor):
+    if not is_float and _is_wide(type_, factor, divisor):
         exact = f"canwright_quotient({_cast(INT64, integer(type_), 'raw')}, {factor}, {divisor})"
         scaled = f"(raw <= (uint64_t)INT64_MAX ? {exact} : {scaled})" if integer(type_) == UINT64 else exact
     return scaled + (f" + {_literal(linear.offset)}" if linear.offset else "")
@@ -253,6 +252,8 @@ def problems(edition: Edition) -> Iterator[Problem]:
     """Scales that no double holds."""
     for type_ in edition.types:
         for _, linear in type_.linear.distinct():
-            parts = (linear.scale.numerator, linear.scale.denominator, linear.offset) if linear else ()
+            if linear is None:
+                continue
+            parts = (Fraction(linear.scale.numerator), Fraction(linear.scale.denominator), linear.offset)
             if any(abs(part) > DOUBLE_LIMIT for part in parts):
-                yield (*type_.path, "scale"), "this is beyond what a double holds", ""
+                yield (*type_.path, "scale"), "scale or offset are beyond what a double holds", "check the numbers"

@@ -46,7 +46,11 @@ def _scale(type_: Type, among: Sequence[str]) -> str:
     if type_.encoding is Encoding.FLOAT and type_.linear == Dependent.always(IDENTITY):
         return f"In {unit}, as the bits of an IEEE 754 number." if unit else "The bits of an IEEE 754 number."
     known = [(_among(names, among), linear) for names, linear in type_.linear.distinct()]
-    given = [_worth(linear, unit) + _case(type_.linear.parameter, names) for names, linear in known if linear and names is not None]
+    given = [
+        _worth(linear, unit) + _case(type_.linear.parameter, names)
+        for names, linear in known
+        if linear and names is not None
+    ]
     lacking = [", ".join(names) for names, linear in known if not linear and names is not None]
     if not given:
         return "No scale is known." if lacking else ""
@@ -61,7 +65,11 @@ def _range(type_: Type, among: Sequence[str]) -> str:
         return ""
     what = "Range" if type_.encoding is Encoding.FLOAT else "Raw"
     known = [(_among(names, among), limits) for names, limits in type_.raw_range.distinct()]
-    given = [words.span(limits) + _case(type_.raw_range.parameter, names) for names, limits in known if limits and names is not None]
+    given = [
+        words.span(limits) + _case(type_.raw_range.parameter, names)
+        for names, limits in known
+        if limits and names is not None
+    ]
     return f"{what} {', '.join(given)}." if given else ""
 
 

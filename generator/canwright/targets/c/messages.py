@@ -66,7 +66,10 @@ class FormView:
     @property
     def id(self) -> str:
         """The id without what fields put into it."""
-        bits_ = ["id" if self.rule.has_nodes else self.rule.id_macro, *(code.in_id for code in self.codes if code.in_id)]
+        bits_ = [
+            "id" if self.rule.has_nodes else self.rule.id_macro,
+            *(code.in_id for code in self.codes if code.in_id),
+        ]
         return " | ".join([*bits_, *(["CANWRIGHT_REMOTE"] if self.remote else [])])
 
 

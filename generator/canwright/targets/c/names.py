@@ -13,19 +13,21 @@ from .forms import named_forms
 Problem = tuple[Path, str, str]
 """Where, what is wrong, and what to do about it."""
 
-RESERVED = frozenset(
-    # C up to C23
+C_WORDS = (
     "alignas alignof auto bool break case char const constexpr continue default do double else enum extern false float "
-    "for goto if inline int long nullptr register restrict return short signed sizeof static static_assert struct switch "
-    "thread_local true typedef typeof typeof_unqual union unsigned void volatile while "
-    # C++ up to C++23
+    "for goto if inline int long nullptr register restrict return short signed sizeof static static_assert struct "
+    "switch thread_local true typedef typeof typeof_unqual union unsigned void volatile while"
+)
+CXX_WORDS = (
     "and and_eq asm bitand bitor catch char8_t char16_t char32_t class co_await co_return co_yield compl concept "
     "const_cast consteval constinit decltype delete dynamic_cast explicit export friend mutable namespace new noexcept "
-    "not not_eq operator or or_eq private protected public reinterpret_cast requires static_cast template this throw try "
-    "typeid typename using virtual wchar_t xor xor_eq "
-    # macros that compilers and common headers define in lower case
-    "assert complex errno far i386 imaginary interface linux near offsetof small stderr stdin stdout unix".split()
+    "not not_eq operator or or_eq private protected public reinterpret_cast requires static_cast template this throw "
+    "try typeid typename using virtual wchar_t xor xor_eq"
 )
+LOWER_CASE_MACROS = (
+    "assert complex errno far i386 imaginary interface linux near offsetof small stderr stdin stdout unix"
+)
+RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS}".split())
 
 TYPE_ENDINGS = ("_valid", "_name", "_to_milli", "_from_milli", "_to_double", "_from_double")
 LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack")

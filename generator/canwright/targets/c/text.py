@@ -102,6 +102,11 @@ def defines(macros: Sequence[Defined]) -> str:
     return "\n".join([*lines, ""])
 
 
+def call(function: str, arguments: Sequence[str]) -> str:
+    """A statement that calls a function; arguments that are empty are left out."""
+    return f"{function}({', '.join(filter(None, arguments))});"
+
+
 def function(returns: str, name: str, arguments: Sequence[str]) -> str:
     """The head of a function; arguments that are empty are left out."""
     listed = ", ".join(filter(None, arguments)) or "void"

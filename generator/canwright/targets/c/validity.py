@@ -63,7 +63,11 @@ def problems(edition: Edition) -> Iterator[Problem]:
         path: Path = (*type_.path, "raw_range")
         two = {type_.linear.parameter, type_.raw_range.parameter} - {None}
         if type_.encoding is Encoding.FLOAT and (_depends_on_number(type_) or len(two) > 1):
-            yield path, "C has no check for a range of floats that depends on this", "let it depend on the scale's choice"
+            yield (
+                path,
+                "C has no check for a range of floats that depends on this",
+                "let it depend on the scale's choice",
+            )
             continue
         for _, limits in type_.raw_range.distinct():
             for bound in (limits.low, limits.high) if limits else ():
@@ -176,6 +180,7 @@ def _order_of(width: int, bound: Fraction) -> int:
     number, integer_ = FORMATS[width]
     sign = 1 << (width - 1)
     greatest = Fraction(GREATEST[width])
+    bits: int
     (bits,) = struct.unpack(integer_, struct.pack(number, float(max(-greatest, min(greatest, bound)))))
     return (2 * sign - 1) ^ bits if bits & sign else bits | sign
 

@@ -43,7 +43,6 @@ class TypeView:
     milli_unit: str
     double: ConversionView | None
     unit: str
-    parameters: str
 
     @property
     def is_empty(self) -> bool:
@@ -73,8 +72,7 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
         milli(names, type_, check),
         f"thousandths of {unit}" if unit else "thousandths",
         double(names, type_, check),
-        unit or "a bare number",
-        names.lower("parameters", "t"),
+        unit,
     )
 
 

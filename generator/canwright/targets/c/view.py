@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ... import words
@@ -41,7 +40,12 @@ class FrameView:
     def stamp(self) -> str:
         """The call that gives a frame its id, length and code."""
         form = self.message.form
-        arguments = ["frame", *(["node"] if form.rule.has_nodes else []), f"{self.message.dlc}u", *self.message.codes[0]]
+        arguments = [
+            "frame",
+            *(["node"] if form.rule.has_nodes else []),
+            f"{self.message.dlc}u",
+            *self.message.codes[0],
+        ]
         return f"{form.name}_stamp({', '.join(arguments)})"
 
     @property

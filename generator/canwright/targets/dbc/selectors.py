@@ -11,8 +11,6 @@ from collections.abc import Iterable, Iterator
 from ...model import Key, Space
 from .frames import Part
 
-MAX_WIDTH = 64
-
 
 def bits(key: Key) -> tuple[int, ...]:
     """Frame bits of a key from the least significant up."""
@@ -29,7 +27,7 @@ def joined_span(part: Part) -> range | None:
         return None
     span = range(min(selector_bits(part)), max(selector_bits(part)) + 1)
     fixed = {bit for places, _ in _fixed(part) for bit in places}
-    return span if fixed.issuperset(span) and len(span) <= MAX_WIDTH else None
+    return span if fixed.issuperset(span) else None
 
 
 def joined_value(part: Part, span: range) -> int:
@@ -39,11 +37,10 @@ def joined_value(part: Part, span: range) -> int:
 
 
 def runs(numbers: Iterable[int], split: Iterable[int] = ()) -> list[tuple[int, ...]]:
-    """Neighbouring numbers together, at most 64 of them; those in `split` by themselves."""
+    """Neighbouring numbers together; those in `split` by themselves."""
     found: list[tuple[int, ...]] = []
     for n in sorted(numbers):
-        joins = bool(found) and found[-1][-1] == n - 1 and len(found[-1]) < MAX_WIDTH
-        if joins and n not in split and n - 1 not in split:
+        if found and found[-1][-1] == n - 1 and n not in split and n - 1 not in split:
             found[-1] = (*found[-1], n)
         else:
             found.append((n,))

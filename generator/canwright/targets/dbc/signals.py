@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -52,7 +52,7 @@ class Signals:
         by_value: dict[int, list[Part]] = {}
         for part in parts:
             by_value.setdefault(part.selectors[0][1], []).append(part)
-        names = [(value, under[0].command.name) for value, under in by_value.items() if len(under[0].selectors) == 1]
+        names = _names({value: under[0] for value, under in by_value.items() if len(under[0].selectors) == 1})
         key = parts[0].selectors[0][0]
         signals = [self._selector(f"{self._letter}_{key.name}", "M", key, names, "Tells which command it is.")]
         for value, under in by_value.items():
@@ -64,10 +64,12 @@ class Signals:
 
     def joined(self, parts: Sequence[Part], span: range) -> tuple[Signal, ...]:
         """All signals of a frame; its selectors are the bits of `span`, read as one number."""
-        names = [(joined_value(part, span), part.command.name) for part in parts]
+        by_value = {joined_value(part, span): part for part in parts}
         name = "_".join((self._letter, *(key.name for key, _ in parts[0].selectors)))
-        signals = [self._integer(_Place(name, "M", tuple(span)), "All selectors, read as one number.", values=names)]
-        for part, (value, _) in zip(parts, names, strict=True):
+        signals = [
+            self._integer(_Place(name, "M", tuple(span)), "All selectors, read as one number.", values=_names(by_value))
+        ]
+        for value, part in by_value.items():
             signals += self._message(part, f"m{value}", span)
         return tuple(signals)
 
@@ -219,6 +221,15 @@ class Signals:
             start_value,
             float_kind,
         )
+
+
+def _names(parts: Mapping[int, Part]) -> list[tuple[int, str]]:
+    """The commands of selector values. No name stands twice: readers look the value up by it."""
+    named: dict[str, int] = {}
+    for value, part in parts.items():
+        name = part.command.name
+        named[f"{name}_{part.code}" if name in named else name] = value
+    return [(value, name) for name, value in named.items()]
 
 
 def _about(part: Part) -> str:

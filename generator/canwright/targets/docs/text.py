@@ -6,7 +6,7 @@ import html
 import re
 import unicodedata
 
-_ESCAPED = re.compile(r"([\\`*\[\]|~$])|(?<![A-Za-z0-9])(_)|(_)(?![A-Za-z0-9])")
+_ESCAPED = re.compile(r"([\\`*\[\]|])|(?<![A-Za-z0-9])(_)|(_)(?![A-Za-z0-9])")
 _STARTS = re.compile(r"^([#>+=:-]|\d+(?=[.)]\s))")
 _INVISIBLE = ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")
 
@@ -20,7 +20,8 @@ def visible(text: str) -> str:
 def markdown(text: str) -> str:
     """A text as Markdown that shows it as it is, within a paragraph or a table cell."""
     line = html.escape(visible(text), quote=False)
-    line = line.replace("{", "&#123;").replace("}", "&#125;").replace("://", ":&#8203;//")
+    line = line.replace("{", "&#123;").replace("}", "&#125;").replace("~", "&#126;")
+    line = line.replace("$", "&#36;").replace("://", ":&#8203;//")
     line = _ESCAPED.sub(lambda match: "\\" + match.group(), line)
     return _STARTS.sub(_escaped_start, line)
 

@@ -1,0 +1,197 @@
+"""The example of an edition: a host and a node in one program, with the golden frames of a few commands."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ...golden import Frame
+from ...model import Command, Direction, Encoding, Field, Message, ReplyForm, Type
+from .. import Described
+from .names import Names, member
+from .numbers import integer
+from .text import english
+from .validity import constant_limits
+from .values import TypeView
+from .view import EditionView, FrameView
+
+COMMANDS = 4
+Raw = Mapping[str, int | list[int]]
+
+
+@dataclass(frozen=True)
+class ShownView:
+    """A field, or one element of an array, and how it is printed: by `type_` where that has a name or a value for it."""
+
+    label: str
+    member: str
+    variable: str
+    type_: TypeView
+
+
+@dataclass(frozen=True)
+class SideView:
+    """One direction of a command: what is sent, and how what is received is shown."""
+
+    frame: FrameView
+    values: tuple[str, ...]
+    shown: tuple[ShownView, ...]
+
+
+@dataclass(frozen=True)
+class ExchangeView:
+    command: str
+    enumerator: str
+    title: str
+    node: int
+    request: SideView
+    reply: SideView
+
+
+@dataclass(frozen=True)
+class ExampleView:
+    file: str
+    parameters: tuple[str, ...]
+    exchanges: tuple[ExchangeView, ...]
+
+    @property
+    def shows_names(self) -> bool:
+        return any(t.names for t in self._shown)
+
+    @property
+    def shows_values(self) -> bool:
+        return any(t.double for t in self._shown)
+
+    @property
+    def shows_bits(self) -> bool:
+        return any(not t.double and not t.names for t in self._shown)
+
+    @property
+    def uses_parameters(self) -> bool:
+        frames = [frame for one in self.exchanges for frame in (one.request.frame, one.reply.frame)]
+        values = [t.double for t in self._shown if t.double is not None]
+        return any(f.layout.takes_parameters for f in frames) or any(v.to_parameters for v in values)
+
+    @property
+    def _shown(self) -> list[TypeView]:
+        return [s.type_ for one in self.exchanges for s in one.reply.shown]
+
+
+def example(described: Described, view: EditionView) -> ExampleView:
+    """The example of an edition: the first commands whose replies differ, with golden frames where there are some."""
+    return _Example(described, view).view()
+
+
+class _Example:
+    def __init__(self, described: Described, view: EditionView) -> None:
+        self._edition = described.edition
+        self._view = view
+        self._names = Names(described.edition)
+        self._golden = [f for f in described.frames.frames if not f.decode_only] if described.frames else []
+        self._known = self._parameters()
+        self._types = {t.name: t for t in view.types}
+        self._frames = {f.name: f for command in view.commands for f in command.frames}
+
+    def view(self) -> ExampleView:
+        exchanges = list(self._exchanges(self._golden_pair)) or list(self._exchanges(self._plain_pair))
+        file = f"{self._edition.family}_{self._edition.identifier}"
+        return ExampleView(file, tuple(self._initializers()), tuple(exchanges))
+
+    def _parameters(self) -> dict[str, str]:
+        """What most golden frames say that need to know much; the first values of all where there are none."""
+        given = Counter(tuple(sorted(f.parameters.items())) for f in self._golden)
+        if given:
+            most = max(given, key=lambda pairs: (len(pairs), given[pairs]))
+            return {name: str(value) for name, value in most}
+        return {p.name: p.values[0].name if p.values else str(p.minimum or 1) for p in self._edition.parameters}
+
+    def _initializers(self) -> Iterator[str]:
+        for parameter in self._edition.parameters:
+            value = self._known.get(parameter.name)
+            if value is not None and parameter.is_choice:
+                yield f".{member(parameter.name)} = {self._names.upper(parameter.name, value)}"
+            elif value is not None:
+                number = Fraction(value)
+                yield f".{member(parameter.name)} = {{{number.numerator}, {number.denominator}u}}"
+
+    def _exchanges(self, pair: Callable[[Command], tuple[int, Raw, Raw] | None]) -> Iterator[ExchangeView]:
+        shown: list[str] = []
+        for command in self._edition.commands:
+            request, reply = command.request, command.reply
+            if request is None or reply is None or reply.command != command.name or len(shown) == COMMANDS:
+                continue
+            if command.from_each or not reply.layout.fields:
+                continue
+            found = pair(command) if command.available(self._known) and reply.layout.name not in shown else None
+            if found is not None:
+                node, sent, answered = found
+                shown.append(reply.layout.name)
+                yield ExchangeView(
+                    command.name,
+                    self._names.upper("command", command.name),
+                    english(command.title),
+                    node,
+                    self._side(request, sent),
+                    self._side(reply, answered),
+                )
+
+    def _golden_pair(self, command: Command) -> tuple[int, Raw, Raw] | None:
+        """Node, and raw integers of request and reply, from golden frames that hold for what is known."""
+        for request in self._frames_of(command, Direction.REQUEST):
+            for reply in self._frames_of(command, Direction.REPLY):
+                echoes = command.reply_form is not ReplyForm.ECHO or request.data == reply.data
+                if echoes and (request.node == reply.node or (command.reply and command.reply.id.nodes is None)):
+                    return request.node or 0, request.raw, reply.raw
+        return None
+
+    def _frames_of(self, command: Command, direction: Direction) -> list[Frame]:
+        return [
+            f
+            for f in self._golden
+            if (f.command, f.direction) == (command.name, direction)
+            and all(self._known.get(name) == str(value) for name, value in f.parameters.items())
+        ]
+
+    def _plain_pair(self, command: Command) -> tuple[int, Raw, Raw] | None:
+        """The first node, and raw integers as near to 0 as can be sent."""
+        request, reply = command.request, command.reply
+        if request is None or reply is None:
+            return None
+        nodes = request.id.nodes or (0,)
+        return nodes[0], self._plain(request), self._plain(reply)
+
+    def _plain(self, message: Message) -> Raw:
+        return {
+            f.name: [_plain_raw(f.type)] * len(f.elements) if f.is_array else _plain_raw(f.type)
+            for f in message.layout.fields
+        }
+
+    def _side(self, message: Message, raw: Raw) -> SideView:
+        variant = message.layout.variant(self._known)
+        fields = [f for f in variant.fields if f.constant is None] if variant else []
+        values = [f".{member(f.name)} = {_initializer(f, raw.get(f.name, 0))}" for f in fields]
+        return SideView(self._frames[self._names.lower(message.name)], tuple(values), tuple(self._shown(fields)))
+
+    def _shown(self, fields: list[Field]) -> Iterator[ShownView]:
+        for field in fields:
+            for place in [f"[{i}]" for i in range(len(field.elements))] if field.is_array else [""]:
+                type_ = self._types[self._names.lower(field.type.name)]
+                number = place.strip("[]")
+                variable = f"value_{number}_{field.name}" if number else f"value_{field.name}"
+                yield ShownView(f"{field.name}{place}", f"{member(field.name)}{place}", variable, type_)
+
+
+def _plain_raw(type_: Type) -> int:
+    if type_.enum:
+        return type_.enum[0].value
+    low, high = constant_limits(type_)
+    return 0 if type_.encoding is Encoding.FLOAT else max(low, min(high, 0))
+
+
+def _initializer(field: Field, raw: int | list[int]) -> str:
+    kind = integer(field.type)
+    if isinstance(raw, list):
+        return "{" + ", ".join(kind.literal(number) for number in raw) + "}"
+    return kind.literal(raw)

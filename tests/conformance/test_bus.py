@@ -1,0 +1,82 @@
+"""The golden frames cross a python-can bus, and the other side reads them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import can
+import pytest
+from canwright.golden import Frame
+from canwright.load import described, spec_files
+from canwright.model import Direction
+from canwright.targets import python as target
+
+from ..specs import ROOT
+from .adapters.python import PythonAdapter
+
+SPECS = spec_files(ROOT / "spec")
+
+
+@pytest.fixture
+def buses(request: pytest.FixtureRequest) -> Iterator[tuple[can.BusABC, can.BusABC]]:
+    channel = request.node.name
+    host = can.Bus(interface="virtual", channel=channel)
+    node = can.Bus(interface="virtual", channel=channel)
+    yield host, node
+    host.shutdown()
+    node.shutdown()
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=lambda file: file.stem)
+def test_frames_cross_a_bus(
+    spec: Path, buses: tuple[can.BusABC, can.BusABC], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    item = described(spec)
+    assert item.frames is not None
+    for output in target.generate([item], {}):
+        file = tmp_path / output.path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(output.text, "utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    for name in [name for name in sys.modules if name.split(".")[0] == item.edition.family]:
+        monkeypatch.delitem(sys.modules, name)
+    module = __import__(f"{item.edition.family}.{item.edition.identifier}", fromlist=["*"])
+    python_can = __import__(f"{item.edition.family}.python_can", fromlist=["*"])
+    adapter = PythonAdapter(item.edition, module)
+    host, node = buses
+    crossed = 0
+    for frame in item.frames.frames:
+        sender, receiver = (host, node) if frame.direction is Direction.REQUEST else (node, host)
+        decode = module.decode_request if frame.direction is Direction.REQUEST else module.decode_reply
+        parameters = adapter.parameters(frame.parameters)
+        if frame.decode_only:
+            sender.send(can.Message(arbitration_id=frame.id, data=frame.data, is_extended_id=False))
+        else:
+            sender.send(python_can.to_message(_message(adapter, frame)))
+        received = receiver.recv(timeout=1)
+        assert received is not None
+        assert (received.arbitration_id, bytes(received.data)) == (frame.id, frame.data)
+        message = python_can.from_message(received, decode, parameters)
+        raw = {name: list(value) if isinstance(value, tuple) else int(value) for name, value in message.raw().items()}
+        assert (message.node, raw) == (frame.node, dict(frame.raw))
+        crossed += 1
+    assert crossed == len(item.frames.frames) > 0
+
+
+def _message(adapter: PythonAdapter, frame: Frame) -> object:
+    return adapter.message(frame.direction, frame.command, frame.node, frame.raw, frame.parameters)
+
+
+def test_error_and_fd_frames_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "generated/python"))
+    for name in [name for name in sys.modules if name.split(".")[0] == "mwd_motor"]:
+        monkeypatch.delitem(sys.modules, name)
+    module = __import__("mwd_motor.v2_35", fromlist=["*"])
+    python_can = __import__("mwd_motor.python_can", fromlist=["*"])
+    for flags in ({"is_error_frame": True}, {"is_fd": True}, {"is_remote_frame": True}, {"is_extended_id": True}):
+        frame = can.Message(arbitration_id=0x141, data=None if "is_remote_frame" in flags else bytes(8), **{"is_extended_id": False, **flags})
+        with pytest.raises(ValueError, match="0x141") as caught:
+            python_can.from_message(frame, module.decode_reply)
+        assert caught.value.refusal.value == "unknown_id"  # type: ignore[attr-defined]

@@ -1,0 +1,124 @@
+"""Texts of a spec that try to leave the comment they are put into, and names that C has taken."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from canwright.diagnostics import SpecError
+from canwright.load import described
+from canwright.targets import c
+
+from ..compilers import WARNINGS, compilers
+from .test_c_compiles import everything, headers, write
+
+HOSTILE = [
+    "*/ #error out /*",
+    "/* nested",
+    "ends in a backslash \\",
+    "ends in a trigraph ??/",
+    "*\\\n/ #error spliced",
+    "*??/\n/ #error spliced",
+    "line\nbreak",
+    "\u202e reversed \u2066 isolated \u2069",
+    "\u2028 separated \u0085 next",
+    "@code @endcode @{ @}",
+    "<script>alert(1)</script> <b>",
+    '" quote %s %n \' {{ braces }} {% raw %}',
+    "中文 ° µ",
+]
+
+SPEC = """\
+canwright: 1
+family: lamp
+edition: v1
+title: {text}
+about: {text}
+manual: {text}
+addresses: {{lamp: {{id: 0x100 + node, nodes: 1..4, title: {text}, about: {text}}}}}
+selector: {{at: 0, raw: u8}}
+parameters:
+  size: {{values: {{small: {{title: {text}}}, big: {{}}}}, title: {text}, about: {text}}}
+types:
+  level: {{raw: u16, unit: "%", scale: {{by: size, small: 0.1, big: none}}, title: {text}, about: {text}}}
+  colour: {{raw: u8, enum: {{red: {{value: 1, title: {text}}}}}, title: {text}}}
+commands:
+  dim:
+    code: 0x10
+    manual: {text}
+    title: {text}
+    about: {text}
+    notes: [{text}]
+    request: {{level: {{at: 2, type: level, title: {text}}}, colour: {{at: 1, type: colour}}}}
+    reply: echo
+"""
+
+
+def _quoted(text: str) -> str:
+    escaped = "".join(c if c.isalnum() and c.isascii() or c == " " else f"\\U{ord(c):08X}" for c in text)
+    return f'"{escaped}"'
+
+
+def _bare(source: str) -> list[str]:
+    """The words of a source without its comments, as a compiler sees them: trigraphs and line ends first."""
+    spliced = source.replace("??/", "\\").replace("\\\n", "")
+    return re.sub(r"/\*.*?\*/", " ", spliced, flags=re.S).split()
+
+
+def _code(folder: Path, text: str) -> tuple[dict[str, str], dict[str, list[str]]]:
+    file = folder / "spec.yaml"
+    file.write_text(SPEC.format(text=_quoted(text)), "utf-8")
+    made = {output.path: output.text for output in c.generate([described(file)], {})}
+    return made, {path: _bare(source) for path, source in made.items() if path.endswith((".c", ".h"))}
+
+
+@pytest.mark.parametrize("text", HOSTILE, ids=range(len(HOSTILE)))
+def test_a_text_stays_in_its_comment(text: str, tmp_path: Path) -> None:
+    made, code = _code(tmp_path, text)
+    assert code == _code(tmp_path, "plain")[1]
+    for path, source in made.items():
+        unseen = [c for c in source if c != "\n" and not c.isprintable()]
+        assert not unseen, (path, unseen)
+        if path.endswith((".c", ".h")):
+            assert "??" not in source, path
+            assert not re.search(r"\\$", re.sub(r"(?m)^#define .*(\n.*\\$)*", "", source), flags=re.M), path
+
+
+def test_all_hostile_texts_compile(tmp_path: Path) -> None:
+    file = tmp_path / "spec.yaml"
+    file.write_text(SPEC.format(text=_quoted(" ".join(HOSTILE))), "utf-8")
+    made = [described(file)]
+    include = write(made, tmp_path) / "include"
+    unit = tmp_path / "everything.c"
+    unit.write_text(everything(include, headers(made)), "utf-8")
+    for compiler in compilers():
+        compiler.run("c99", *WARNINGS, "-Wcomment", "-Wtrigraphs", f"-I{include}", "-c", unit, "-o", tmp_path / "unit.o")
+
+
+def test_a_field_may_have_a_name_that_c_has_taken(tmp_path: Path) -> None:
+    file = tmp_path / "spec.yaml"
+    text = SPEC.format(text="Plain").replace("level: {at", "default: {at").replace("colour: {at", "class: {at")
+    file.write_text(text, "utf-8")
+    made = [described(file)]
+    include = write(made, tmp_path) / "include"
+    unit = tmp_path / "everything.c"
+    unit.write_text(everything(include, headers(made)), "utf-8")
+    for compiler in compilers():
+        for standard, language in (("c99", ()), ("c++17", ("-x", "c++"))):
+            flags = (*WARNINGS, *language, f"-I{include}")
+            compiler.run(standard, *flags, "-c", unit, "-o", tmp_path / "unit.o")
+
+
+def test_two_things_with_one_name_in_c_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "spec.yaml"
+    text = SPEC.format(text="Plain").replace("  level: {raw", "  dim_request: {raw").replace("type: level", "type: dim_request")
+    file.write_text(text.replace("  dim_request: {raw", "  dim_request: {raw", 1), "utf-8")
+    one = described(file)
+    try:
+        names = [output.text for output in c.generate([one], {})]
+    except SpecError as error:
+        assert "in C" in str(error)
+    else:
+        found = re.findall(r"^static inline [^;{]*?(\w+)\(", "".join(names), flags=re.M)
+        assert len(found) == len(set(found))

@@ -1,0 +1,100 @@
+"""The pages beyond the golden frames: links, pictures, and what a spec's text can do."""
+
+from __future__ import annotations
+
+import html
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import markdown as python_markdown
+import pytest
+from canwright.load import described
+from canwright.targets import docs
+from canwright.targets.docs.text import markdown
+
+from ..specs import MINIMAL, ROOT
+
+SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
+
+
+@pytest.fixture(scope="module")
+def pages() -> dict[str, str]:
+    return {output.path: output.text for output in docs.generate([described(SPEC)], {})}
+
+
+def test_every_command_has_a_page_in_every_language(pages: dict[str, str]) -> None:
+    for language in ("en", "zh"):
+        for command in described(SPEC).edition.commands:
+            text = pages[f"{language}/v2.35/commands/{command.name}.md"]
+            assert text.startswith(f"# {markdown(command.title[language])}\n")
+        for name in ("index", "types", "parameters", "errata", "bus"):
+            assert f"{language}/v2.35/{name}.md" in pages
+
+
+def test_every_link_leads_somewhere(pages: dict[str, str]) -> None:
+    anchors = {path: set(re.findall(r'<a id="([^"]+)">', text)) for path, text in pages.items()}
+    for path, text in pages.items():
+        for link in re.findall(r"\]\(([^)]+)\)", text):
+            file, _, anchor = link.partition("#")
+            parts = [*Path(path).parent.parts, *Path(file).parts]
+            while ".." in parts:
+                at = parts.index("..")
+                del parts[at - 1 : at + 1]
+            found = "/".join(parts)
+            assert found in pages, f"{path}: {link}"
+            assert not anchor or anchor in anchors[found], f"{path}: {link}"
+
+
+def test_pictures_are_drawings_that_show_every_field(pages: dict[str, str]) -> None:
+    pictures = [text for path, text in pages.items() if path.endswith(".svg")]
+    assert len(pictures) > 2 * 2 * 28 - 2
+    for text in pictures:
+        ElementTree.fromstring(text)
+    picture = pages["en/v2.35/pictures/read_status_1-reply.svg"]
+    for label in ("0x9A", "temperature", "voltage [7:0]", "voltage [15:8]", "errors"):
+        assert f">{label}<" in picture
+
+
+def test_effects_are_warnings_and_examples_are_golden_frames(pages: dict[str, str]) -> None:
+    text = pages["en/v2.35/commands/write_position_as_zero_rom.md"]
+    assert "> **Warning:** Takes effect after a power cycle" in text
+    assert "`141#A1000000D0070000`" in pages["en/v2.35/commands/set_torque.md"]
+    assert "not implemented" in pages["en/v2.35/commands/clear_angle.md"]
+
+
+HOSTILE = (
+    "a | b | c",
+    "[link](javascript:alert(1)) ![x](y)",
+    "<script>alert(1)</script> <!-- --> &amp;",
+    "`code` **bold** _em_ ~~del~~",
+    "# heading",
+    "- list",
+    "1. list",
+    "{{ 7 * 7 }} {% if %} {: .x }",
+    "http://example.test/x https://example.test",
+    "back\\slash \\| \\[x\\]",
+)
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_texts_show_as_texts(tmp_path: Path, text: str) -> None:
+    assert _shown(markdown(text)) == text
+    cell = _shown(f"| a | b |\n| --- | --- |\n| {markdown(text)} | x |\n")
+    assert text in cell
+    quoted = "'" + text.replace("'", "''") + "'"
+    spec = tmp_path / "spec.yaml"
+    extra = f"    title: {quoted}\n    about: {quoted}\n    notes: [{quoted}]\n"
+    spec.write_text(f"title: {quoted}\n" + MINIMAL.replace('    manual: "1"\n', extra), "utf-8")
+    for output in docs.generate([described(spec)], {}):
+        assert "<script" not in output.text
+        if output.path.endswith(".svg"):
+            ElementTree.fromstring(output.text)
+
+
+def _shown(text: str) -> str:
+    """What a reader sees of Markdown, by a Markdown library."""
+    rendered = python_markdown.markdown(text, extensions=["tables", "attr_list", "md_in_html"])
+    assert "<a " not in rendered
+    assert "<script" not in rendered
+    return html.unescape(re.sub(r"<[^>]*>", "", rendered)).replace("\u200b", "").strip()
