@@ -3,9 +3,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
-
 from canwright.cli import main
+from click.testing import CliRunner, Result
 
 from .specs import MINIMAL, ROOT
 

@@ -10,11 +10,10 @@ import sys
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
-
 from canwright.cli import main
 from canwright.golden import GoldenFrames
 from canwright.schema import EditionSpec, schema_text
+from click.testing import CliRunner
 
 from .specs import ROOT
 
@@ -72,7 +71,17 @@ def test_no_protocol_stands_in_the_generator() -> None:
 
 def test_no_path_of_a_machine_is_committed() -> None:
     for file in tracked("generator", "templates", "spec", "generated", "tests"):
-        if file != Path(__file__) and file.suffix in (".py", ".j2", ".yaml", ".md", ".h", ".c", ".dbc", ".txt", ".json"):
+        if file != Path(__file__) and file.suffix in (
+            ".py",
+            ".j2",
+            ".yaml",
+            ".md",
+            ".h",
+            ".c",
+            ".dbc",
+            ".txt",
+            ".json",
+        ):
             assert not MACHINE.search(file.read_text("utf-8")), file
 
 

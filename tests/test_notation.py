@@ -3,11 +3,10 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-
 from canwright import notation, words
 from canwright.model import Bound, Order, Range, Space
+from hypothesis import given
+from hypothesis import strategies as st
 
 
 @pytest.mark.parametrize(

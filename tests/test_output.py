@@ -4,17 +4,20 @@ import os
 from pathlib import Path
 
 import pytest
-
 from canwright.output import MANIFEST, STAGING, Changes, Content, OutputError, difference, write
 
 
-def content(files: dict[str, str], editions: tuple[str, ...] = ("lamp v1",), targets: tuple[str, ...] = ("c",)) -> Content:
+def content(
+    files: dict[str, str], editions: tuple[str, ...] = ("lamp v1",), targets: tuple[str, ...] = ("c",)
+) -> Content:
     return Content(editions, targets, {path: text.encode() for path, text in files.items()})
 
 
 def tree(out: Path) -> dict[str, str]:
     return {
-        f.relative_to(out).as_posix(): f.read_text("utf-8") for f in sorted(out.rglob("*")) if f.is_file() and f.name != MANIFEST
+        f.relative_to(out).as_posix(): f.read_text("utf-8")
+        for f in sorted(out.rglob("*"))
+        if f.is_file() and f.name != MANIFEST
     }
 
 

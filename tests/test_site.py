@@ -8,7 +8,6 @@ import shutil
 from pathlib import Path
 
 import pytest
-
 from canwright.site import SiteError, build
 
 from .specs import ROOT

@@ -4,11 +4,10 @@ from decimal import Decimal
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-
 from canwright import source
 from canwright.diagnostics import SpecError
+from hypothesis import given
+from hypothesis import strategies as st
 
 
 def rule_of(text: str) -> str:
@@ -22,8 +21,15 @@ def test_scalars_are_exact_and_plain() -> None:
     text = "{a: 12, b: 0x1F, c: -0.10, d: true, e: v2.35, f: 0x140 + node, g: '12', h: 1..32, y: n}"
     data = source.parse("x.yaml", text).data
     assert data == {
-        **{"a": 12, "b": 31, "c": Decimal("-0.10"), "d": True, "e": "v2.35", "f": "0x140 + node"},
-        **{"g": "12", "h": "1..32", "y": "n"},
+        "a": 12,
+        "b": 31,
+        "c": Decimal("-0.10"),
+        "d": True,
+        "e": "v2.35",
+        "f": "0x140 + node",
+        "g": "12",
+        "h": "1..32",
+        "y": "n",
     }
     assert isinstance(data, dict)
     assert str(data["c"]) == "-0.10"

@@ -25,9 +25,7 @@ from .specs import MINIMAL, findings, places
         ("edition: v1", "edition: ../v1", "3:10 name", ""),
     ],
 )
-def test_a_structural_error_is_found_where_it_is(
-    tmp_path: Path, old: str, new: str, expected: str, hint: str
-) -> None:
+def test_a_structural_error_is_found_where_it_is(tmp_path: Path, old: str, new: str, expected: str, hint: str) -> None:
     assert old in MINIMAL
     found = findings(tmp_path, MINIMAL.replace(old, new, 1))
     assert expected in places(found)

@@ -187,9 +187,7 @@ class MessageResolver:
         owner: schema.LayoutSpec | schema.Command = shared or self._spec.commands[command]
         manual = owner.manual or ""
         where = (*path, "fields") if shared else path
-        resolved = tuple(
-            self._field((*where, n), n, f, manual) for n, f in fields.items()
-        )
+        resolved = tuple(self._field((*where, n), n, f, manual) for n, f in fields.items())
         conditions = dict.fromkeys(p for f in fields.values() for p in f.only or {})
         if len(conditions) > 1:
             names = ", ".join(conditions)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 
 from canwright.golden import Exchange, Frame, GoldenFrames, RefusedFrame, RefusedValues
 from canwright.model import Direction, Edition
 
-from .adapter import Adapter, Cannot, CanFrame, Decoded, Encoded, ExactValue, Refused
-
+from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused
 
 DOUBLE_IS_EXACT = 1 << 50
 """Below this, raw -> value -> raw survives the two roundings of a double. Above, values are only decoded."""
@@ -31,7 +31,9 @@ class Report:
 class Runner:
     """One edition and one target."""
 
-    def __init__(self, edition: Edition, frames: GoldenFrames, adapter: Adapter, *, stop_at_first: bool = False) -> None:
+    def __init__(
+        self, edition: Edition, frames: GoldenFrames, adapter: Adapter, *, stop_at_first: bool = False
+    ) -> None:
         self._edition = edition
         self._frames = frames
         self._adapter = adapter
@@ -40,23 +42,7 @@ class Runner:
 
     def run(self) -> Report:
         """Replays everything; with `stop_at_first`, up to the first failure."""
-        cases: list[tuple[str, Callable[[], str], object]] = []
-        for frame in self._frames.frames:
-            cases.append(("decode", lambda f=frame: self._decode(f), frame))
-            if frame.direction is Direction.REPLY:
-                cases.append(("decode alone", lambda f=frame: self._decode_alone(f), frame))
-            if not frame.decode_only:
-                cases.append(("encode raw", lambda f=frame: self._encode_raw(f), frame))
-                if self._has_all_values(frame) and _beyond_double(frame):
-                    self.report.exceptions["beyond_double"] += 1
-                elif self._has_all_values(frame):
-                    cases.append(("encode values", lambda f=frame: self._encode_values(f), frame))
-        for refused in self._frames.refused:
-            check = self._refused_frame if isinstance(refused, RefusedFrame) else self._refused_values
-            cases.append(("refuse", lambda r=refused, c=check: c(r), refused))
-        for exchange in self._frames.exchanges:
-            cases.append(("answer", lambda e=exchange: self._exchange(e), exchange))
-        for kind, case, entry in cases:
+        for kind, case, entry in self._cases():
             try:
                 wrong = case()
             except Cannot as exception:
@@ -70,6 +56,26 @@ class Runner:
             else:
                 self.report.passed[kind] += 1
         return self.report
+
+    def _cases(self) -> Iterator[tuple[str, Callable[[], str], object]]:
+        """Every case: its kind, what says what is wrong with it, and the entry it comes from."""
+        for frame in self._frames.frames:
+            yield "decode", partial(self._decode, frame), frame
+            if frame.direction is Direction.REPLY:
+                yield "decode alone", partial(self._decode_alone, frame), frame
+            if not frame.decode_only:
+                yield "encode raw", partial(self._encode_raw, frame), frame
+                if self._has_all_values(frame) and _beyond_double(frame):
+                    self.report.exceptions["beyond_double"] += 1
+                elif self._has_all_values(frame):
+                    yield "encode values", partial(self._encode_values, frame), frame
+        for refused in self._frames.refused:
+            if isinstance(refused, RefusedFrame):
+                yield "refuse", partial(self._refused_frame, refused), refused
+            else:
+                yield "refuse", partial(self._refused_values, refused), refused
+        for exchange in self._frames.exchanges:
+            yield "answer", partial(self._exchange, exchange), exchange
 
     def _decode(self, frame: Frame) -> str:
         answering = frame.command if frame.direction is Direction.REPLY else None
@@ -136,9 +142,7 @@ class Runner:
 
     def _refused_values(self, entry: RefusedValues) -> str:
         if entry.values:
-            found = self._adapter.encode_values(
-                entry.encode, entry.command, entry.node, entry.values, entry.parameters
-            )
+            found = self._adapter.encode_values(entry.encode, entry.command, entry.node, entry.values, entry.parameters)
         else:
             found = self._adapter.encode_raw(entry.encode, entry.command, entry.node, entry.raw, entry.parameters)
         if not isinstance(found, Refused) or found.says is not entry.says:
@@ -155,8 +159,6 @@ class Runner:
         return "" if says is entry.says else f"{says}, not {entry.says}"
 
 
-
-
 def _beyond_double(frame: Frame) -> bool:
     """Whether a double cannot tell the value of some field from that of the next raw integer."""
     raws = [r for raw in frame.raw.values() for r in (raw if isinstance(raw, list) else [raw])]
@@ -170,8 +172,8 @@ def _named(entry: object) -> str:
     if isinstance(entry, RefusedFrame):
         return f"{entry.decode.value} 0x{entry.id:X} {entry.data.hex(' ')}"
     if isinstance(entry, RefusedValues):
-        given = entry.values or entry.raw
-        return f"{entry.encode.value} {entry.command} node {entry.node} {_shown(given)} {dict(entry.parameters)}"
+        shown = _shown(entry.values or entry.raw)
+        return f"{entry.encode.value} {entry.command} node {entry.node} {shown} {dict(entry.parameters)}"
     if isinstance(entry, Exchange):
         return f"{entry.request.data.hex(' ')} then {entry.reply.data.hex(' ')}"
     return str(entry)

@@ -12,7 +12,9 @@ KINDS = ("decode", "decode alone", "encode raw", "encode values", "refuse", "ans
 
 def lines() -> Iterator[str]:
     """A table of cases by target, then the named exceptions."""
-    yield f"{'edition':<24}{'target':<8}" + "".join(f"{kind:>15}" for kind in KINDS) + f"{'exceptions':>12}{'failed':>8}"
+    yield (
+        f"{'edition':<24}{'target':<8}" + "".join(f"{kind:>15}" for kind in KINDS) + f"{'exceptions':>12}{'failed':>8}"
+    )
     for report in REPORTS:
         counts = "".join(f"{report.passed[kind]:>15}" for kind in KINDS)
         failed = len(report.failures)

@@ -76,7 +76,11 @@ def test_error_and_fd_frames_are_refused(tmp_path: Path, monkeypatch: pytest.Mon
     module = __import__("mwd_motor.v2_35", fromlist=["*"])
     python_can = __import__("mwd_motor.python_can", fromlist=["*"])
     for flags in ({"is_error_frame": True}, {"is_fd": True}, {"is_remote_frame": True}, {"is_extended_id": True}):
-        frame = can.Message(arbitration_id=0x141, data=None if "is_remote_frame" in flags else bytes(8), **{"is_extended_id": False, **flags})
+        frame = can.Message(
+            arbitration_id=0x141,
+            data=None if "is_remote_frame" in flags else bytes(8),
+            **{"is_extended_id": False, **flags},
+        )
         with pytest.raises(ValueError, match="0x141") as caught:
             python_can.from_message(frame, module.decode_reply)
         assert caught.value.refusal.value == "unknown_id"  # type: ignore[attr-defined]

@@ -24,9 +24,14 @@ Change = Callable[[dict[str, Any]], None]
 
 def _set(path: tuple[str, ...], value: object) -> Change:
     def change(data: dict[str, Any]) -> None:
-        for step in path[:-1]:
-            data = data[step]
-        data[path[-1]] = value
+        _walk(data, path[:-1])[path[-1]] = value
+
+    return change
+
+
+def _drop(path: tuple[str, ...]) -> Change:
+    def change(data: dict[str, Any]) -> None:
+        del _walk(data, path[:-1])[path[-1]]
 
     return change
 
@@ -36,7 +41,10 @@ def _mutants(data: dict[str, Any]) -> Iterator[tuple[str, Change]]:
     yield "byte_order", _set(("byte_order",), "big")
     yield "bus.dlc", _set(("bus", "dlc"), 7)
     for name, address in data["addresses"].items():
-        yield f"addresses.{name}.id", _set(("addresses", name, "id"), str(address["id"]).replace("0x1", "0x2").replace("640", "641"))
+        yield (
+            f"addresses.{name}.id",
+            _set(("addresses", name, "id"), str(address["id"]).replace("0x1", "0x2").replace("640", "641")),
+        )
         if "nodes" in address:
             low, high = address["nodes"].split("..")
             yield f"addresses.{name}.nodes+1", _set(("addresses", name, "nodes"), f"{low}..{int(high) + 1}")
@@ -87,8 +95,8 @@ def _type_mutants(path: tuple[str, ...], type_: dict[str, Any]) -> Iterator[tupl
                 yield f"{name} raw_range {case}", _set((*path, "raw_range", case), "0..9")
     elif limits is not None:
         low, high = limits.split("..")
-        yield f"{name} raw_range", lambda data: _walk(data, path).pop("raw_range")
-        for changed in ([f"{int(low) - 1}..{high}", f"{int(low) + 1}..{high}"] if low != "0" else [f"1..{high}"]):
+        yield f"{name} raw_range", _drop((*path, "raw_range"))
+        for changed in [f"{int(low) - 1}..{high}", f"{int(low) + 1}..{high}"] if low != "0" else [f"1..{high}"]:
             yield f"{name} raw_range {changed}", _set((*path, "raw_range"), changed)
         if high.lstrip("-").isdigit():
             for changed in (f"{low}..{int(high) - 1}", f"{low}..{int(high) + 1}"):
@@ -102,11 +110,11 @@ def _type_mutants(path: tuple[str, ...], type_: dict[str, Any]) -> Iterator[tupl
 
 def _field_mutants(path: tuple[str, ...], fields: dict[str, Any]) -> Iterator[tuple[str, Change]]:
     for name, field in fields.items():
-        yield f"{'.'.join(path)}.{name} gone", lambda data, n=name: _walk(data, path).pop(n)
+        yield f"{'.'.join(path)}.{name} gone", _drop((*path, name))
         for at in {field["at"] - 1, field["at"] + 1} - {-1}:
             yield f"{'.'.join(path)}.{name} at {at}", _set((*path, name, "at"), at)
         if "only" in field:
-            yield f"{'.'.join(path)}.{name} only", lambda data, n=name: _walk(data, (*path, n)).pop("only")
+            yield f"{'.'.join(path)}.{name} only", _drop((*path, name, "only"))
     for one, other in zip(list(fields), list(fields)[1:], strict=False):
         if fields[one]["at"] == fields[other]["at"]:
             continue  # two fields of different variants in one place: swapping them changes nothing

@@ -198,6 +198,12 @@ def test_constants_and_floats_are_marked() -> None:
     assert f"SIG_VALTYPE_ {id_ + 1} r0D_precise : 2;" in texts["drive-v1-reply.dbc"]
 
 
+def test_an_id_that_both_directions_use_is_said_to_be_one() -> None:
+    text = files(CASES / "packed.yaml")["drive-v1-command-node1.dbc"]
+    assert '"Move: command. A reply has the same id.";' in text
+    assert '"Stop: command.";' in text
+
+
 def test_what_has_no_form_is_left_out_and_named() -> None:
     texts = made(CASES / "packed.yaml")
     assert "read_precise" not in texts["drive-v1-command.dbc"]
@@ -214,7 +220,7 @@ def test_several_senders_of_one_id_are_all_named() -> None:
 
 
 def example() -> Described:
-    """The edition with two golden frames, so that the guide has examples."""
+    """The edition with golden frames, so that the guide has examples; only one of each direction is fit for it."""
     plain = described(MAIN)
     parameters: dict[str, int | str] = {"series": "MG"}
     reply = Frame(
@@ -237,8 +243,24 @@ def example() -> Described:
         raw={"spin_direction": 1, "angle": 12345},
         values={"spin_direction": "counterclockwise", "angle": Fraction("123.45")},
     )
+    longer = Frame(
+        source="by_hand",
+        parameters=parameters,
+        reply="read_status_3",
+        id=0x141,
+        node=1,
+        data="9D 1E 40 00 80 00 C0 00",  # type: ignore[arg-type]
+        raw={"temperature": 30, "phase_a": 64, "phase_b": 128, "phase_c": 192},
+        values={"temperature": Fraction(30), "phase_a": Fraction(1), "phase_b": Fraction(2), "phase_c": Fraction(3)},
+        decode_only=True,
+    )
+    incomplete = request.model_copy(update={"node": 1, "id": 0x141, "values": {"angle": Fraction("123.45")}})
     frames = GoldenFrames(
-        canwright=1, family="mwd_motor", edition="v2.35", sources={"by_hand": "By hand"}, frames=[reply, request]
+        canwright=1,
+        family="mwd_motor",
+        edition="v2.35",
+        sources={"by_hand": "By hand"},
+        frames=[longer, reply, incomplete, request],
     )
     return Described(plain.edition, frames)
 

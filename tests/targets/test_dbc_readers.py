@@ -228,6 +228,10 @@ def test_a_constant_between_selectors_is_read_with_them() -> None:
     assert read == {
         "r_code_index": "turn",
         "r1B_0B_turn": 0x1234,
+        "r1B_0B_faults_hot": 0,
+        "r1B_0B_faults_bits_1_4": 0,
+        "r1B_0B_faults_dead": 1,
+        "r1B_0B_faults_bits_6_7": 0,
     }
 
 

@@ -46,7 +46,10 @@ def test_mypy_strict_and_pyright_find_nothing(tmp_path: Path) -> None:
         "answer: ReadEncoderReply = decode_answer(ReadEncoderRequest, 0x141, data, known)\n"
         "counts: int = answer.encoder_raw\n"
     )
-    for command in (("mypy", "--strict", "--no-incremental", "."), ("basedpyright", "--level", "error", "--pythonpath", sys.executable)):
+    for command in (
+        ("mypy", "--strict", "--no-incremental", "."),
+        ("basedpyright", "--level", "error", "--pythonpath", sys.executable),
+    ):
         (tmp_path / "pyrightconfig.json").write_text('{"typeCheckingMode": "strict", "pythonVersion": "3.10"}')
         result = subprocess.run(
             [sys.executable, "-m", *command], cwd=tmp_path, capture_output=True, text=True, check=False
@@ -126,7 +129,7 @@ HOSTILE = (
 def test_texts_stay_texts(tmp_path: Path, text: str) -> None:
     quoted = "'" + text.replace("'", "''") + "'"
     spec = tmp_path / "spec.yaml"
-    trees = []
+    trees: list[str] = []
     for one in ("plain", quoted):
         about = f"    title: {one}\n    about: {one}\n    notes: [{one}]\n"
         spec.write_text(f"title: {one}\nabout: {one}\n" + MINIMAL.replace('    manual: "1"\n', about), "utf-8")

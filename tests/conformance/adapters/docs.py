@@ -98,7 +98,7 @@ class DocsAdapter:
                     values[row.name] = value
             else:
                 raw[row.name] = [*raw.get(row.name, []), one]  # type: ignore[misc]
-                values[row.name] = [*values.get(row.name, []), value]  # type: ignore[misc, list-item]
+                values[row.name] = [*values.get(row.name, []), value]  # type: ignore[misc]
         return Decoded(name, node, raw, values)
 
     def _value(self, row: FieldRow, raw: int, parameters: Parameters) -> Value | Refused:
@@ -135,11 +135,12 @@ class DocsAdapter:
         return [row for row in page.rows if not row.only[0] or str(parameters[row.only[0]]) in row.only[1]]
 
     @staticmethod
-    def _node(page: MessagePage, frame: CanFrame) -> tuple[int | None] | tuple[()]:
+    def _node(page: MessagePage, frame: CanFrame) -> tuple[int | None, ...]:
         """The node of a frame, in a tuple; an empty one when the id is not of this page."""
         if (page.extended, page.remote) != (frame.extended, frame.remote):
             return ()
-        free = sum(1 << bit for part in (*page.keys, *page.rows) if part.bits.in_id for bit in part.bits.numbers)
+        places = [*(key.bits for key in page.keys), *(row.bits for row in page.rows)]
+        free = sum(1 << bit for place in places if place.in_id for bit in place.numbers)
         rest = (frame.id & ~free) - page.base
         if page.nodes is None:
             return (None,) if rest == 0 else ()
@@ -197,7 +198,7 @@ class DocsAdapter:
             return rows
         raw: dict[str, Raw] = {}
         for row in rows:
-            if row.constant is not None or row.name in raw and row.index is None:
+            if row.constant is not None or (row.name in raw and row.index is None):
                 continue
             given = values[row.name]
             index = len(raw.get(row.name, [])) if row.index is not None else 0  # type: ignore[arg-type]

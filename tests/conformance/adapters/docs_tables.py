@@ -168,7 +168,7 @@ def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> Me
     """A direction of a command page from its two tables."""
     said = dict(zip(*facts, strict=True))
     base, shift = _id(plain(said["Id"]))
-    first, last = (plain(said["Nodes"]).split("..") + [""])[:2] if "Nodes" in said else ("", "")
+    first, last = plain(said["Nodes"]).split("..") if "Nodes" in said else ("", "")
     each = plain(said.get("One from each of", ""))
     return MessagePage(
         base,
@@ -200,7 +200,7 @@ def _key(row: Sequence[str]) -> Key:
 
 
 def _field(row: Sequence[str]) -> FieldRow:
-    place, field, type_, raw, step, limits, _, only, what = row
+    place, field, type_, raw, step, limits, _, only, _ = row
     match = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", plain(field))
     assert match, field
     parameter, _, values = plain(only).partition(" ")

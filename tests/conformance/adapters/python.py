@@ -78,7 +78,7 @@ class PythonAdapter:
         command = answering if answering is not None and direction is Direction.REPLY else message.COMMAND
         names = {attribute(f): f for f in self._field_names()}
         raw = {names[n]: list(v) if isinstance(v, tuple) else int(v) for n, v in message.raw().items()}
-        return Decoded(command, message.node, raw, {n: v for n, v in self._values(message, names)})
+        return Decoded(command, message.node, raw, dict(self._values(message, names)))
 
     def _field_names(self) -> set[str]:
         return {f.name for m in self._edition.all_messages() for f in m.layout.fields}

@@ -136,20 +136,16 @@ static inline int64_t canwright_signed64(uint64_t raw, unsigned width)
     return (int64_t)(raw ^ sign) - (int64_t)sign;
 }
 
-/** The quotient nearest to `dividend / divisor`, ties away from zero; `divisor` is positive. */
+/** The quotient nearest to `dividend / divisor`, ties away from zero. Half the divisor, which is positive, has room. */
 static inline int32_t canwright_divide32(int32_t dividend, int32_t divisor)
 {
-    const int32_t quotient = dividend / divisor;
-    const int32_t rest = dividend % divisor;
-    return rest >= divisor - rest ? quotient + 1 : -rest >= divisor + rest ? quotient - 1 : quotient;
+    return (dividend < 0 ? dividend - divisor / 2 : dividend + divisor / 2) / divisor;
 }
 
-/** The quotient nearest to `dividend / divisor`, ties away from zero; `divisor` is positive. */
+/** The quotient nearest to `dividend / divisor`, ties away from zero. Half the divisor, which is positive, has room. */
 static inline int64_t canwright_divide64(int64_t dividend, int64_t divisor)
 {
-    const int64_t quotient = dividend / divisor;
-    const int64_t rest = dividend % divisor;
-    return rest >= divisor - rest ? quotient + 1 : -rest >= divisor + rest ? quotient - 1 : quotient;
+    return (dividend < 0 ? dividend - divisor / 2 : dividend + divisor / 2) / divisor;
 }
 
 /** The largest integer up to `(factor * ratio + addend) / divisor`; `ratio` is known and `divisor` positive. */

@@ -132,16 +132,15 @@ static inline canwright_status_t mwd_motor_v2_35_motor_request_match(
     return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
-/** Gives a frame the id, the length and the code of a request. */
+/** Gives a frame the id, the length and the code of a request, and sets all other bits of the data to 0. */
 static inline canwright_status_t mwd_motor_v2_35_motor_request_stamp(
     canwright_frame_t *frame, uint32_t node, uint8_t dlc, uint32_t code)
 {
-    uint32_t id = 0u;
-    if (mwd_motor_v2_35_motor_request_id(&id, node) != CANWRIGHT_OK) {
+    if (mwd_motor_v2_35_motor_request_id(&frame->id, node) != CANWRIGHT_OK) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
-    frame->id = id;
     frame->dlc = dlc;
+    canwright_clear(frame);
     frame->data[0] = (uint8_t)code;
     return CANWRIGHT_OK;
 }
@@ -159,16 +158,15 @@ static inline canwright_status_t mwd_motor_v2_35_motor_reply_match(
     return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
-/** Gives a frame the id, the length and the code of a reply. */
+/** Gives a frame the id, the length and the code of a reply, and sets all other bits of the data to 0. */
 static inline canwright_status_t mwd_motor_v2_35_motor_reply_stamp(
     canwright_frame_t *frame, uint32_t node, uint8_t dlc, uint32_t code)
 {
-    uint32_t id = 0u;
-    if (mwd_motor_v2_35_motor_reply_id(&id, node) != CANWRIGHT_OK) {
+    if (mwd_motor_v2_35_motor_reply_id(&frame->id, node) != CANWRIGHT_OK) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
-    frame->id = id;
     frame->dlc = dlc;
+    canwright_clear(frame);
     frame->data[0] = (uint8_t)code;
     return CANWRIGHT_OK;
 }
@@ -195,11 +193,12 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_request_match(const c
     return CANWRIGHT_OK;
 }
 
-/** Gives a frame the id, the length and the code of a request. */
+/** Gives a frame the id, the length and the code of a request, and sets all other bits of the data to 0. */
 static inline void mwd_motor_v2_35_broadcast_request_stamp(canwright_frame_t *frame, uint8_t dlc)
 {
     frame->id = MWD_MOTOR_V2_35_BROADCAST_REQUEST_ID;
     frame->dlc = dlc;
+    canwright_clear(frame);
 }
 
 /** @} */
@@ -826,7 +825,7 @@ static inline canwright_status_t mwd_motor_v2_35_motion_feedback_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline canwright_status_t mwd_motor_v2_35_motion_feedback_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_motion_feedback_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -894,11 +893,10 @@ typedef struct {
     uint8_t iq_ki;
 } mwd_motor_v2_35_pid_gains_t;
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_pid_gains_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_pid_gains_t *message)
 {
-    frame->data[1] = 0u;
     frame->data[2] = message->angle_kp;
     frame->data[3] = message->angle_ki;
     frame->data[4] = message->speed_kp;
@@ -947,15 +945,12 @@ static inline canwright_status_t mwd_motor_v2_35_status_1_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_status_1_pack(canwright_frame_t *frame, const mwd_motor_v2_35_status_1_t *message)
 {
     frame->data[1] = (uint8_t)message->temperature;
-    frame->data[2] = 0u;
     frame->data[3] = (uint8_t)message->voltage;
     frame->data[4] = (uint8_t)(message->voltage >> 8);
-    frame->data[5] = 0u;
-    frame->data[6] = 0u;
     frame->data[7] = message->errors;
 }
 
@@ -989,7 +984,6 @@ static inline void mwd_motor_v2_35_status_1_unpack(
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_motor_off_request_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x80u);
 }
 
@@ -1003,7 +997,6 @@ static inline canwright_status_t mwd_motor_v2_35_motor_off_request_decode(
 /** Makes a reply. */
 static inline canwright_status_t mwd_motor_v2_35_motor_off_reply_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x80u);
 }
 
@@ -1033,7 +1026,6 @@ static inline canwright_status_t mwd_motor_v2_35_motor_off_reply_decode(
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_motor_on_request_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x88u);
 }
 
@@ -1047,7 +1039,6 @@ static inline canwright_status_t mwd_motor_v2_35_motor_on_request_decode(
 /** Makes a reply. */
 static inline canwright_status_t mwd_motor_v2_35_motor_on_reply_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x88u);
 }
 
@@ -1074,7 +1065,6 @@ static inline canwright_status_t mwd_motor_v2_35_motor_on_reply_decode(uint32_t 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_motor_stop_request_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x81u);
 }
 
@@ -1088,7 +1078,6 @@ static inline canwright_status_t mwd_motor_v2_35_motor_stop_request_decode(
 /** Makes a reply. */
 static inline canwright_status_t mwd_motor_v2_35_motor_stop_reply_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x81u);
 }
 
@@ -1133,17 +1122,12 @@ static inline canwright_status_t mwd_motor_v2_35_set_power_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_set_power_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_set_power_request_t *message)
 {
-    frame->data[1] = 0u;
-    frame->data[2] = 0u;
-    frame->data[3] = 0u;
     frame->data[4] = (uint8_t)message->power;
     frame->data[5] = (uint8_t)((uint16_t)message->power >> 8);
-    frame->data[6] = 0u;
-    frame->data[7] = 0u;
 }
 
 /** Reads the fields of a frame, without a check. */
@@ -1162,8 +1146,11 @@ static inline canwright_status_t mwd_motor_v2_35_set_power_request_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA0u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_set_power_request_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA0u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -1191,8 +1178,10 @@ static inline canwright_status_t mwd_motor_v2_35_set_power_reply_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    (void)mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA0u);
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA0u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
+    return mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
 }
 
 /** Reads a reply. */
@@ -1244,17 +1233,12 @@ static inline canwright_status_t mwd_motor_v2_35_set_torque_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_set_torque_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_set_torque_request_t *message)
 {
-    frame->data[1] = 0u;
-    frame->data[2] = 0u;
-    frame->data[3] = 0u;
     frame->data[4] = (uint8_t)message->iq;
     frame->data[5] = (uint8_t)((uint16_t)message->iq >> 8);
-    frame->data[6] = 0u;
-    frame->data[7] = 0u;
 }
 
 /** Reads the fields of a frame, without a check. */
@@ -1273,8 +1257,11 @@ static inline canwright_status_t mwd_motor_v2_35_set_torque_request_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA1u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_set_torque_request_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA1u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -1302,8 +1289,10 @@ static inline canwright_status_t mwd_motor_v2_35_set_torque_reply_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    (void)mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA1u);
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA1u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
+    return mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
 }
 
 /** Reads a reply. */
@@ -1338,13 +1327,10 @@ typedef struct {
     int32_t speed;
 } mwd_motor_v2_35_set_speed_request_t;
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_set_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_set_speed_request_t *message)
 {
-    frame->data[1] = 0u;
-    frame->data[2] = 0u;
-    frame->data[3] = 0u;
     frame->data[4] = (uint8_t)message->speed;
     frame->data[5] = (uint8_t)((uint32_t)message->speed >> 8);
     frame->data[6] = (uint8_t)((uint32_t)message->speed >> 16);
@@ -1363,8 +1349,11 @@ static inline void mwd_motor_v2_35_set_speed_request_unpack(
 static inline canwright_status_t mwd_motor_v2_35_set_speed_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_set_speed_request_t *message)
 {
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA2u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_set_speed_request_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA2u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -1392,8 +1381,10 @@ static inline canwright_status_t mwd_motor_v2_35_set_speed_reply_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    (void)mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA2u);
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA2u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
+    return mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
 }
 
 /** Reads a reply. */
@@ -1428,13 +1419,10 @@ typedef struct {
     int32_t angle;
 } mwd_motor_v2_35_move_to_angle_request_t;
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_move_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_move_to_angle_request_t *message)
 {
-    frame->data[1] = 0u;
-    frame->data[2] = 0u;
-    frame->data[3] = 0u;
     frame->data[4] = (uint8_t)message->angle;
     frame->data[5] = (uint8_t)((uint32_t)message->angle >> 8);
     frame->data[6] = (uint8_t)((uint32_t)message->angle >> 16);
@@ -1453,8 +1441,11 @@ static inline void mwd_motor_v2_35_move_to_angle_request_unpack(
 static inline canwright_status_t mwd_motor_v2_35_move_to_angle_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_move_to_angle_request_t *message)
 {
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA3u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_move_to_angle_request_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA3u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -1482,8 +1473,10 @@ static inline canwright_status_t mwd_motor_v2_35_move_to_angle_reply_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    (void)mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA3u);
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA3u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
+    return mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
 }
 
 /** Reads a reply. */
@@ -1520,11 +1513,10 @@ typedef struct {
     int32_t angle;
 } mwd_motor_v2_35_move_to_angle_at_speed_request_t;
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_move_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_move_to_angle_at_speed_request_t *message)
 {
-    frame->data[1] = 0u;
     frame->data[2] = (uint8_t)message->max_speed;
     frame->data[3] = (uint8_t)(message->max_speed >> 8);
     frame->data[4] = (uint8_t)message->angle;
@@ -1546,8 +1538,11 @@ static inline void mwd_motor_v2_35_move_to_angle_at_speed_request_unpack(
 static inline canwright_status_t mwd_motor_v2_35_move_to_angle_at_speed_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_move_to_angle_at_speed_request_t *message)
 {
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA4u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_move_to_angle_at_speed_request_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA4u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -1575,8 +1570,10 @@ static inline canwright_status_t mwd_motor_v2_35_move_to_angle_at_speed_reply_en
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    (void)mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA4u);
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA4u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
+    return mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
 }
 
 /** Reads a reply. */
@@ -1628,13 +1625,11 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_turn_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_turn_to_angle_request_t *message)
 {
     frame->data[1] = message->spin_direction;
-    frame->data[2] = 0u;
-    frame->data[3] = 0u;
     frame->data[4] = (uint8_t)message->angle;
     frame->data[5] = (uint8_t)(message->angle >> 8);
     frame->data[6] = (uint8_t)(message->angle >> 16);
@@ -1659,8 +1654,11 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_request_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA5u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_turn_to_angle_request_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA5u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -1688,8 +1686,10 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_reply_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    (void)mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA5u);
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA5u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
+    return mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
 }
 
 /** Reads a reply. */
@@ -1746,7 +1746,7 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_at_speed_request_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_turn_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *message)
 {
@@ -1778,8 +1778,11 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_at_speed_request_
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA6u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_turn_to_angle_at_speed_request_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA6u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -1807,8 +1810,10 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_at_speed_reply_en
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    (void)mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA6u);
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA6u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
+    return mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
 }
 
 /** Reads a reply. */
@@ -1848,13 +1853,10 @@ typedef struct {
     int32_t increment;
 } mwd_motor_v2_35_move_by_angle_request_t;
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_move_by_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_move_by_angle_request_t *message)
 {
-    frame->data[1] = 0u;
-    frame->data[2] = 0u;
-    frame->data[3] = 0u;
     frame->data[4] = (uint8_t)message->increment;
     frame->data[5] = (uint8_t)((uint32_t)message->increment >> 8);
     frame->data[6] = (uint8_t)((uint32_t)message->increment >> 16);
@@ -1873,8 +1875,11 @@ static inline void mwd_motor_v2_35_move_by_angle_request_unpack(
 static inline canwright_status_t mwd_motor_v2_35_move_by_angle_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_move_by_angle_request_t *message)
 {
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA7u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_move_by_angle_request_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA7u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -1902,8 +1907,10 @@ static inline canwright_status_t mwd_motor_v2_35_move_by_angle_reply_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    (void)mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA7u);
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA7u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
+    return mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
 }
 
 /** Reads a reply. */
@@ -1948,11 +1955,10 @@ typedef struct {
     int32_t increment;
 } mwd_motor_v2_35_move_by_angle_at_speed_request_t;
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_move_by_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_move_by_angle_at_speed_request_t *message)
 {
-    frame->data[1] = 0u;
     frame->data[2] = (uint8_t)message->max_speed;
     frame->data[3] = (uint8_t)(message->max_speed >> 8);
     frame->data[4] = (uint8_t)message->increment;
@@ -1974,8 +1980,11 @@ static inline void mwd_motor_v2_35_move_by_angle_at_speed_request_unpack(
 static inline canwright_status_t mwd_motor_v2_35_move_by_angle_at_speed_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_move_by_angle_at_speed_request_t *message)
 {
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA8u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_move_by_angle_at_speed_request_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0xA8u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -2003,8 +2012,10 @@ static inline canwright_status_t mwd_motor_v2_35_move_by_angle_at_speed_reply_en
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    (void)mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA8u);
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0xA8u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
+    return mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
 }
 
 /** Reads a reply. */
@@ -2032,7 +2043,6 @@ static inline canwright_status_t mwd_motor_v2_35_move_by_angle_at_speed_reply_de
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_pid_request_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x30u);
 }
 
@@ -2050,8 +2060,11 @@ typedef mwd_motor_v2_35_pid_gains_t mwd_motor_v2_35_read_pid_reply_t;
 static inline canwright_status_t mwd_motor_v2_35_read_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_read_pid_reply_t *message)
 {
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x30u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_pid_gains_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x30u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -2090,8 +2103,11 @@ typedef mwd_motor_v2_35_pid_gains_t mwd_motor_v2_35_write_pid_ram_request_t;
 static inline canwright_status_t mwd_motor_v2_35_write_pid_ram_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_write_pid_ram_request_t *message)
 {
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x31u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_pid_gains_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x31u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -2113,8 +2129,11 @@ typedef mwd_motor_v2_35_pid_gains_t mwd_motor_v2_35_write_pid_ram_reply_t;
 static inline canwright_status_t mwd_motor_v2_35_write_pid_ram_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_write_pid_ram_reply_t *message)
 {
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x31u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_pid_gains_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x31u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -2150,8 +2169,11 @@ typedef mwd_motor_v2_35_pid_gains_t mwd_motor_v2_35_write_pid_rom_request_t;
 static inline canwright_status_t mwd_motor_v2_35_write_pid_rom_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_write_pid_rom_request_t *message)
 {
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x32u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_pid_gains_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x32u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -2173,8 +2195,11 @@ typedef mwd_motor_v2_35_pid_gains_t mwd_motor_v2_35_write_pid_rom_reply_t;
 static inline canwright_status_t mwd_motor_v2_35_write_pid_rom_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_write_pid_rom_reply_t *message)
 {
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x32u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_pid_gains_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x32u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -2203,7 +2228,6 @@ static inline canwright_status_t mwd_motor_v2_35_write_pid_rom_reply_decode(
 static inline canwright_status_t mwd_motor_v2_35_read_acceleration_request_encode(
     canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x33u);
 }
 
@@ -2220,13 +2244,10 @@ typedef struct {
     int32_t acceleration;
 } mwd_motor_v2_35_read_acceleration_reply_t;
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_read_acceleration_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_acceleration_reply_t *message)
 {
-    frame->data[1] = 0u;
-    frame->data[2] = 0u;
-    frame->data[3] = 0u;
     frame->data[4] = (uint8_t)message->acceleration;
     frame->data[5] = (uint8_t)((uint32_t)message->acceleration >> 8);
     frame->data[6] = (uint8_t)((uint32_t)message->acceleration >> 16);
@@ -2245,8 +2266,11 @@ static inline void mwd_motor_v2_35_read_acceleration_reply_unpack(
 static inline canwright_status_t mwd_motor_v2_35_read_acceleration_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_read_acceleration_reply_t *message)
 {
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x33u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_read_acceleration_reply_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x33u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -2281,13 +2305,10 @@ typedef struct {
     int32_t acceleration;
 } mwd_motor_v2_35_write_acceleration_ram_t;
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_write_acceleration_ram_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_write_acceleration_ram_t *message)
 {
-    frame->data[1] = 0u;
-    frame->data[2] = 0u;
-    frame->data[3] = 0u;
     frame->data[4] = (uint8_t)message->acceleration;
     frame->data[5] = (uint8_t)((uint32_t)message->acceleration >> 8);
     frame->data[6] = (uint8_t)((uint32_t)message->acceleration >> 16);
@@ -2309,8 +2330,11 @@ typedef mwd_motor_v2_35_write_acceleration_ram_t mwd_motor_v2_35_write_accelerat
 static inline canwright_status_t mwd_motor_v2_35_write_acceleration_ram_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_write_acceleration_ram_request_t *message)
 {
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x34u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_write_acceleration_ram_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x34u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -2332,8 +2356,11 @@ typedef mwd_motor_v2_35_write_acceleration_ram_t mwd_motor_v2_35_write_accelerat
 static inline canwright_status_t mwd_motor_v2_35_write_acceleration_ram_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_write_acceleration_ram_reply_t *message)
 {
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x34u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_write_acceleration_ram_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x34u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -2361,7 +2388,6 @@ static inline canwright_status_t mwd_motor_v2_35_write_acceleration_ram_reply_de
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_encoder_request_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x90u);
 }
 
@@ -2415,11 +2441,10 @@ static inline canwright_status_t mwd_motor_v2_35_read_encoder_reply_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_read_encoder_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_encoder_reply_t *message)
 {
-    frame->data[1] = 0u;
     frame->data[2] = (uint8_t)message->encoder;
     frame->data[3] = (uint8_t)(message->encoder >> 8);
     frame->data[4] = (uint8_t)message->encoder_measured;
@@ -2447,8 +2472,11 @@ static inline canwright_status_t mwd_motor_v2_35_read_encoder_reply_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x90u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_read_encoder_reply_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x90u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -2500,15 +2528,10 @@ static inline canwright_status_t mwd_motor_v2_35_write_encoder_offset_rom_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_write_encoder_offset_rom_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_write_encoder_offset_rom_t *message)
 {
-    frame->data[1] = 0u;
-    frame->data[2] = 0u;
-    frame->data[3] = 0u;
-    frame->data[4] = 0u;
-    frame->data[5] = 0u;
     frame->data[6] = (uint8_t)message->encoder_offset;
     frame->data[7] = (uint8_t)(message->encoder_offset >> 8);
 }
@@ -2533,8 +2556,11 @@ static inline canwright_status_t mwd_motor_v2_35_write_encoder_offset_rom_reques
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    if (mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x91u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_write_encoder_offset_rom_pack(frame, message);
-    return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x91u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a request. */
@@ -2562,8 +2588,11 @@ static inline canwright_status_t mwd_motor_v2_35_write_encoder_offset_rom_reply_
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x91u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_write_encoder_offset_rom_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x91u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -2595,7 +2624,6 @@ static inline canwright_status_t mwd_motor_v2_35_write_encoder_offset_rom_reply_
 static inline canwright_status_t mwd_motor_v2_35_write_position_as_zero_rom_request_encode(
     canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x19u);
 }
 
@@ -2629,15 +2657,10 @@ static inline canwright_status_t mwd_motor_v2_35_write_position_as_zero_rom_repl
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_write_position_as_zero_rom_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *message)
 {
-    frame->data[1] = 0u;
-    frame->data[2] = 0u;
-    frame->data[3] = 0u;
-    frame->data[4] = 0u;
-    frame->data[5] = 0u;
     frame->data[6] = (uint8_t)message->encoder_offset;
     frame->data[7] = (uint8_t)(message->encoder_offset >> 8);
 }
@@ -2660,8 +2683,11 @@ static inline canwright_status_t mwd_motor_v2_35_write_position_as_zero_rom_repl
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x19u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_write_position_as_zero_rom_reply_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x19u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -2690,7 +2716,6 @@ static inline canwright_status_t mwd_motor_v2_35_write_position_as_zero_rom_repl
 static inline canwright_status_t mwd_motor_v2_35_read_multi_turn_angle_request_encode(
     canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x92u);
 }
 
@@ -2719,7 +2744,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_multi_turn_angle_reply_che
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_read_multi_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_multi_turn_angle_reply_t *message)
 {
@@ -2750,8 +2775,11 @@ static inline canwright_status_t mwd_motor_v2_35_read_multi_turn_angle_reply_enc
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x92u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_read_multi_turn_angle_reply_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x92u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -2780,7 +2808,6 @@ static inline canwright_status_t mwd_motor_v2_35_read_multi_turn_angle_reply_dec
 static inline canwright_status_t mwd_motor_v2_35_read_single_turn_angle_request_encode(
     canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x94u);
 }
 
@@ -2810,13 +2837,10 @@ static inline canwright_status_t mwd_motor_v2_35_read_single_turn_angle_reply_ch
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_read_single_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_single_turn_angle_reply_t *message)
 {
-    frame->data[1] = 0u;
-    frame->data[2] = 0u;
-    frame->data[3] = 0u;
     frame->data[4] = (uint8_t)message->angle;
     frame->data[5] = (uint8_t)(message->angle >> 8);
     frame->data[6] = (uint8_t)(message->angle >> 16);
@@ -2842,8 +2866,11 @@ static inline canwright_status_t mwd_motor_v2_35_read_single_turn_angle_reply_en
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x94u) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_read_single_turn_angle_reply_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x94u);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -2883,7 +2910,6 @@ static inline canwright_status_t mwd_motor_v2_35_read_single_turn_angle_reply_de
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_clear_angle_request_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x95u);
 }
 
@@ -2897,7 +2923,6 @@ static inline canwright_status_t mwd_motor_v2_35_clear_angle_request_decode(
 /** Makes a reply. */
 static inline canwright_status_t mwd_motor_v2_35_clear_angle_reply_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x95u);
 }
 
@@ -2921,7 +2946,6 @@ static inline canwright_status_t mwd_motor_v2_35_clear_angle_reply_decode(
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_status_1_request_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x9Au);
 }
 
@@ -2944,8 +2968,11 @@ static inline canwright_status_t mwd_motor_v2_35_read_status_1_reply_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x9Au) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_status_1_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x9Au);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -2978,7 +3005,6 @@ static inline canwright_status_t mwd_motor_v2_35_read_status_1_reply_decode(
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_clear_errors_request_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x9Bu);
 }
 
@@ -3001,8 +3027,11 @@ static inline canwright_status_t mwd_motor_v2_35_clear_errors_reply_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x9Au) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_status_1_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x9Au);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -3037,7 +3066,6 @@ static inline canwright_status_t mwd_motor_v2_35_clear_errors_reply_decode(
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_status_2_request_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x9Cu);
 }
 
@@ -3061,8 +3089,10 @@ static inline canwright_status_t mwd_motor_v2_35_read_status_2_reply_encode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    (void)mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x9Cu);
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x9Cu) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
+    return mwd_motor_v2_35_motion_feedback_pack(frame, message, parameters);
 }
 
 /** Reads a reply. */
@@ -3093,7 +3123,6 @@ static inline canwright_status_t mwd_motor_v2_35_read_status_2_reply_decode(
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_status_3_request_encode(canwright_frame_t *frame, uint32_t node)
 {
-    canwright_clear(frame);
     return mwd_motor_v2_35_motor_request_stamp(frame, node, 8u, 0x9Du);
 }
 
@@ -3116,7 +3145,7 @@ typedef struct {
     int16_t phase_c;
 } mwd_motor_v2_35_read_status_3_reply_t;
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_read_status_3_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_status_3_reply_t *message)
 {
@@ -3143,8 +3172,11 @@ static inline void mwd_motor_v2_35_read_status_3_reply_unpack(
 static inline canwright_status_t mwd_motor_v2_35_read_status_3_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_read_status_3_reply_t *message)
 {
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x9Du) != CANWRIGHT_OK) {
+        return CANWRIGHT_UNKNOWN_NODE;
+    }
     mwd_motor_v2_35_read_status_3_reply_pack(frame, message);
-    return mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x9Du);
+    return CANWRIGHT_OK;
 }
 
 /** Reads a reply. */
@@ -3206,7 +3238,7 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_torque_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame, without a check. */
+/** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_35_broadcast_torque_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_broadcast_torque_request_t *message)
 {
@@ -3239,8 +3271,8 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_torque_request_encode
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    mwd_motor_v2_35_broadcast_torque_request_pack(frame, message);
     mwd_motor_v2_35_broadcast_request_stamp(frame, 8u);
+    mwd_motor_v2_35_broadcast_torque_request_pack(frame, message);
     return CANWRIGHT_OK;
 }
 

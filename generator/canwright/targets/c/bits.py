@@ -3,18 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 from ...model import Encoding, Field, Key, Segment, Space
 from .numbers import Integer, integer, smallest, working
-
-
-@dataclass(frozen=True)
-class Byte:
-    """What a data byte is set to."""
-
-    index: int
-    value: str
 
 
 def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") -> str:
@@ -51,8 +42,8 @@ def labels(key: Key, values: Iterable[int]) -> list[str]:
 
 
 def key_bytes(keys: Sequence[Key]) -> set[int]:
-    """The data bytes that keys fill alone."""
-    return {s.byte for key in keys if key.space is Space.DATA for s in key.segments if s.width == 8}
+    """The data bytes that keys have bits in."""
+    return {s.byte for key in keys if key.space is Space.DATA for s in key.segments}
 
 
 def piece(number: str, kind: Integer, s: Segment) -> str:
@@ -64,8 +55,8 @@ def piece(number: str, kind: Integer, s: Segment) -> str:
     return f"({masked} << {s.low})" if s.low else masked
 
 
-def write_bytes(fields: Sequence[Field], members: dict[str, str], leave_out: Iterable[int]) -> Iterator[Byte]:
-    """Every data byte from the fields of a message, 0 where none is, without those to leave out."""
+def write_bytes(fields: Sequence[Field], members: dict[str, str], shared: Iterable[int]) -> Iterator[str]:
+    """Statements that put fields into data bytes that are 0, but for the key in those that are `shared` with one."""
     parts: dict[int, list[str]] = {}
     fixed: dict[int, int] = {}
     for field in fields:
@@ -77,10 +68,11 @@ def write_bytes(fields: Sequence[Field], members: dict[str, str], leave_out: Ite
                     fixed[s.byte] = fixed.get(s.byte, 0) | _piece(field.constant, s)
                 else:
                     parts.setdefault(s.byte, []).append(_write(field, _member(field, members, number), s))
-    for index in range(8):
-        if index not in leave_out:
-            terms = parts.get(index, []) + ([f"0x{fixed[index]:02X}u"] if fixed.get(index) else [])
-            yield Byte(index, _as_byte(terms))
+    for index in sorted({*parts, *fixed}):
+        terms = parts.get(index, []) + ([f"0x{fixed[index]:02X}u"] if index in fixed else [])
+        if index in shared:
+            terms.insert(0, f"frame->data[{index}]")
+        yield f"frame->data[{index}] = {_as_byte(terms)};"
 
 
 def write_id(fields: Sequence[Field], members: dict[str, str]) -> list[str]:
@@ -120,8 +112,6 @@ def _as(wanted: Integer, kind: Integer, expression: str) -> str:
 
 
 def _as_byte(terms: Sequence[str]) -> str:
-    if not terms:
-        return "0u"
     if len(terms) == 1 and not terms[0].startswith("("):
         return terms[0]
     if len(terms) == 1 and terms[0].startswith("(uint8_t)"):

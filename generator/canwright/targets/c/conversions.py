@@ -76,11 +76,15 @@ class _Milli:
     def raw(self, thousandths: int) -> int:
         return nearest(Fraction(thousandths * self.divisor - self.addend, self.factor))
 
-    def steps_from(self, raw: int) -> tuple[int, int]:
-        return raw * self.factor, raw * self.factor + self.addend
+    def steps_from(self, raw: int) -> tuple[int, ...]:
+        """What an integer type must hold on the way from a raw integer, the rounding included."""
+        product = raw * self.factor + self.addend
+        return raw * self.factor, product - self.divisor // 2, product + self.divisor // 2
 
-    def steps_to(self, thousandths: int) -> tuple[int, int]:
-        return thousandths * self.divisor, thousandths * self.divisor - self.addend
+    def steps_to(self, thousandths: int) -> tuple[int, ...]:
+        product = thousandths * self.divisor - self.addend
+        half = abs(self.factor) // 2
+        return thousandths * self.divisor, product - half, product + half
 
     def span(self, low: int, high: int, kind: Integer) -> tuple[int, int]:
         """The thousandths within `kind` whose nearest raw integer is from `low` to `high`; the first is above the last

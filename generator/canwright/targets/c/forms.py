@@ -15,7 +15,6 @@ class Form:
     direction: Direction
     remote: bool
     id_mask: int
-    has_id_fields: bool
     places: tuple[tuple[Space, int, tuple[Segment, ...]], ...]
 
 
@@ -25,7 +24,6 @@ def form_of(message: Message) -> Form:
         message.direction,
         message.remote,
         message.id_mask,
-        any(field.space is Space.ID for field in message.layout.fields),
         tuple((key.space, key.width, key.segments) for key in message.keys),
     )
 

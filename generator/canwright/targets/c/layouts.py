@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from ...model import Edition, Encoding, Field, Layout, Space, Variant
+from ...model import Edition, Encoding, Field, Layout, Variant
 from . import bits
 from .choices import Branch, Choice
 from .facts import errata, field_facts
@@ -57,7 +57,8 @@ class LayoutView:
 
 
 def layout_view(names: Names, edition: Edition, layout: Layout) -> LayoutView:
-    keyed = _keyed_bytes(edition, layout)
+    users = [m for m in edition.all_messages() if m.layout is layout]
+    shared = {byte for message in users for byte in bits.key_bytes(message.keys)}
     check = _check(names, layout)
     facts = errata(edition, layout.path) if layout.shared else []
     return LayoutView(
@@ -71,7 +72,7 @@ def layout_view(names: Names, edition: Edition, layout: Layout) -> LayoutView:
         check,
         check is not None and _mentions(check, "parameters->", ", parameters)"),
         check is not None and _mentions(check, "[i]"),
-        _by_variant(names, layout, lambda variant: _packed(layout, variant, keyed)),
+        _by_variant(names, layout, lambda variant: _packed(layout, variant, shared)),
         _by_variant(names, layout, lambda variant: list(_unpacked(layout, variant))),
     )
 
@@ -79,12 +80,6 @@ def layout_view(names: Names, edition: Edition, layout: Layout) -> LayoutView:
 def _member(layout: Layout, field: Field) -> MemberView:
     length = f"[{len(field.elements)}]" if field.is_array else ""
     return MemberView(integer(field.type).name, member(field.name) + length, field_facts(field, layout.parameter))
-
-
-def _keyed_bytes(edition: Edition, layout: Layout) -> set[int]:
-    """Data bytes that keys fill in every message with this layout; whoever writes the keys writes them."""
-    users = [bits.key_bytes(m.keys) for m in edition.all_messages() if m.layout is layout]
-    return set.intersection(*users)
 
 
 def _by_variant(names: Names, layout: Layout, lines: Callable[[Variant], list[str]]) -> Body:
@@ -104,13 +99,10 @@ def _by_variant(names: Names, layout: Layout, lines: Callable[[Variant], list[st
     return Body(tuple(always), Choice(subject, branches, ("return CANWRIGHT_MISSING_PARAMETER;",)))
 
 
-def _packed(layout: Layout, variant: Variant, keyed: set[int]) -> list[str]:
+def _packed(layout: Layout, variant: Variant, shared: set[int]) -> list[str]:
     members = {f.name: member(f.name) for f in layout.fields}
-    lines = [f"frame->data[{b.index}] = {b.value};" for b in bits.write_bytes(variant.fields, members, keyed)]
-    in_id = bits.write_id(variant.fields, members)
-    if any(field.space is Space.ID for field in layout.fields):
-        lines.append(f"frame->id = {' | '.join(in_id) or '0u'};")
-    return lines
+    lines = [f"frame->id |= {term};" for term in bits.write_id(variant.fields, members)]
+    return lines + list(bits.write_bytes(variant.fields, members, shared))
 
 
 def _unpacked(layout: Layout, variant: Variant) -> Iterator[str]:

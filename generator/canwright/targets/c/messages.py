@@ -39,7 +39,6 @@ class CodeView:
     name: str
     read: str
     lines: tuple[str, ...]
-    in_id: str
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,6 @@ class FormView:
     remote: bool
     frame_id: str
     other_id: str
-    keeps_id: bool
     codes: tuple[CodeView, ...]
 
     @property
@@ -62,15 +60,6 @@ class FormView:
     def same_codes(self) -> str:
         """A condition that holds when a frame has the codes."""
         return " && ".join(f"{code.read} == {code.name}" for code in self.codes)
-
-    @property
-    def id(self) -> str:
-        """The id without what fields put into it."""
-        bits_ = [
-            "id" if self.rule.has_nodes else self.rule.id_macro,
-            *(code.in_id for code in self.codes if code.in_id),
-        ]
-        return " | ".join([*bits_, *(["CANWRIGHT_REMOTE"] if self.remote else [])])
 
 
 @dataclass(frozen=True)
@@ -131,7 +120,6 @@ class Forms:
             form.remote,
             frame_id(message),
             f"(frame->id & 0x{mask:X}u) != 0u" if mask else "",
-            form.has_id_fields,
             tuple(_code(key, i) for i, key in enumerate(message.keys)),
         )
 
@@ -194,14 +182,15 @@ def _code(key: Key, index: int) -> CodeView:
     name = "code" if index == 0 else f"code_{index + 1}"
     kind = working(key.width)
     lines = []
-    for s in key.segments if key.space is Space.DATA else ():
-        if s.width == 8:
+    for s in key.segments:
+        if key.space is Space.ID:
+            lines.append(f"frame->id |= {bits.piece(name, kind, s)};")
+        elif s.width == 8:
             value = f"({name} >> {s.raw_low})" if s.raw_low else name
+            lines.append(f"frame->data[{s.byte}] = (uint8_t){value};")
         else:
-            value = f"(frame->data[{s.byte}] | {bits.piece(name, kind, s)})"
-        lines.append(f"frame->data[{s.byte}] = (uint8_t){value};")
-    in_id = bits.piece(name, kind, key.segments[0]) if key.space is Space.ID else ""
-    return CodeView(kind.name, name, bits.operand(bits.key_value(key)), tuple(lines), in_id)
+            lines.append(f"frame->data[{s.byte}] = (uint8_t)(frame->data[{s.byte}] | {bits.piece(name, kind, s)});")
+    return CodeView(kind.name, name, bits.operand(bits.key_value(key)), tuple(lines))
 
 
 def _refused_nodes(rule: IdRule) -> str:

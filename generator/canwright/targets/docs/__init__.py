@@ -21,11 +21,15 @@ _PAGES = ("types", "parameters", "errata", "bus")
 def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
     """A folder for each language, in it one for each edition."""
     labels = yaml.safe_load((resources.TEMPLATES / "docs" / "labels.yaml").read_text("utf-8"))
-    env = environment("docs", {"md": markdown, "code": code, "exact": words.exact, "raw_format": words.raw_format, "id_text": id_text})
+    env = environment(
+        "docs", {"md": markdown, "code": code, "exact": words.exact, "raw_format": words.raw_format, "id_text": id_text}
+    )
     families = {d.edition.family for d in described}
     for language in [one for one in labels if any(one in d.edition.languages for d in described)]:
         here = [d for d in described if language in d.edition.languages]
-        folders = {id(d): d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}" for d in here}
+        folders = {
+            id(d): d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}" for d in here
+        }
         common = {"labels": labels[language], "lang": language}
         editions = [(folders[id(d)], d.edition) for d in here]
         yield Output(f"{language}/index.md", env.get_template("language.md.j2").render(common, editions=editions))

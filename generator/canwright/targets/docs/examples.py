@@ -37,7 +37,7 @@ def examples(
             code(f"{frame.id:03X}#{frame.data.hex().upper()}"),
             ", ".join(code(f"{name} = {value}") for name, value in frame.parameters.items()),
             "<br>".join(_meanings(frame, message, labels)) or labels["none"],
-            markdown(source if isinstance(source, str) else source.get(language) or next(iter(source.values())))
+            markdown(source if isinstance(source, str) else "".join(t for name, t in source.items() if name == language))
             + (f" ({markdown(frame.note)})" if frame.note and language == "en" else ""),
         )
 
@@ -69,5 +69,3 @@ def _value(value: Value, field: Field | None) -> str:
 
 def _list(raw: int | list[int]) -> str:
     return ", ".join(map(str, raw)) if isinstance(raw, list) else str(raw)
-
-

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from ... import words
-from ...model import Command, Field, IdRule, Layout, Message, ReplyForm, Type
+from ...model import Assignment, Command, Field, IdRule, Layout, Message, ReplyForm, Type
 from .text import code, markdown
 
 Labels = Mapping[str, str]
@@ -42,7 +42,9 @@ def rows(message: Message, command: Command, labels: Labels, language: str) -> I
             yield Row(
                 code(words.place(field.space, segments)),
                 code(name),
-                f"[{markdown(field.type.name)}](../types.md#{field.type.name})" if field.type.path[0] == "types" else "",
+                f"[{markdown(field.type.name)}](../types.md#{field.type.name})"
+                if field.type.path[0] == "types"
+                else "",
                 code(words.raw_format(field.type)),
                 *_numbers(field, message.layout, command, labels),
                 _only(message.layout, field),
@@ -98,9 +100,8 @@ def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
     unit = f" {type_.unit.symbol}" if type_.unit else ""
     linear, limits = type_.linear, type_.raw_range
     by = linear.parameter or limits.parameter
-    if by is None:
-        pairs = [("", {})]
-    else:
+    pairs: list[tuple[str, Assignment]] = [("", {})]
+    if by is not None:
         names = linear.cases if linear.parameter else limits.cases
         pairs = [(name, {by: name}) for name in names if not among or name in among]
     found = []

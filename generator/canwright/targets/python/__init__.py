@@ -12,10 +12,22 @@ from ...render import environment
 from .. import Described, Output, header
 from . import messages, routes, text, types
 
-
 _CODEC = (
     *("Bound", "CodecError", "Float", "Message", "Number", "Real", "Refusal", "Reply", "Request"),
-    *("Route", "Router", "ToAll", "ToNode", "constant", "each", "flags", "known", "member", "merge", "missing", "named"),
+    *(
+        "Route",
+        "Router",
+        "ToAll",
+        "ToNode",
+        "constant",
+        "each",
+        "flags",
+        "known",
+        "member",
+        "merge",
+        "missing",
+        "named",
+    ),
     *("node_in", "not_answer", "require"),
 )
 """What an edition's module may need of `_codec`."""
@@ -77,7 +89,9 @@ def _module(edition: Edition) -> dict[str, object]:
         "family": text.literal(edition.family),
         "edition": text.literal(edition.name),
         "hash": text.literal(edition.hash),
-        "enum_bases": sorted(({"Enum"} if choices else set()) | {"IntFlag" if v.is_flags else "IntEnum" for v in enums}),
+        "enum_bases": sorted(
+            ({"Enum"} if choices else set()) | {"IntFlag" if v.is_flags else "IntEnum" for v in enums}
+        ),
         "choices": choices,
         "parameters": tuple(map(_parameter, edition.parameters)),
         "enums": enums,

@@ -108,7 +108,9 @@ class MessageViews:
         self._parameters: dict[str, Parameter] = {p.name: p for p in edition.parameters}
         messages = list(edition.all_messages())
         counts = [group(m) for m in messages]
-        self._shared = {key: m for key, m in zip(counts, messages, strict=True) if m.layout.fields and counts.count(key) > 1}
+        self._shared = {
+            key: m for key, m in zip(counts, messages, strict=True) if m.layout.fields and counts.count(key) > 1
+        }
         self.layouts = tuple(self._layout(m) for m in self._shared.values())
         self.messages = tuple(self._message(edition.command(m.command), m) for m in messages)
 

@@ -38,9 +38,7 @@ def _route(messages: list[Message]) -> str:
 def _entries(messages: list[Message]) -> Iterator[str]:
     found: dict[int, list[str]] = {}
     for message in messages:
-        more = "".join(
-            f"(lambda can_id, data: {_read(k, message.dlc)}, 0x{k.value:X})," for k in message.keys[1:]
-        )
+        more = "".join(f"(lambda can_id, data: {_read(k, message.dlc)}, 0x{k.value:X})," for k in message.keys[1:])
         for value in message.claims:
             found.setdefault(value, []).append(f"({text.class_name(message.name)}, ({more}))")
     for value, entries in found.items():
@@ -63,5 +61,3 @@ def answers(edition: Edition) -> Iterator[str]:
         nodes = "".join(f"{node}, " for node in command.from_each)
         echo = command.reply_form is ReplyForm.ECHO
         yield f"{text.class_name(command.request.name)}: _Answer({text.class_name(reply.name)}, {selectors}, ({nodes}), {echo})"
-
-

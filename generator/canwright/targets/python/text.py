@@ -16,7 +16,10 @@ _MEMBERS = {"node", "parameters", "can_id", "encode", "fields", "raw", "mro"}
 def plain(text: str) -> str:
     """One line of a text for a docstring: no quote, backslash, line break, control or bidirectional character."""
     line = " ".join(text.split())
-    kept = (c if unicodedata.category(c) not in ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp") else "\N{REPLACEMENT CHARACTER}" for c in line)
+    kept = (
+        c if unicodedata.category(c) not in ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp") else "\N{REPLACEMENT CHARACTER}"
+        for c in line
+    )
     return "".join(kept).replace("\\", "\N{REVERSE SOLIDUS OPERATOR}").replace('"', "'")
 
 
