@@ -5,8 +5,7 @@ from fractions import Fraction
 import pytest
 from canwright import notation, words
 from canwright.model import Bound, Order, Range, Space
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 
 @pytest.mark.parametrize(

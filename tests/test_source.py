@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 from canwright import source
 from canwright.diagnostics import SpecError
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 
 def rule_of(text: str) -> str:

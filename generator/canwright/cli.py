@@ -11,8 +11,7 @@ import click
 
 from . import __version__
 from .diagnostics import SpecError
-from .generate import TARGETS
-from .generate import generate as make
+from .generate import TARGETS, generate as make
 from .golden import GoldenFrames
 from .load import all_described, spec_files
 from .model import Assignment
@@ -51,7 +50,7 @@ set_option = click.option(
     "settings",
     multiple=True,
     metavar="PARAMETER=VALUE",
-    help="Fix a parameter in the DBC files, for example --set encoder_bits=18.",
+    help="Fix a parameter in the DBC files, for example --set size=12.",
 )
 
 
@@ -64,7 +63,7 @@ def main() -> None:
     Start here:
       canwright generate                              everything in spec/ into generated/
       canwright check                                 is generated/ what spec/ says?
-      canwright show set_torque                       one command, in the terminal
+      canwright show COMMAND                          one command, in the terminal
       canwright generate --spec my.yaml --out out     your own protocol, in any folder
 
     Exit status: 0 when all is well, 1 when there are findings, 2 when it could not run.
@@ -129,7 +128,7 @@ def check(specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str]
 @spec_option
 @click.option("--lang", type=click.Choice(["en", "zh"]), default="en", show_default=True, help="Language of the texts.")
 def show(command: str, specs: Sequence[Path], lang: str) -> None:
-    """Show one COMMAND, by name or by code (0xA1): bytes in both directions, what it does, what to mind."""
+    """Show one COMMAND, by name or by code (0x10): bytes in both directions, what it does, what to mind."""
     from .show import find, show_command
 
     described = _read(specs)

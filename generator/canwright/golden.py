@@ -81,6 +81,7 @@ Value = Annotated[
     | Annotated[list[Single], Tag("list")]
     | Annotated[Single, Tag("name_or_number")],
     Discriminator(_special),
+    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}, {"type": "array"}]}),
 ]
 RawValue = int | list[int]
 
@@ -91,7 +92,7 @@ class Sourced(Concept):
     source: Annotated[Name, Field(description="A name of `sources`.")]
     note: Annotated[str | None, Field(description="What a reader of this entry should know.")] = None
     parameters: Annotated[
-        dict[Name, int | str], Field(description="What is known of the node.", examples=[{"series": "MG"}])
+        dict[Name, int | str], Field(description="What is known of the node.", examples=[{"model": "A"}])
     ] = {}
 
 

@@ -11,49 +11,29 @@ from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
 
+from .layouts import (
+    Element as Element,
+    Field as Field,
+    Layout as Layout,
+    Segment as Segment,
+    Space as Space,
+    Variant as Variant,
+)
 from .quantities import (
     IDENTITY as IDENTITY,
-)
-from .quantities import (
     Assignment as Assignment,
-)
-from .quantities import (
     Bound as Bound,
-)
-from .quantities import (
     Dependent as Dependent,
-)
-from .quantities import (
     Encoding as Encoding,
-)
-from .quantities import (
     Linear as Linear,
-)
-from .quantities import (
     Member as Member,
-)
-from .quantities import (
     Order as Order,
-)
-from .quantities import (
     Parameter as Parameter,
-)
-from .quantities import (
     ParameterValue as ParameterValue,
-)
-from .quantities import (
     Path as Path,
-)
-from .quantities import (
     Range as Range,
-)
-from .quantities import (
     Text as Text,
-)
-from .quantities import (
     Type as Type,
-)
-from .quantities import (
     Unit as Unit,
 )
 
@@ -63,13 +43,6 @@ class Direction(str, Enum):
 
     REQUEST = "request"
     REPLY = "reply"
-
-
-class Space(str, Enum):
-    """Where bits stand: in the data bytes or in the CAN id."""
-
-    DATA = "data"
-    ID = "id"
 
 
 class ReplyForm(str, Enum):
@@ -92,93 +65,6 @@ class Level(str, Enum):
     NOTE = "note"
     WARNING = "warning"
     DANGER = "danger"
-
-
-@dataclass(frozen=True)
-class Segment:
-    """Bits of a field that lie in one byte: `raw |= (byte >> low & (1 << width) - 1) << raw_low`.
-
-    In the id space there is one segment, its `byte` is 0 and `low` counts from bit 0 of the id.
-    """
-
-    byte: int
-    low: int
-    width: int
-    raw_low: int
-
-
-@dataclass(frozen=True)
-class Element:
-    """One place on the wire: the only one of a field, or one of an array, then with its index."""
-
-    index: int | None
-    segments: tuple[Segment, ...]
-
-    @property
-    def bits(self) -> tuple[int, ...]:
-        """Frame bits from the least significant raw bit up."""
-        return tuple(s.byte * 8 + s.low + i for s in self.segments for i in range(s.width))
-
-
-@dataclass(frozen=True)
-class Field:
-    """A run of bits with a type; an array has one element for each index.
-
-    `only` names the value of the layout's parameter under which the field is there; empty means always.
-    `constant` is the raw value of a field that always holds it: it is written, checked, and not part of the message.
-    """
-
-    name: str
-    type: Type
-    space: Space
-    elements: tuple[Element, ...]
-    is_array: bool
-    only: tuple[str, ...]
-    constant: int | None
-    title: Text
-    about: Text
-    manual: str
-    path: Path = field(compare=False)
-
-
-@dataclass(frozen=True)
-class Variant:
-    """The fields of a layout under some values of its parameter; `values` is empty when it has no parameter."""
-
-    values: tuple[str, ...]
-    fields: tuple[Field, ...]
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Fields with their bits. `shared` layouts have a name in the spec; the others belong to one message.
-
-    `parameter` is the choice that decides which fields are there, `variants` the outcomes, in spec order.
-    Bits that no field covers are reserved: written as 0, ignored when read.
-    """
-
-    name: str
-    fields: tuple[Field, ...]
-    parameter: str | None
-    variants: tuple[Variant, ...]
-    shared: bool
-    title: Text
-    about: Text
-    manual: str
-    path: Path = field(compare=False)
-
-    def variant(self, assignment: Assignment) -> Variant | None:
-        """The variant under `assignment`; None when the parameter it needs is not assigned."""
-        if self.parameter is None:
-            return self.variants[0]
-        value = assignment.get(self.parameter)
-        return next((v for v in self.variants if value in v.values), None)
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of all choice parameters that fields, scales and ranges of this layout depend on."""
-        names = ([self.parameter] if self.parameter else []) + [p for f in self.fields for p in f.type.parameters]
-        return tuple(dict.fromkeys(names))
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,7 @@ def printed(text: str) -> Printed:
 
 
 def span(text: str) -> Range:
-    """A range `low..high`, both ends included; an end may be `36000*gear_ratio-1`."""
+    """A range `low..high`, both ends included; an end may be `100*size-1`."""
     low, dots, high = text.replace(" ", "").partition("..")
     if not dots:
         raise ValueError(f"`{text}` is not a range; write it as low..high, for example -850..850")
@@ -90,14 +90,14 @@ def nodes(text: str) -> range:
 
 @dataclass(frozen=True)
 class IdExpression:
-    """`0x140 + node`, `node << 5`, or a fixed id; `node_shift` is None when no node is in it."""
+    """`0x100 + node`, `node << 5`, or a fixed id; `node_shift` is None when no node is in it."""
 
     base: int
     node_shift: int | None
 
 
 def id_expression(text: str) -> IdExpression:
-    """A sum of numbers and at most one `node`, which may be shifted: `0x140 + node`, `(node << 5)` without brackets."""
+    """A sum of numbers and at most one `node`, which may be shifted: `0x100 + node`, `(node << 5)` without brackets."""
     base = 0
     shift: int | None = None
     for term in (part.strip() for part in text.split("+")):
@@ -109,7 +109,7 @@ def id_expression(text: str) -> IdExpression:
         elif re.fullmatch(r"0x[0-9A-Fa-f]+|\d+", term):
             base += int(term, 0)
         else:
-            raise ValueError(f"`{term}` does not belong in an id; write it like 0x140 + node, node << 5 or 0x280")
+            raise ValueError(f"`{term}` does not belong in an id; write it like 0x100 + node, node << 5 or 0x200")
     return IdExpression(base, shift)
 
 

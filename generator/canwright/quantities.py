@@ -20,7 +20,7 @@ Text = Mapping[str, str]
 """One text in every language of the edition, by language code."""
 
 Assignment = Mapping[str, str]
-"""Parameter name to the name of its value, as `{"series": "MG"}`; what is not known is left out."""
+"""Parameter name to the name of its value, as `{"model": "A"}`; what is not known is left out."""
 
 
 class Order(str, Enum):

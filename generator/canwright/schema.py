@@ -3,87 +3,35 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
-from decimal import Decimal
-from fractions import Fraction
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
-from . import notation
-from .model import Encoding, Level, Order, Range
-from .notation import At, IdExpression
-
-T = TypeVar("T")
+from .model import Encoding, Level, Order
+from .written import (
+    Byte as Byte,
+    IdText as IdText,
+    Language as Language,
+    Line as Line,
+    Name as Name,
+    Nodes as Nodes,
+    Only as Only,
+    Printed as Printed,
+    Rational as Rational,
+    Raw as Raw,
+    Section as Section,
+    Span as Span,
+    Start as Start,
+    Text as Text,
+    ValueName as ValueName,
+    is_map as is_map,
+)
 
 
 class Concept(BaseModel):
     """What all concepts share: no unknown keys, nothing changes once it is read."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, strict=True)
-
-
-def _written(parse: Callable[[str], T]) -> BeforeValidator:
-    """Validates a notation from its text; numbers come from the source exact, so their text is as written."""
-
-    def validate(value: object) -> T:
-        if isinstance(value, bool) or not isinstance(value, (str, int, Decimal)):
-            raise ValueError("expected a number or a short text here")
-        return parse(str(value))
-
-    return BeforeValidator(validate)
-
-
-def _number_or(pattern: str, *examples: str | int | float) -> WithJsonSchema:
-    return WithJsonSchema(
-        {"anyOf": [{"type": "number"}, {"type": "string", "pattern": pattern}], "examples": list(examples)}
-    )
-
-
-def _text_of(pattern: str, *examples: str) -> WithJsonSchema:
-    return WithJsonSchema({"type": "string", "pattern": pattern, "examples": list(examples)})
-
-
-Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=48)]
-ValueName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_]*$", max_length=32)]
-Rational = Annotated[
-    Fraction, _written(notation.rational), _number_or(notation.RATIONAL_PATTERN, 0.01, "1/64", "16.5/2048")
-]
-Printed = Annotated[
-    notation.Printed, _written(notation.printed), _number_or(notation.RATIONAL_PATTERN, 0.01, "1/64", "16.5/2048")
-]
-Span = Annotated[Range, _written(notation.span), _text_of(notation.RANGE_PATTERN, "-850..850", "0..36000*gear_ratio-1")]
-Nodes = Annotated[range, _written(notation.nodes), _text_of(notation.NODES_PATTERN, "1..32")]
-Start = Annotated[At, _written(notation.at), _number_or(notation.AT_PATTERN, 4, 4.3, "id.5")]
-IdText = Annotated[
-    IdExpression, _written(notation.id_expression), _number_or(notation.ID_PATTERN, "0x140 + node", "node << 5", 640)
-]
-Raw = Annotated[
-    tuple[Encoding, int], _written(notation.raw_format), _text_of(notation.RAW_PATTERN, "u8", "i16", "i56", "f32")
-]
-Byte = Annotated[int, Field(ge=0)]
-Section = Annotated[str, Field(min_length=1, max_length=80)]
-Line = Annotated[str, Field(min_length=1, max_length=2000)]
-Language = Literal["en", "zh"]
-
-
-def _is_map(value: object) -> str:
-    return "map" if isinstance(value, dict) else "plain"
-
-
-Text = Annotated[
-    Annotated[Line, Tag("plain")] | Annotated[dict[Language, Line], Tag("map")],
-    Discriminator(_is_map),
-    Field(description="A text in each language of the edition, or a plain text where there is one language."),
-]
-
-Only = Annotated[
-    dict[Name, list[ValueName]],
-    Field(
-        description="Parameter to the values under which this is there; left out, it always is.",
-        examples=[{"series": ["MF", "MG"]}],
-    ),
-]
 
 
 class Titled(Concept):
@@ -123,9 +71,9 @@ class RangeBy(Concept):
 
 Scale = Annotated[
     Annotated[Literal["none"], Tag("none")] | Annotated[Printed, Tag("plain")] | Annotated[ScaleBy, Tag("map")],
-    Discriminator(lambda value: "none" if value == "none" else _is_map(value)),
+    Discriminator(lambda value: "none" if value == "none" else is_map(value)),
 ]
-SpanChoice = Annotated[Annotated[Span, Tag("plain")] | Annotated[RangeBy, Tag("map")], Discriminator(_is_map)]
+SpanChoice = Annotated[Annotated[Span, Tag("plain")] | Annotated[RangeBy, Tag("map")], Discriminator(is_map)]
 
 
 class Member(Titled):
@@ -177,7 +125,7 @@ class FieldSpec(Titled):
     array: Annotated[
         Nodes | None, Field(description="Indices of an array whose elements follow one another.", examples=["1..4"])
     ] = None
-    only: Annotated[Only | None, Field()] = None
+    only: Only = None
     constant: Annotated[int | None, Field(description="The raw value that it always holds.")] = None
     manual: Annotated[Section | None, Field(description="Section of the manual, when not the command's.")] = None
 
@@ -230,7 +178,7 @@ class Command(Titled):
     address: Annotated[Name | None, Field(description="Address, when not the first.")] = None
     mode: Annotated[Name | None, Field(description="Bus mode, when not the first.")] = None
     manual: Annotated[Section | None, Field(description="Section of the manual, quoted.", examples=["2.10"])] = None
-    only: Annotated[Only | None, Field()] = None
+    only: Only = None
     implemented: Annotated[bool, Field(description="False when the manual says that it does not work yet.")] = True
     request: Annotated[
         Message | None,
@@ -250,7 +198,7 @@ class Address(Titled):
     """A rule from node to CAN id, and back."""
 
     id: Annotated[
-        IdText | None, Field(description="Id of both directions: `0x140 + node`, `node << 5`, or a fixed one.")
+        IdText | None, Field(description="Id of both directions: `0x100 + node`, `node << 5`, or a fixed one.")
     ] = None
     request: Annotated[IdText | None, Field(description="Id of requests, when replies have another.")] = None
     reply: Annotated[IdText | None, Field(description="Id of replies, when requests have another.")] = None
@@ -309,7 +257,7 @@ class ParameterSpec(Titled):
 class SettingSpec(Titled):
     """A limit that is set on the node by other means than this protocol."""
 
-    only: Annotated[Only | None, Field()] = None
+    only: Only = None
 
 
 class EffectSpec(Titled):

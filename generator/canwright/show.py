@@ -90,7 +90,7 @@ def _frame(message: Message | None, note: str) -> str:
 
 
 def id_rule(rule: IdRule) -> str:
-    """`0x140 + node (1..32)`."""
+    """`0x100 + node (1..32)`."""
     if rule.nodes is None:
         return f"0x{rule.base:X}"
     node = f"node << {rule.node_shift}" if rule.node_shift else "node"

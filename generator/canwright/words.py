@@ -21,7 +21,7 @@ def exact(number: Fraction) -> str:
 
 
 def bound(end: Bound) -> str:
-    """`2048`, or `36000*gear_ratio-1`."""
+    """`2048`, or `100*size-1`."""
     if end.parameter is None:
         return exact(end.constant)
     tail = f"{'+' if end.constant > 0 else ''}{exact(end.constant)}" if end.constant else ""
@@ -95,10 +95,10 @@ def ranges(type_: Type) -> list[tuple[str, str]]:
 
 
 def condition(only: Mapping[str, tuple[str, ...]]) -> str:
-    """`series MF, MG`; empty when there is none."""
+    """`model A, B`; empty when there is none."""
     return "; ".join(f"{name} {', '.join(values)}" for name, values in only.items())
 
 
 def elements(field: Field) -> list[tuple[str, tuple[Segment, ...]]]:
-    """The places of a field, each with its name: `iq`, or `iq[1]`, `iq[2]`, … for an array."""
+    """The places of a field, each with its name: `level`, or `level[1]`, `level[2]`, … for an array."""
     return [(field.name if e.index is None else f"{field.name}[{e.index}]", e.segments) for e in field.elements]

@@ -47,14 +47,10 @@ def everything(include: Path, names: Sequence[str]) -> str:
 
 @pytest.fixture(scope="module")
 def units(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with `include/`, one unit that has all editions, and a program that uses the first."""
+    """A folder with `include/`, a unit that has all functions of all editions, and a program that uses the first."""
     folder = tmp_path_factory.mktemp("c")
-    second = folder / "second.yaml"
-    text = MAIN.read_text("utf-8")
-    second.write_text(re.sub(r"(?m)^edition: .*$", "edition: v9-second", text), "utf-8")
-    editions = [described(spec) for spec in [*SPECS, second]]
-    write(editions, folder)
-    include = folder / "include"
+    editions = [described(spec) for spec in SPECS]
+    include = write(editions, folder) / "include"
     (folder / "everything.c").write_text(everything(include, headers(editions)), "utf-8")
     (folder / "program.c").write_text(harness(editions[0].edition, include), "utf-8")
     return folder
@@ -63,11 +59,24 @@ def units(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("standard", STANDARDS)
 @pytest.mark.parametrize("compiler", compilers(), ids=lambda compiler: compiler.name)
 def test_no_warning(compiler: Compiler, standard: str, units: Path, tmp_path: Path) -> None:
+    """Every function by itself at every level, and all of them inlined into a program."""
     language = ("-x", "c++") if standard.startswith("c++") else ()
+    flags = (*WARNINGS, f"-I{units / 'include'}", *language, "-c", "-o", tmp_path / "unit.o")
     for level in LEVELS:
-        for source in sorted(units.glob("*.c")):
-            flags = (*WARNINGS, level, f"-I{units / 'include'}", *language)
-            compiler.run(standard, *flags, "-c", source, "-o", tmp_path / "unit.o")
+        compiler.run(standard, *flags, level, units / "everything.c")
+    compiler.run(standard, *flags, "-O3", units / "program.c")
+
+
+def test_two_editions_of_a_family_in_one_unit(tmp_path: Path) -> None:
+    second = tmp_path / "second.yaml"
+    second.write_text(re.sub(r"(?m)^edition: .*$", "edition: v9-second", MAIN.read_text("utf-8")), "utf-8")
+    editions = [described(MAIN), described(second)]
+    include = write(editions, tmp_path) / "include"
+    unit = tmp_path / "both.c"
+    unit.write_text(everything(include, headers(editions)), "utf-8")
+    for standard, language in (("c99", ()), ("c++17", ("-x", "c++"))):
+        flags = (*WARNINGS, f"-I{include}", *language, "-fsyntax-only")
+        compilers()[0].run(standard, *flags, unit)
 
 
 @pytest.mark.parametrize("standard", STANDARDS)

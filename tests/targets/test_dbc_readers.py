@@ -31,8 +31,7 @@ from canwright.model import (
     Variant,
 )
 from canwright.targets import Described, dbc
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
 from ..conformance.adapters.dbc import DbcAdapter

@@ -6,8 +6,7 @@ from fractions import Fraction
 
 import pytest
 from canwright.targets.dbc.text import NAME_LENGTH, camel, fitting, in_ascii, number, text
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 
 @pytest.mark.parametrize(

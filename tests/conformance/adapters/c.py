@@ -11,8 +11,7 @@ from pathlib import Path
 
 from canwright.golden import Refusal
 from canwright.model import Command, Direction, Edition, Encoding, Field, Message
-from canwright.targets import Described
-from canwright.targets import c as target
+from canwright.targets import Described, c as target
 
 from ...compilers import build
 from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value

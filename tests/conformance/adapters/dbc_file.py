@@ -9,8 +9,7 @@ from typing import Any
 
 import cantools
 from cantools.database import Database, DecodeError, EncodeError
-from cantools.database.can import Message as CanMessage
-from cantools.database.can import Signal
+from cantools.database.can import Message as CanMessage, Signal
 from canwright.golden import Refusal
 from canwright.model import Command, Direction, Edition, Encoding, Field, Message, Space
 

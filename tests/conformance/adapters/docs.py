@@ -11,8 +11,7 @@ from pathlib import Path
 
 from canwright.golden import Refusal
 from canwright.model import Direction
-from canwright.targets import Described
-from canwright.targets import docs as target
+from canwright.targets import Described, docs as target
 
 from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
 from .docs_tables import FieldRow, MessagePage, Scale, message, plain, tables

@@ -13,8 +13,7 @@ from typing import Any
 
 from canwright.golden import Refusal
 from canwright.model import Direction, Edition
-from canwright.targets import Described
-from canwright.targets import python as target
+from canwright.targets import Described, python as target
 from canwright.targets.python.text import attribute, class_name
 
 from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value

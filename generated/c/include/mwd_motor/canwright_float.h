@@ -15,7 +15,7 @@
 #endif
 
 /** Up to here, a double holds every integer. */
-#define CANWRIGHT_EXACT (INT64_C(1) << 53)
+#define CANWRIGHT_EXACT (UINT64_C(1) << 53)
 
 /** The bits of a 64-bit number. */
 static inline uint64_t canwright_bits_of(double number)
@@ -56,19 +56,23 @@ static inline double canwright_number32(uint32_t bits)
     return (double)number;
 }
 
-/** `raw * factor / divisor`, rounded once also where a double cannot hold the product; both are positive. */
-static inline double canwright_quotient(int64_t raw, int64_t factor, int64_t divisor)
+/** `raw * factor / divisor`, rounded once also where a double cannot hold the product, if 64 bits can. */
+static inline double canwright_quotient_unsigned(uint64_t raw, uint64_t factor, uint64_t divisor)
 {
-    const int64_t most = INT64_MAX / factor;
-    if (raw >= -most && raw <= most) {
-        const int64_t product = raw * factor;
-        const int64_t whole = product / divisor;
-        const bool is_beyond = product > CANWRIGHT_EXACT || product < -CANWRIGHT_EXACT;
-        if (is_beyond && whole <= CANWRIGHT_EXACT && whole >= -CANWRIGHT_EXACT) {
-            return (double)whole + (double)(product % divisor) / (double)divisor;
-        }
+    if (raw <= UINT64_MAX / factor && raw * factor > CANWRIGHT_EXACT) {
+        const uint64_t whole = raw * factor / divisor;
+        const uint64_t low = whole > CANWRIGHT_EXACT ? whole % 2048u : 0u;
+        const double rest = (double)(raw * factor % divisor) / (double)divisor;
+        return (double)(whole - low) + ((double)low + rest);
     }
     return (double)raw * (double)factor / (double)divisor;
+}
+
+/** The same for numbers with a sign. */
+static inline double canwright_quotient(int64_t raw, uint64_t factor, uint64_t divisor)
+{
+    return raw < 0 ? -canwright_quotient_unsigned(0u - (uint64_t)raw, factor, divisor)
+                   : canwright_quotient_unsigned((uint64_t)raw, factor, divisor);
 }
 
 /** The bits of the 64-bit number for `steps`, which come of `value`. */

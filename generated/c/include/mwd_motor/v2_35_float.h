@@ -319,7 +319,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_doubl
 /** Angle over all turns, deg. */
 static inline double mwd_motor_v2_35_multi_turn_angle_to_double(int64_t raw)
 {
-    return canwright_quotient(raw, 1, 100);
+    return canwright_quotient(raw, UINT64_C(1), UINT64_C(100));
 }
 
 /** The nearest raw value. */

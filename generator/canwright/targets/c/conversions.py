@@ -228,8 +228,8 @@ def _value(linear: Linear, type_: Type) -> str:
     above = f" * {_literal(factor)}" if factor != 1 else ""
     scaled = raw + above + (f" / {_literal(divisor)}" if divisor != 1 else "")
     if not is_float and _is_wide(type_, factor, divisor):
-        exact = f"canwright_quotient({_cast(INT64, integer(type_), 'raw')}, {factor}, {divisor})"
-        scaled = f"(raw <= (uint64_t)INT64_MAX ? {exact} : {scaled})" if integer(type_) == UINT64 else exact
+        suffix = "" if integer(type_).signed else "_unsigned"
+        scaled = f"canwright_quotient{suffix}(raw, {UINT64.literal(factor)}, {UINT64.literal(divisor)})"
     return scaled + (f" + {_literal(linear.offset)}" if linear.offset else "")
 
 

@@ -37,7 +37,9 @@ def examples(
             code(f"{frame.id:03X}#{frame.data.hex().upper()}"),
             ", ".join(code(f"{name} = {value}") for name, value in frame.parameters.items()),
             "<br>".join(_meanings(frame, message, labels)) or labels["none"],
-            markdown(source if isinstance(source, str) else "".join(t for name, t in source.items() if name == language))
+            markdown(
+                source if isinstance(source, str) else "".join(t for name, t in source.items() if name == language)
+            )
             + (f" ({markdown(frame.note)})" if frame.note and language == "en" else ""),
         )
 

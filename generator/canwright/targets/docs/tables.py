@@ -75,7 +75,7 @@ def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> 
 
 
 def cases(pairs: list[tuple[str, str]]) -> str:
-    """`MF: 16.5/2048 A`, one line a case."""
+    """`A: 16.5/2048 V`, one line a case."""
     return "<br>".join(f"{names}: {code(text)}" if names else code(text) for names, text in pairs)
 
 
@@ -113,7 +113,7 @@ def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
 
 
 def id_text(rule: IdRule) -> str:
-    """`0x140 + node`, `node << 5`, or a fixed id."""
+    """`0x100 + node`, `node << 5`, or a fixed id."""
     if rule.nodes is None:
         return f"0x{rule.base:X}"
     node = f"node << {rule.node_shift}" if rule.node_shift else "node"

@@ -39,7 +39,7 @@ def sentence(text: str) -> str:
 
 
 def class_name(name: str) -> str:
-    """`set_torque_reply` as `SetTorqueReply`."""
+    """`read_level_reply` as `ReadLevelReply`."""
     camel = "".join(part[:1].upper() + part[1:] for part in name.split("_"))
     return camel + "_" if camel in _RESERVED else camel
 

@@ -1,0 +1,79 @@
+"""What a spec's writer writes, as types: read from its text, exact, each with its JSON Schema."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from decimal import Decimal
+from fractions import Fraction
+from typing import Annotated, Literal, TypeVar
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
+
+from . import notation
+from .model import Encoding, Range
+from .notation import At, IdExpression
+
+T = TypeVar("T")
+
+
+def _written(parse: Callable[[str], T]) -> BeforeValidator:
+    """Validates a notation from its text; numbers come from the source exact, so their text is as written."""
+
+    def validate(value: object) -> T:
+        if isinstance(value, bool) or not isinstance(value, (str, int, Decimal)):
+            raise ValueError("expected a number or a short text here")
+        return parse(str(value))
+
+    return BeforeValidator(validate)
+
+
+def _number_or(pattern: str, *examples: str | int | float) -> WithJsonSchema:
+    return WithJsonSchema(
+        {"anyOf": [{"type": "number"}, {"type": "string", "pattern": pattern}], "examples": list(examples)}
+    )
+
+
+def _text_of(pattern: str, *examples: str) -> WithJsonSchema:
+    return WithJsonSchema({"type": "string", "pattern": pattern, "examples": list(examples)})
+
+
+Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=48)]
+ValueName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_]*$", max_length=32)]
+Rational = Annotated[
+    Fraction, _written(notation.rational), _number_or(notation.RATIONAL_PATTERN, 0.01, "1/64", "16.5/2048")
+]
+Printed = Annotated[
+    notation.Printed, _written(notation.printed), _number_or(notation.RATIONAL_PATTERN, 0.01, "1/64", "16.5/2048")
+]
+Span = Annotated[Range, _written(notation.span), _text_of(notation.RANGE_PATTERN, "-850..850", "0..100*size-1")]
+Nodes = Annotated[range, _written(notation.nodes), _text_of(notation.NODES_PATTERN, "1..32")]
+Start = Annotated[At, _written(notation.at), _number_or(notation.AT_PATTERN, 4, 4.3, "id.5")]
+IdText = Annotated[
+    IdExpression, _written(notation.id_expression), _number_or(notation.ID_PATTERN, "0x100 + node", "node << 5", 640)
+]
+Raw = Annotated[
+    tuple[Encoding, int], _written(notation.raw_format), _text_of(notation.RAW_PATTERN, "u8", "i16", "i56", "f32")
+]
+Byte = Annotated[int, Field(ge=0)]
+Section = Annotated[str, Field(min_length=1, max_length=80)]
+Line = Annotated[str, Field(min_length=1, max_length=2000)]
+Language = Literal["en", "zh"]
+
+
+def is_map(value: object) -> str:
+    return "map" if isinstance(value, dict) else "plain"
+
+
+Text = Annotated[
+    Annotated[Line, Tag("plain")] | Annotated[dict[Language, Line], Tag("map")],
+    Discriminator(is_map),
+    Field(description="A text in each language of the edition, or a plain text where there is one language."),
+]
+
+Only = Annotated[
+    dict[Name, list[ValueName]] | None,
+    Field(
+        description="Parameter to the values under which this is there; left out, it always is.",
+        examples=[{"model": ["A", "B"]}],
+    ),
+]

@@ -1,0 +1,125 @@
+"""What tells messages apart in C: parts of bytes, a second key, bits of the id, lengths, and constants."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+from canwright.golden import Refusal
+from canwright.load import described
+from canwright.model import Command, Direction, Edition, Key, Message, Order, Segment, Space
+from canwright.targets import Described
+
+from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
+from ..conformance.adapters.c import CAdapter, adapter
+
+SPEC = """\
+canwright: 1
+family: keys
+edition: v1
+addresses:
+  it: {id: 0x10000 + node, nodes: 0..3, extended: true}
+selector: {at: 0, raw: u4}
+types:
+  high: {raw: u4}
+  small: {raw: i3}
+  pair: {raw: u16, byte_order: big}
+commands:
+  first: {code: 1, request: {high: {at: 0.4, type: high}}, reply: echo}
+  second: {code: 1, request: {high: {at: 0.4, type: high}, pair: {at: 4, type: pair}}, reply: echo}
+  third: {code: 2, request: {small: {at: id.20, type: small}, pair: {at: 4, type: pair}}, reply: none}
+  short: {code: 3, request: {dlc: 2, layout: {high: {at: 1.2, type: high}}}, reply: none}
+  fixed: {code: 4, request: {mark: {at: 1.3, raw: i9, constant: -2}, high: {at: 0.4, type: high}}, reply: none}
+"""
+
+INDEX = {"first": 0x0201, "second": 0x0302}
+"""The second key of the commands that share a code: 16 bits in bytes 2 and 3, the high byte first."""
+
+NODE_2 = 0x10002
+
+
+def second_key(value: int) -> Key:
+    segments = (Segment(3, 0, 8, 0), Segment(2, 0, 8, 8))
+    return Key("index", Space.DATA, Order.BIG, 16, segments, value)
+
+
+def with_second_keys(edition: Edition) -> Edition:
+    """The edition with a second key where two commands share a code."""
+
+    def message(one: Message | None) -> Message | None:
+        if one is None or one.command not in INDEX:
+            return one
+        keys = (*one.keys, second_key(INDEX[one.command]))
+        return dataclasses.replace(one, keys=keys, claims=(one.keys[0].value,))
+
+    def command(one: Command) -> Command:
+        return dataclasses.replace(one, request=message(one.request), reply=message(one.reply))
+
+    return dataclasses.replace(edition, commands=tuple(map(command, edition.commands)))
+
+
+@pytest.fixture(scope="module")
+def target(tmp_path_factory: pytest.TempPathFactory) -> CAdapter:
+    folder = tmp_path_factory.mktemp("keys")
+    file = folder / "spec.yaml"
+    file.write_text(SPEC.replace("second: {code: 1", "second: {code: 5"), "utf-8")
+    edition = described(file).edition
+    second = edition.command("second").request
+    assert second is not None
+    edition = _recoded(edition)
+    return adapter(Described(with_second_keys(edition), None), folder)
+
+
+def _recoded(edition: Edition) -> Edition:
+    """`second` with the code of `first`, which no rule of the language allows without a second key."""
+
+    def message(one: Message | None) -> Message | None:
+        if one is None or one.command != "second":
+            return one
+        return dataclasses.replace(one, keys=(dataclasses.replace(one.keys[0], value=1),), claims=(1,))
+
+    commands = (dataclasses.replace(c, request=message(c.request), reply=message(c.reply)) for c in edition.commands)
+    return dataclasses.replace(edition, commands=tuple(commands))
+
+
+FRAMES = [
+    ("first", {"high": 9}, NODE_2, "91 00 02 01 00 00 00 00"),
+    ("second", {"high": 15, "pair": 0x1234}, NODE_2, "F1 00 03 02 12 34 00 00"),
+    ("third", {"small": -3, "pair": 0xABCD}, NODE_2 | 5 << 20, "02 00 00 00 AB CD 00 00"),
+    ("short", {"high": 10}, NODE_2, "03 28"),
+    ("fixed", {"high": 7}, NODE_2, "74 F0 0F 00 00 00 00 00"),
+]
+
+
+@pytest.mark.parametrize(("command", "raw", "id_", "data"), FRAMES, ids=[f[0] for f in FRAMES])
+def test_there_and_back(command: str, raw: dict[str, int], id_: int, data: str, target: CAdapter) -> None:
+    frame = CanFrame(id_, bytes.fromhex(data), extended=True)
+    assert target.encode_raw(Direction.REQUEST, command, 2, raw, {}) == Encoded(frame.id, frame.data)
+    decoded = target.decode(Direction.REQUEST, frame, {}, None)
+    assert decoded == Decoded(command, 2, raw, {name: float(value) for name, value in raw.items()})
+
+
+REFUSED = [
+    ("another second key", NODE_2, "91 00 02 02 00 00 00 00", Refusal.UNKNOWN_CODE),
+    ("another first key", NODE_2, "0F 00 02 01 00 00 00 00", Refusal.UNKNOWN_CODE),
+    ("no such node", 0x10004, "91 00 02 01 00 00 00 00", Refusal.UNKNOWN_ID),
+    ("bits of the id that no field has", NODE_2 | 1 << 23, "02 00 00 00 00 00 00 00", Refusal.UNKNOWN_ID),
+    ("a field of another message in the id", NODE_2 | 1 << 20, "91 00 02 01 00 00 00 00", Refusal.UNKNOWN_ID),
+    ("no message has this length", NODE_2, "91 00 02 01 00 00 00", Refusal.WRONG_LENGTH),
+    ("the code of a message of another length", NODE_2, "03 28 00 00 00 00 00 00", Refusal.UNKNOWN_CODE),
+    ("a constant that differs", NODE_2, "74 F8 0F 00 00 00 00 00", Refusal.WRONG_CONSTANT),
+]
+
+
+@pytest.mark.parametrize(("id_", "data", "says"), [r[1:] for r in REFUSED], ids=[r[0] for r in REFUSED])
+def test_refused(id_: int, data: str, says: Refusal, target: CAdapter) -> None:
+    frame = CanFrame(id_, bytes.fromhex(data), extended=True)
+    assert target.decode(Direction.REQUEST, frame, {}, None) == Refused(says)
+
+
+def test_the_second_key_tells_whose_answer_it_is(target: CAdapter) -> None:
+    first = CanFrame(NODE_2, bytes.fromhex("91 00 02 01 00 00 00 00"), extended=True)
+    second = CanFrame(NODE_2, bytes.fromhex("91 00 03 02 00 00 00 00"), extended=True)
+    assert target.answers(first, first) is None
+    assert target.answers(first, second) == Refused(Refusal.NOT_ANSWER)
+    assert target.answers(second, dataclasses.replace(second, id=NODE_2 + 1)) == Refused(Refusal.NOT_ANSWER)
