@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 import venv
@@ -45,3 +46,14 @@ def test_the_wheel_generates_in_any_folder(installed: Path, tmp_path: Path) -> N
 def test_the_wheel_carries_the_schema(installed: Path, tmp_path: Path) -> None:
     schema = run(tmp_path, installed / "canwright", "schema")
     assert schema == (ROOT / "spec/canwright.schema.json").read_text("utf-8")
+
+
+def test_the_generated_python_package_installs_and_needs_nothing_else(tmp_path: Path) -> None:
+    venv.create(tmp_path / "empty", with_pip=True)
+    python = tmp_path / "empty" / ("Scripts" if os.name == "nt" else "bin") / "python"
+    package = tmp_path / "python"
+    shutil.copytree(ROOT / "generated/python", package)
+    run(tmp_path, python, "-m", "pip", "--disable-pip-version-check", "--quiet", "install", package)
+    script = "from mwd_motor.v2_35 import MotorOnRequest; print(MotorOnRequest(node=32).encode().hex())"
+    assert run(tmp_path, python, "-c", script) == "8800000000000000\n"
+    assert "py.typed" in run(tmp_path, python, "-m", "pip", "show", "--files", "mwd_motor")
