@@ -218,7 +218,7 @@ class WriteAccelerationRam(Message):
     Manual 2.17.
     """
 
-    __slots__ = ("acceleration_raw", )
+    __slots__ = ("acceleration_raw",)
 
     TYPES = {
         "acceleration": ACCELERATION.check,
@@ -264,7 +264,7 @@ class WriteEncoderOffsetRom(Message):
     Manual 2.19.
     """
 
-    __slots__ = ("encoder_offset_raw", )
+    __slots__ = ("encoder_offset_raw",)
 
     TYPES = {
         "encoder_offset": ENCODER_POSITION.check,
@@ -519,7 +519,6 @@ class MotorOffRequest(ToNode, Request["MotorOffReply"]):
     EFFECTS = ("stops", "clears_turns", "clears_commands", "led_slow_blink")
 
 
-
 class MotorOnRequest(ToNode, Request["MotorOnReply"]):
     """Motor on (0x88), request.
 
@@ -544,7 +543,6 @@ class MotorOnRequest(ToNode, Request["MotorOnReply"]):
     EFFECTS = ("led_steady",)
 
 
-
 class MotorStopRequest(ToNode, Request["MotorStopReply"]):
     """Motor stop (0x81), request.
 
@@ -566,7 +564,6 @@ class MotorStopRequest(ToNode, Request["MotorStopReply"]):
     EFFECTS = ("stops",)
 
 
-
 class SetPowerRequest(Request["SetPowerReply"]):
     """Open-loop power (0xA0), request.
 
@@ -584,7 +581,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     MANUAL = "2.4"
     EFFECTS = ("moves",)
 
-    __slots__ = ("power_raw", )
+    __slots__ = ("power_raw",)
 
     TYPES = {
         "power": POWER.check,
@@ -620,7 +617,6 @@ class SetPowerRequest(Request["SetPowerReply"]):
         """
         return self.power_raw
 
-
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<B3xh2x", 0xA0, self.power_raw)
@@ -644,7 +640,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     MANUAL = "2.5"
     EFFECTS = ("moves",)
 
-    __slots__ = ("iq_raw", )
+    __slots__ = ("iq_raw",)
 
     TYPES = {
         "iq": TORQUE_CURRENT.check,
@@ -680,7 +676,6 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         """
         return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
 
-
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<B3xh2x", 0xA1, self.iq_raw)
@@ -704,7 +699,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("speed_raw", )
+    __slots__ = ("speed_raw",)
 
     TYPES = {
         "speed": SPEED_SETPOINT.check,
@@ -739,7 +734,6 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         """
         return self.speed_raw / 100
 
-
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<B3xi", 0xA2, self.speed_raw)
@@ -764,7 +758,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_angle", "max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("angle_raw", )
+    __slots__ = ("angle_raw",)
 
     TYPES = {
         "angle": ANGLE.check,
@@ -798,7 +792,6 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         In deg; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
-
 
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
@@ -870,7 +863,6 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         """
         return self.angle_raw / 100
 
-
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<BxHi", 0xA4, self.max_speed_raw, self.angle_raw)
@@ -937,7 +929,6 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         In deg; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
-
 
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
@@ -1018,7 +1009,6 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         """
         return self.angle_raw / 100
 
-
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<BBHI", 0xA6, self.spin_direction_raw, self.max_speed_raw, self.angle_raw)
@@ -1042,7 +1032,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     EFFECTS = ("moves", "adds_up")
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("increment_raw", )
+    __slots__ = ("increment_raw",)
 
     TYPES = {
         "increment": ANGLE.check,
@@ -1076,7 +1066,6 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         In deg; one raw step is 0.01 °.
         """
         return self.increment_raw / 100
-
 
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
@@ -1148,7 +1137,6 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         """
         return self.increment_raw / 100
 
-
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<BxHi", 0xA8, self.max_speed_raw, self.increment_raw)
@@ -1172,7 +1160,6 @@ class ReadPidRequest(ToNode, Request["ReadPidReply"]):
     MANUAL = "2.13"
 
 
-
 class WritePidRamRequest(PidGains, Request["WritePidRamReply"]):
     """Write controller gains to RAM (0x31), request.
 
@@ -1191,7 +1178,6 @@ class WritePidRamRequest(PidGains, Request["WritePidRamReply"]):
     TITLE = "Write controller gains to RAM"
     MANUAL = "2.14"
     EFFECTS = ("writes_ram",)
-
 
 
 class WritePidRomRequest(PidGains, Request["WritePidRomReply"]):
@@ -1214,7 +1200,6 @@ class WritePidRomRequest(PidGains, Request["WritePidRomReply"]):
     EFFECTS = ("writes_rom", "wears_rom")
 
 
-
 class ReadAccelerationRequest(ToNode, Request["ReadAccelerationReply"]):
     """Read acceleration (0x33), request.
 
@@ -1231,7 +1216,6 @@ class ReadAccelerationRequest(ToNode, Request["ReadAccelerationReply"]):
     NODES = (1, 32)
     TITLE = "Read acceleration"
     MANUAL = "2.16"
-
 
 
 class WriteAccelerationRamRequest(WriteAccelerationRam, Request["WriteAccelerationRamReply"]):
@@ -1254,7 +1238,6 @@ class WriteAccelerationRamRequest(WriteAccelerationRam, Request["WriteAccelerati
     EFFECTS = ("writes_ram",)
 
 
-
 class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
     """Read encoder (0x90), request.
 
@@ -1271,7 +1254,6 @@ class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
     NODES = (1, 32)
     TITLE = "Read encoder"
     MANUAL = "2.18"
-
 
 
 class WriteEncoderOffsetRomRequest(WriteEncoderOffsetRom, Request["WriteEncoderOffsetRomReply"]):
@@ -1293,7 +1275,6 @@ class WriteEncoderOffsetRomRequest(WriteEncoderOffsetRom, Request["WriteEncoderO
     TITLE = "Write encoder zero to ROM"
     MANUAL = "2.19"
     EFFECTS = ("sets_zero", "writes_rom", "wears_rom")
-
 
 
 class WritePositionAsZeroRomRequest(ToNode, Request["WritePositionAsZeroRomReply"]):
@@ -1318,7 +1299,6 @@ class WritePositionAsZeroRomRequest(ToNode, Request["WritePositionAsZeroRomReply
     EFFECTS = ("sets_zero", "writes_rom", "wears_rom", "needs_power_cycle")
 
 
-
 class ReadMultiTurnAngleRequest(ToNode, Request["ReadMultiTurnAngleReply"]):
     """Read multi-turn angle (0x92), request.
 
@@ -1337,7 +1317,6 @@ class ReadMultiTurnAngleRequest(ToNode, Request["ReadMultiTurnAngleReply"]):
     MANUAL = "2.21"
 
 
-
 class ReadSingleTurnAngleRequest(ToNode, Request["ReadSingleTurnAngleReply"]):
     """Read single-turn angle (0x94), request.
 
@@ -1354,7 +1333,6 @@ class ReadSingleTurnAngleRequest(ToNode, Request["ReadSingleTurnAngleReply"]):
     NODES = (1, 32)
     TITLE = "Read single-turn angle"
     MANUAL = "2.22"
-
 
 
 class ClearAngleRequest(ToNode, Request["ClearAngleReply"]):
@@ -1381,7 +1359,6 @@ class ClearAngleRequest(ToNode, Request["ClearAngleReply"]):
     EFFECTS = ("sets_zero", "clears_turns", "clears_position_commands", "writes_ram")
 
 
-
 class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
     """Read status 1 and errors (0x9A), request.
 
@@ -1398,7 +1375,6 @@ class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
     NODES = (1, 32)
     TITLE = "Read status 1 and errors"
     MANUAL = "2.24"
-
 
 
 class ClearErrorsRequest(ToNode, Request["ClearErrorsReply"]):
@@ -1421,7 +1397,6 @@ class ClearErrorsRequest(ToNode, Request["ClearErrorsReply"]):
     MANUAL = "2.25"
 
 
-
 class ReadStatus2Request(ToNode, Request["ReadStatus2Reply"]):
     """Read status 2 (0x9C), request.
 
@@ -1438,7 +1413,6 @@ class ReadStatus2Request(ToNode, Request["ReadStatus2Reply"]):
     NODES = (1, 32)
     TITLE = "Read status 2"
     MANUAL = "2.26"
-
 
 
 class ReadStatus3Request(ToNode, Request["ReadStatus3Reply"]):
@@ -1459,7 +1433,6 @@ class ReadStatus3Request(ToNode, Request["ReadStatus3Reply"]):
     MANUAL = "2.27"
 
 
-
 class BroadcastTorqueRequest(Request["SetTorqueReply"]):
     """Torque control of four motors, request.
 
@@ -1478,7 +1451,7 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
     MANUAL = "3.1"
     EFFECTS = ("moves",)
 
-    __slots__ = ("iq_raw", )
+    __slots__ = ("iq_raw",)
 
     TYPES = {
         "iq": each(BROADCAST_CURRENT.check, 4),
@@ -1512,7 +1485,6 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
         """
         return tuple(one * 2 / 125 for one in self.iq_raw)
 
-
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<hhhh", self.iq_raw[0], self.iq_raw[1], self.iq_raw[2], self.iq_raw[3])
@@ -1534,7 +1506,6 @@ class MotorOffReply(ToNode, Reply):
     NODES = (1, 32)
 
 
-
 class MotorOnReply(ToNode, Reply):
     """Motor on (0x88), reply.
 
@@ -1549,7 +1520,6 @@ class MotorOnReply(ToNode, Reply):
     CODE = 0x88
     DATA = b'\x88\x00\x00\x00\x00\x00\x00\x00'
     NODES = (1, 32)
-
 
 
 class MotorStopReply(ToNode, Reply):
@@ -1568,7 +1538,6 @@ class MotorStopReply(ToNode, Reply):
     NODES = (1, 32)
 
 
-
 class SetPowerReply(MotionFeedback, Reply):
     """Open-loop power (0xA0), reply.
 
@@ -1582,7 +1551,6 @@ class SetPowerReply(MotionFeedback, Reply):
     ID = 0x140
     CODE = 0xA0
     NODES = (1, 32)
-
 
 
 class SetTorqueReply(MotionFeedback, Reply):
@@ -1600,7 +1568,6 @@ class SetTorqueReply(MotionFeedback, Reply):
     NODES = (1, 32)
 
 
-
 class SetSpeedReply(MotionFeedback, Reply):
     """Speed control (0xA2), reply.
 
@@ -1614,7 +1581,6 @@ class SetSpeedReply(MotionFeedback, Reply):
     ID = 0x140
     CODE = 0xA2
     NODES = (1, 32)
-
 
 
 class MoveToAngleReply(MotionFeedback, Reply):
@@ -1632,7 +1598,6 @@ class MoveToAngleReply(MotionFeedback, Reply):
     NODES = (1, 32)
 
 
-
 class MoveToAngleAtSpeedReply(MotionFeedback, Reply):
     """Multi-turn position control 2 (0xA4), reply.
 
@@ -1646,7 +1611,6 @@ class MoveToAngleAtSpeedReply(MotionFeedback, Reply):
     ID = 0x140
     CODE = 0xA4
     NODES = (1, 32)
-
 
 
 class TurnToAngleReply(MotionFeedback, Reply):
@@ -1664,7 +1628,6 @@ class TurnToAngleReply(MotionFeedback, Reply):
     NODES = (1, 32)
 
 
-
 class TurnToAngleAtSpeedReply(MotionFeedback, Reply):
     """Single-turn position control 2 (0xA6), reply.
 
@@ -1678,7 +1641,6 @@ class TurnToAngleAtSpeedReply(MotionFeedback, Reply):
     ID = 0x140
     CODE = 0xA6
     NODES = (1, 32)
-
 
 
 class MoveByAngleReply(MotionFeedback, Reply):
@@ -1696,7 +1658,6 @@ class MoveByAngleReply(MotionFeedback, Reply):
     NODES = (1, 32)
 
 
-
 class MoveByAngleAtSpeedReply(MotionFeedback, Reply):
     """Incremental position control 2 (0xA8), reply.
 
@@ -1710,7 +1671,6 @@ class MoveByAngleAtSpeedReply(MotionFeedback, Reply):
     ID = 0x140
     CODE = 0xA8
     NODES = (1, 32)
-
 
 
 class ReadPidReply(PidGains, Reply):
@@ -1728,7 +1688,6 @@ class ReadPidReply(PidGains, Reply):
     NODES = (1, 32)
 
 
-
 class WritePidRamReply(PidGains, Reply):
     """Write controller gains to RAM (0x31), reply.
 
@@ -1742,7 +1701,6 @@ class WritePidRamReply(PidGains, Reply):
     ID = 0x140
     CODE = 0x31
     NODES = (1, 32)
-
 
 
 class WritePidRomReply(PidGains, Reply):
@@ -1760,7 +1718,6 @@ class WritePidRomReply(PidGains, Reply):
     NODES = (1, 32)
 
 
-
 class ReadAccelerationReply(Reply):
     """Read acceleration (0x33), reply.
 
@@ -1773,7 +1730,7 @@ class ReadAccelerationReply(Reply):
     CODE = 0x33
     NODES = (1, 32)
 
-    __slots__ = ("acceleration_raw", )
+    __slots__ = ("acceleration_raw",)
 
     TYPES = {
         "acceleration": ACCELERATION.check,
@@ -1808,7 +1765,6 @@ class ReadAccelerationReply(Reply):
         """
         return self.acceleration_raw
 
-
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<B3xi", 0x33, self.acceleration_raw)
@@ -1827,7 +1783,6 @@ class WriteAccelerationRamReply(WriteAccelerationRam, Reply):
     ID = 0x140
     CODE = 0x34
     NODES = (1, 32)
-
 
 
 class ReadEncoderReply(Reply):
@@ -1905,7 +1860,6 @@ class ReadEncoderReply(Reply):
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
 
-
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<BxHHH", 0x90, self.encoder_raw, self.encoder_measured_raw, self.encoder_offset_raw)
@@ -1926,7 +1880,6 @@ class WriteEncoderOffsetRomReply(WriteEncoderOffsetRom, Reply):
     NODES = (1, 32)
 
 
-
 class WritePositionAsZeroRomReply(Reply):
     """Write present position as zero to ROM (0x19), reply.
 
@@ -1939,7 +1892,7 @@ class WritePositionAsZeroRomReply(Reply):
     CODE = 0x19
     NODES = (1, 32)
 
-    __slots__ = ("encoder_offset_raw", )
+    __slots__ = ("encoder_offset_raw",)
 
     TYPES = {
         "encoder_offset": ENCODER_POSITION.check,
@@ -1976,7 +1929,6 @@ class WritePositionAsZeroRomReply(Reply):
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
 
-
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<B5xH", 0x19, self.encoder_offset_raw)
@@ -1994,7 +1946,7 @@ class ReadMultiTurnAngleReply(Reply):
     CODE = 0x92
     NODES = (1, 32)
 
-    __slots__ = ("angle_raw", )
+    __slots__ = ("angle_raw",)
 
     TYPES = {
         "angle": MULTI_TURN_ANGLE.check,
@@ -2029,7 +1981,6 @@ class ReadMultiTurnAngleReply(Reply):
         """
         return self.angle_raw / 100
 
-
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
         return ((0x92 & 0xFF) | ((self.angle_raw & 0xFFFFFFFFFFFFFF) << 8)).to_bytes(8, "little")
@@ -2047,7 +1998,7 @@ class ReadSingleTurnAngleReply(Reply):
     CODE = 0x94
     NODES = (1, 32)
 
-    __slots__ = ("angle_raw", )
+    __slots__ = ("angle_raw",)
 
     TYPES = {
         "angle": SINGLE_TURN_POSITION.check,
@@ -2084,7 +2035,6 @@ class ReadSingleTurnAngleReply(Reply):
         """
         return self.angle_raw / 100
 
-
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<B3xI", 0x94, self.angle_raw)
@@ -2106,7 +2056,6 @@ class ClearAngleReply(ToNode, Reply):
     NODES = (1, 32)
 
 
-
 class ReadStatus1Reply(Status1, Reply):
     """Read status 1 and errors (0x9A), reply.
 
@@ -2120,7 +2069,6 @@ class ReadStatus1Reply(Status1, Reply):
     ID = 0x140
     CODE = 0x9A
     NODES = (1, 32)
-
 
 
 class ClearErrorsReply(Status1, Reply):
@@ -2138,7 +2086,6 @@ class ClearErrorsReply(Status1, Reply):
     NODES = (1, 32)
 
 
-
 class ReadStatus2Reply(MotionFeedback, Reply):
     """Read status 2 (0x9C), reply.
 
@@ -2152,7 +2099,6 @@ class ReadStatus2Reply(MotionFeedback, Reply):
     ID = 0x140
     CODE = 0x9C
     NODES = (1, 32)
-
 
 
 class ReadStatus3Reply(Reply):
@@ -2237,7 +2183,6 @@ class ReadStatus3Reply(Reply):
         In A; one raw step is 1/64 A.
         """
         return self.phase_c_raw / 64
-
 
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
