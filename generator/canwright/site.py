@@ -28,6 +28,10 @@ _THEME = """{% extends "base.html" %}
 """Byte tables are wide: more room for them, and no break within a number."""
 
 
+_WORDS = r"[\s\-\u200b]+|(?<=[\u3400-\u9fff])|(?=[\u3400-\u9fff])"
+"""Where search ends a word. Chinese has no spaces, so each of its characters is one, and any part of a word is found."""
+
+
 class SiteError(Exception):
     """The site cannot be built; says why and what to do."""
 
@@ -68,7 +72,7 @@ def _config(docs: Path, site: Path, theme: Path, languages: list[str]) -> dict[s
             ],
         },
         "plugins": [
-            {"search": {"lang": languages}},
+            {"search": {"lang": languages, "separator": _WORDS}},
             {
                 "i18n": {
                     "docs_structure": "folder",

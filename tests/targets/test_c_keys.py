@@ -27,7 +27,7 @@ types:
 commands:
   first: {code: 1, request: {high: {at: 0.4, type: high}}, reply: echo}
   second: {code: 1, request: {high: {at: 0.4, type: high}, pair: {at: 4, type: pair}}, reply: echo}
-  third: {code: 2, request: {small: {at: id.20, type: small}, pair: {at: 4, type: pair}}, reply: none}
+  third: {code: 2, request: {small: {at: id.20, type: small}, pair: {at: 4, type: pair}}, reply: echo}
   short: {code: 3, request: {dlc: 2, layout: {high: {at: 1.2, type: high}}}, reply: none}
   fixed: {code: 4, request: {mark: {at: 1.3, raw: i9, constant: -2}, high: {at: 0.4, type: high}}, reply: none}
 """
@@ -106,7 +106,7 @@ REFUSED = [
     ("bits of the id that no field has", NODE_2 | 1 << 23, "02 00 00 00 00 00 00 00", Refusal.UNKNOWN_ID),
     ("a field of another message in the id", NODE_2 | 1 << 20, "91 00 02 01 00 00 00 00", Refusal.UNKNOWN_ID),
     ("no message has this length", NODE_2, "91 00 02 01 00 00 00", Refusal.WRONG_LENGTH),
-    ("the code of a message of another length", NODE_2, "03 28 00 00 00 00 00 00", Refusal.UNKNOWN_CODE),
+    ("the code of a message of another length", NODE_2, "03 28 00 00 00 00 00 00", Refusal.WRONG_LENGTH),
     ("a constant that differs", NODE_2, "74 F8 0F 00 00 00 00 00", Refusal.WRONG_CONSTANT),
 ]
 
@@ -115,6 +115,13 @@ REFUSED = [
 def test_refused(id_: int, data: str, says: Refusal, target: CAdapter) -> None:
     frame = CanFrame(id_, bytes.fromhex(data), extended=True)
     assert target.decode(Direction.REQUEST, frame, {}, None) == Refused(says)
+
+
+@pytest.mark.parametrize(("id_", "data", "says"), [r[1:] for r in REFUSED[:6]], ids=[r[0] for r in REFUSED[:6]])
+def test_refused_as_an_answer(id_: int, data: str, says: Refusal, target: CAdapter) -> None:
+    frame = CanFrame(id_, bytes.fromhex(data), extended=True)
+    command = "third" if data.startswith("02") else "first"
+    assert target.decode(Direction.REPLY, frame, {}, command) == Refused(says)
 
 
 def test_the_second_key_tells_whose_answer_it_is(target: CAdapter) -> None:

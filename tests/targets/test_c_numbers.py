@@ -26,6 +26,7 @@ TYPES = {
     "seven": "{raw: i56, scale: 33/2048}",
     "by_size": "{raw: i16, scale: {by: size, small: 0.1, big: 3/7, huge: none}, offset: 2.5}",
     "limited": "{raw: u32, scale: 0.5, raw_range: 2*ratio+1..36000*ratio-1}",
+    "below": "{raw: i16, raw_range: -30*ratio..-3*ratio}",
     "limited_by_size": "{raw: i16, raw_range: {by: size, small: -5..5, big: none, huge: 0..100}}",
     "whole": "{raw: u64}",
     "single": "{raw: f32, scale: -0.5, range: -3.1..7}",
@@ -107,6 +108,13 @@ def test_from_value_to_raw(name: str, size: str, made: tuple[Edition, CAdapter])
             assert answer == Encoded((2 << 5) | list(TYPES).index(name), data), (name, value, wanted)
 
 
+def test_a_range_from_zero_has_both_zeros(made: tuple[Edition, CAdapter]) -> None:
+    _, target = made
+    minus_zero = 1 << 63
+    answer = target.encode_raw(Direction.REQUEST, "precise_command", 1, {"it": minus_zero}, {})
+    assert answer == Encoded((1 << 5) | list(TYPES).index("precise"), minus_zero.to_bytes(8, "little"))
+
+
 @pytest.mark.parametrize("name", TYPES)
 def test_what_is_no_number_is_refused(name: str, made: tuple[Edition, CAdapter]) -> None:
     _, target = made
@@ -149,7 +157,7 @@ def _type(edition: Edition, name: str) -> Type:
 
 def _raws(type_: Type, chance: random.Random) -> list[int]:
     low, high = type_.raw_limits
-    raws = [low, low + 1, 0, 1, -1, 3, 4, 5, 8, 126000 - 1, high - 1, high]
+    raws = [low, low + 1, -106, -105, -11, -10, -1, 0, 1, 3, 4, 5, 8, 125998, 125999, 126000, high - 1, high]
     raws += [chance.randint(low, high) for _ in range(ROUNDS)]
     raws += [chance.randint(low, high) >> chance.randint(0, type_.width) for _ in range(ROUNDS)]
     if type_.encoding is Encoding.FLOAT:

@@ -119,13 +119,13 @@ static canwright_status_t host_set_torque(void)
     if (status == CANWRIGHT_OK) {
         show_value("temperature", CANWRIGHT_OK, mwd_motor_v2_35_temperature_to_double(received.temperature), "degC");
         double value_iq = 0.0;
-        const canwright_status_t value_iq_status =
-            mwd_motor_v2_35_torque_current_to_double(&value_iq, received.iq, &parameters);
+        const canwright_status_t value_iq_status = mwd_motor_v2_35_torque_current_to_double(&value_iq, received.iq,
+            &parameters);
         show_value("iq", value_iq_status, value_iq, "A");
         show_value("speed", CANWRIGHT_OK, mwd_motor_v2_35_speed_to_double(received.speed), "deg/s");
         double value_encoder = 0.0;
-        const canwright_status_t value_encoder_status =
-            mwd_motor_v2_35_encoder_position_to_double(&value_encoder, received.encoder, &parameters);
+        const canwright_status_t value_encoder_status = mwd_motor_v2_35_encoder_position_to_double(&value_encoder,
+            received.encoder, &parameters);
         show_value("encoder", value_encoder_status, value_encoder, "deg");
     }
     return status;
@@ -171,7 +171,8 @@ static canwright_status_t host_read_acceleration(void)
         status = mwd_motor_v2_35_read_acceleration_reply_decode(&received, &node, &reply);
     }
     if (status == CANWRIGHT_OK) {
-        show_value("acceleration", CANWRIGHT_OK, mwd_motor_v2_35_acceleration_to_double(received.acceleration), "deg/s^2");
+        show_value("acceleration", CANWRIGHT_OK, mwd_motor_v2_35_acceleration_to_double(received.acceleration),
+            "deg/s^2");
     }
     return status;
 }
@@ -194,7 +195,8 @@ static canwright_status_t host_write_acceleration_ram(void)
         status = mwd_motor_v2_35_write_acceleration_ram_reply_decode(&received, &node, &reply);
     }
     if (status == CANWRIGHT_OK) {
-        show_value("acceleration", CANWRIGHT_OK, mwd_motor_v2_35_acceleration_to_double(received.acceleration), "deg/s^2");
+        show_value("acceleration", CANWRIGHT_OK, mwd_motor_v2_35_acceleration_to_double(received.acceleration),
+            "deg/s^2");
     }
     return status;
 }

@@ -136,13 +136,13 @@ static inline int64_t canwright_signed64(uint64_t raw, unsigned width)
     return (int64_t)(raw ^ sign) - (int64_t)sign;
 }
 
-/** The quotient nearest to `dividend / divisor`, ties away from zero. Half the divisor, which is positive, has room. */
+/** The quotient nearest to `dividend / divisor`, ties away from zero. Half the positive divisor has room. */
 static inline int32_t canwright_divide32(int32_t dividend, int32_t divisor)
 {
     return (dividend < 0 ? dividend - divisor / 2 : dividend + divisor / 2) / divisor;
 }
 
-/** The quotient nearest to `dividend / divisor`, ties away from zero. Half the divisor, which is positive, has room. */
+/** The quotient nearest to `dividend / divisor`, ties away from zero. Half the positive divisor has room. */
 static inline int64_t canwright_divide64(int64_t dividend, int64_t divisor)
 {
     return (dividend < 0 ? dividend - divisor / 2 : dividend + divisor / 2) / divisor;

@@ -3860,62 +3860,28 @@ static inline canwright_status_t mwd_motor_v2_35_check_reply(
             && canwright_same_data(request, reply);
         break;
     case MWD_MOTOR_V2_35_COMMAND_SET_POWER:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA0u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_SET_TORQUE:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA1u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_SET_SPEED:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA2u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA3u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA4u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA5u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA6u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA7u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA8u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_READ_PID:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x30u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x33u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_READ_ENCODER:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x90u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x19u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x92u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x94u) == CANWRIGHT_OK && from == to;
-        break;
     case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Au) == CANWRIGHT_OK && from == to;
+    case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2:
+    case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3:
+        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK && from == to;
         break;
     case MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS:
         answers = (mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Au) == CANWRIGHT_OK
             || mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Bu) == CANWRIGHT_OK) && from == to;
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Cu) == CANWRIGHT_OK && from == to;
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Du) == CANWRIGHT_OK && from == to;
         break;
     case MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE:
         answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA1u) == CANWRIGHT_OK && from >= 1u

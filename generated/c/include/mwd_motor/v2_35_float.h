@@ -4,8 +4,8 @@
  * MS, MF, MH and MG motors on CAN: values in their units, as doubles.
  *
  * From raw to value is one correctly rounded operation wherever a double allows it. From value to raw is the
- * nearest, ties away from zero; what does not fit is refused, and so are NaN and infinity, even where the compiler is
- * told that there are none (-ffast-math, which may change the last digit of values).
+ * nearest, ties away from zero; what does not fit is refused, and so are NaN and infinity. -ffast-math takes both
+ * promises back, since it tells the compiler that there is no NaN and that the last digit does not matter.
  */
 #ifndef MWD_MOTOR_V2_35_FLOAT_H
 #define MWD_MOTOR_V2_35_FLOAT_H

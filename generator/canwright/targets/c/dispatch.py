@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ...model import Command, Direction, Edition, IdRule, Key, Message, ReplyForm
+from ...model import Command, Direction, Edition, IdRule, Message, ReplyForm
 from . import bits
 from .forms import address_mask
 from .messages import Forms, RuleView, constant_mismatch, frame_id
@@ -19,11 +19,10 @@ class Refuse:
 
 @dataclass(frozen=True)
 class Found:
-    """A command; `other_constant` holds when one of its constants is another value."""
+    """A command, and what else a frame is refused for: a condition and the status, for each reason."""
 
     command: str
-    other_id: str
-    other_constant: str
+    refusals: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
@@ -51,10 +50,11 @@ Node = Refuse | Found | Select
 
 @dataclass(frozen=True)
 class Entry:
-    """What is done with frames whose id belongs to an address."""
+    """What is done with frames whose id belongs to an address. `other_length` holds when no message has the length."""
 
     rule: RuleView
     frame_id: str
+    other_length: str
     then: Node
 
 
@@ -76,57 +76,60 @@ def entries(names: Names, edition: Edition, forms: Forms, direction: Direction) 
         Entry(
             forms.rule(edition.address(messages[0].address), direction),
             frame_id(messages[0]),
-            _by_length(names, edition, messages),
+            " && ".join(_other_length(dlc) for dlc in dict.fromkeys(m.dlc for m in messages)),
+            _Tree(names, edition, messages).from_key(messages, 0),
         )
         for messages in grouped.values()
     ]
 
 
-def _by_length(names: Names, edition: Edition, messages: Sequence[Message]) -> Node:
-    lengths = dict.fromkeys(m.dlc for m in messages)
-    cases = tuple(
-        Case((f"{dlc}u",), _by_key(names, edition, [m for m in messages if m.dlc == dlc], 0)) for dlc in lengths
-    )
-    return Select("frame->dlc", cases, Refuse("WRONG_LENGTH"))
+def _other_length(dlc: int) -> str:
+    return f"frame->dlc != {dlc}u"
 
 
-def _by_key(names: Names, edition: Edition, messages: Sequence[Message], depth: int) -> Node:
-    """Tells messages apart by their keys from `depth` on; one without a further key is what is left."""
-    ends = [m for m in messages if len(m.keys) <= depth]
-    node: Node = _found(names, edition, ends[0]) if ends else Refuse("UNKNOWN_CODE")
-    places: dict[tuple[object, ...], list[Message]] = {}
-    for message in messages:
-        if len(message.keys) > depth:
-            key = message.keys[depth]
-            places.setdefault((key.space, key.segments), []).append(message)
-    for together in reversed(places.values()):
-        node = Select(bits.key_value(together[0].keys[depth]), _cases(names, edition, together, depth), node)
-    return node
+class _Tree:
+    """The search among messages that have one id rule."""
 
+    def __init__(self, names: Names, edition: Edition, messages: Sequence[Message]) -> None:
+        self._names, self._edition = names, edition
+        self._one_length = len({m.dlc for m in messages}) == 1
 
-def _cases(names: Names, edition: Edition, messages: Sequence[Message], depth: int) -> tuple[Case, ...]:
-    by_value: dict[int, list[Message]] = {}
-    for message in messages:
-        for value in message.claims if depth == 0 else (message.keys[depth].value,):
-            by_value.setdefault(value, []).append(message)
-    key: Key = messages[0].keys[depth]
-    cases = [
-        Case(tuple(bits.labels(key, [value])), _by_key(names, edition, same, depth + 1))
-        for value, same in by_value.items()
-    ]
-    merged: list[Case] = []
-    for case in cases:
-        if merged and merged[-1].then == case.then:
-            merged[-1] = replace(merged[-1], labels=merged[-1].labels + case.labels)
-        else:
-            merged.append(case)
-    return tuple(merged)
+    def from_key(self, messages: Sequence[Message], depth: int) -> Node:
+        """Tells messages apart by their keys from `depth` on; one without a further key is what is left."""
+        ends = [m for m in messages if len(m.keys) <= depth]
+        node: Node = self._found(ends[0]) if ends else Refuse("UNKNOWN_CODE")
+        places: dict[tuple[object, ...], list[Message]] = {}
+        for message in messages:
+            if len(message.keys) > depth:
+                key = message.keys[depth]
+                places.setdefault((key.space, key.segments), []).append(message)
+        for together in reversed(places.values()):
+            node = Select(bits.key_value(together[0].keys[depth]), self._cases(together, depth), node)
+        return node
 
+    def _cases(self, messages: Sequence[Message], depth: int) -> tuple[Case, ...]:
+        by_value: dict[int, list[Message]] = {}
+        for message in messages:
+            for value in message.claims if depth == 0 else (message.keys[depth].value,):
+                by_value.setdefault(value, []).append(message)
+        merged: list[Case] = []
+        for value, same in by_value.items():
+            case = Case(tuple(bits.labels(messages[0].keys[depth], [value])), self.from_key(same, depth + 1))
+            if merged and merged[-1].then == case.then:
+                merged[-1] = replace(merged[-1], labels=merged[-1].labels + case.labels)
+            else:
+                merged.append(case)
+        return tuple(merged)
 
-def _found(names: Names, edition: Edition, message: Message) -> Found:
-    unused = address_mask(edition, message.address, message.direction) & ~message.id_mask
-    other_id = f"(frame->id & 0x{unused:X}u) != 0u" if unused else ""
-    return Found(names.upper("command", message.command), other_id, constant_mismatch(message))
+    def _found(self, message: Message) -> Found:
+        unused = address_mask(self._edition, message.address, message.direction) & ~message.id_mask
+        refusals = (
+            (f"(frame->id & 0x{unused:X}u) != 0u" if unused else "", "UNKNOWN_ID"),
+            ("" if self._one_length else _other_length(message.dlc), "WRONG_LENGTH"),
+            (constant_mismatch(message), "WRONG_CONSTANT"),
+        )
+        command = self._names.upper("command", message.command)
+        return Found(command, tuple((condition, status) for condition, status in refusals if condition))
 
 
 def answers(names: Names, edition: Edition, forms: Forms) -> list[AnswerView]:
@@ -146,7 +149,7 @@ def _answer(forms: Forms, command: Command, request: Message, reply: Message) ->
         node = "&from, " if rule.has_nodes else ""
         calls = [
             f"{message.form.name}_match({node}{', '.join(('reply', f'{message.dlc}u', *codes))}) == CANWRIGHT_OK"
-            for codes in message.codes
+            for codes in _answering_codes(request, reply, message.codes)
         ]
         yield f"({' || '.join(calls)})" if len(calls) > 1 else calls[0]
     elif rule.has_nodes:
@@ -159,6 +162,15 @@ def _answer(forms: Forms, command: Command, request: Message, reply: Message) ->
         yield "from == to"
     if command.reply_form is ReplyForm.ECHO:
         yield "canwright_same_data(request, reply)"
+
+
+def _answering_codes(
+    request: Message, reply: Message, codes: tuple[tuple[str, ...], ...]
+) -> tuple[tuple[str, ...], ...]:
+    """The codes of a reply; those of the request itself where they are the same, so that commands have one condition."""
+    if request.keys == reply.keys and not reply.accept:
+        return (tuple(bits.operand(bits.key_value(key, "request")) for key in request.keys),)
+    return codes
 
 
 def _one_of(name: str, numbers: Sequence[int]) -> str:

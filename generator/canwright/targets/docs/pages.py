@@ -62,12 +62,11 @@ class Pages:
         return {"lines": [self._line(command) for command in self.edition.commands]}
 
     def _line(self, command: Command) -> Line:
-        reply = self._labels[f"form_{command.reply_form.value}"].split(":")[0].split("：")[0]
         return Line(
             command.name,
             code(f"0x{command.code:02X}") if command.code is not None else "",
             markdown(command.title[self._language]),
-            reply,
+            tables.reply_form(command, self._labels, "commands/"),
             code(words.condition(command.only)),
             ", ".join(code(effect.name) for effect in command.effects),
         )

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from ... import words
-from ...model import Assignment, Command, Field, IdRule, Layout, Message, ReplyForm, Type
+from ...model import Assignment, Command, Field, IdRule, Layout, Message, Order, ReplyForm, Type
 from .text import code, markdown
 
 Labels = Mapping[str, str]
@@ -29,12 +29,12 @@ class Row:
 
 def rows(message: Message, command: Command, labels: Labels, language: str) -> Iterator[Row]:
     """The selector and the fields of a frame, in the order of the spec."""
-    for key in message.keys:
-        accepted = "".join(f", `0x{value:02X}`" for value in message.accept)
-        value = f"`0x{key.value:02X}`"
-        note = f"{labels['selector']}; {labels['accepted']}{accepted[1:]}" if accepted else labels["selector"]
-        order = " big-endian" if key.order.value == "big" and key.width > 8 else ""
-        yield Row(code(words.place(key.space, key.segments)), "", "", f"`u{key.width}{order}`", "", value, "", "", note)
+    for i, key in enumerate(message.keys):
+        accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept) if i == 0 else ""
+        note = f"{labels['selector']}; {labels['accepted']} {accepted}" if accepted else labels["selector"]
+        order = " big-endian" if key.order is Order.BIG and key.width > 8 else ""
+        raw, value = code(f"u{key.width}{order}"), code(f"0x{key.value:02X}")
+        yield Row(code(words.place(key.space, key.segments)), "", "", raw, "", value, "", "", note)
     for field in message.layout.fields:
         if not _there(message.layout, field, command):
             continue
@@ -127,16 +127,24 @@ def facts(message: Message, labels: Labels) -> Iterator[tuple[str, str]]:
         yield labels["nodes"], code(f"{message.id.nodes[0]}..{message.id.nodes[-1]}")
     kind = labels["extended" if message.id.extended else "standard"]
     frame = labels["remote_frame" if message.remote else "data_frame"]
-    yield labels["frame"], f"{kind}, {frame}, `{message.dlc}` {labels['data_bytes']}"
+    yield labels["frame"], labels["comma"].join((kind, frame, f"`{message.dlc}` {labels['data_bytes']}"))
+
+
+def reply_form(command: Command, labels: Labels, commands: str) -> str:
+    """The form of the reply, with the layout or the command that it is shared with; `commands` leads to its page."""
+    form = labels[command.reply_form.value]
+    if command.reply_form is ReplyForm.OTHER and command.reply_of:
+        return f"{form} [{markdown(command.reply_of)}]({commands}{command.reply_of}.md)"
+    if command.reply_form is ReplyForm.LAYOUT and command.reply:
+        return f"{form} {code(command.reply.layout.name)}"
+    return form
 
 
 def reply_facts(command: Command, labels: Labels) -> Iterator[tuple[str, str]]:
     """How the reply comes about."""
-    text = labels[f"form_{command.reply_form.value}"]
-    if command.reply_form is ReplyForm.OTHER and command.reply_of:
-        text += f" [{markdown(command.reply_of)}]({command.reply_of}.md)"
-    if command.reply_form is ReplyForm.LAYOUT and command.reply:
-        text += f" {code(command.reply.layout.name)}"
-    yield labels["form"], text
+    yield (
+        labels["form"],
+        reply_form(command, labels, "") + labels["comma"] + labels[f"means_{command.reply_form.value}"],
+    )
     if command.from_each:
         yield labels["from_each"], code(", ".join(map(str, command.from_each)))

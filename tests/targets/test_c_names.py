@@ -1,0 +1,74 @@
+"""Names in C: every one that is emitted is known beforehand, and two things never share one."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from canwright.load import described
+from canwright.targets import c
+from canwright.targets.c.names import defined
+from canwright.targets.c.problems import problems
+
+from ..specs import MINIMAL, edition
+from .test_c_compiles import SPECS
+
+MACRO = re.compile(r"^#define (\w+)", re.M)
+TYPE = re.compile(r"^(?:\}|typedef \w+) (\w+);", re.M)
+ENUMERATOR = re.compile(r"^    ([A-Z]\w*)(?: = \d+)?,?$", re.M)
+FUNCTION = re.compile(r"^static inline [\w *]*?\*?(\w+)\(", re.M)
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
+def test_every_name_is_known_beforehand(spec: Path) -> None:
+    one = described(spec)
+    known = {name for name, _, _ in defined(one.edition)}
+    for output in c.generate([one], {}):
+        if output.path.startswith("include/") and "canwright" not in output.path:
+            found = {pattern: set(pattern.findall(output.text)) for pattern in (MACRO, TYPE, ENUMERATOR, FUNCTION)}
+            assert all(found.values()) or output.path.endswith("_float.h")
+            for names in found.values():
+                assert names <= known, sorted(names - known)
+
+
+CLASHES = {
+    "two fields": (
+        "request: {level: {at: 2, type: level}}",
+        "request: {default: {at: 2, type: level}, default_: {at: 4, type: level}}",
+        ["the fields `default_` and `default` would both be `default_` in C"],
+    ),
+    "a shared layout and a request": (
+        "commands:",
+        "layouts: {dim_request: {fields: {level: {at: 2, type: level}}}}\ncommands:\n"
+        "  show: {code: 0x11, reply: dim_request}",
+        ["the request of `dim` and the shared layout `dim_request` would both be `lamp_v1_dim_request_t` in C"],
+    ),
+    "values of a parameter": (
+        "types:",
+        "parameters: {size: {values: {big: {}, BIG: {}}}}\ntypes:",
+        ["the value `BIG` of `size` and the value `big` of `size` would both be `LAMP_V1_SIZE_BIG` in C"],
+    ),
+    "a type and what every edition has": (
+        "types:",
+        "types:\n  command: {raw: u8, enum: {dim: {value: 1}}}",
+        [
+            "the type `command` and something that every edition has would both be `lamp_v1_command_name` in C",
+            "the command `dim` and the type `command` would both be `LAMP_V1_COMMAND_DIM` in C",
+        ],
+    ),
+}
+
+
+@pytest.mark.parametrize(("old", "new", "wanted"), CLASHES.values(), ids=CLASHES)
+def test_clashes_within_an_edition(old: str, new: str, wanted: list[str], tmp_path: Path) -> None:
+    found = [text for _, text, _ in problems(edition(tmp_path, MINIMAL.replace(old, new)))]
+    assert found == wanted
+
+
+def test_clashes_between_editions(tmp_path: Path) -> None:
+    (tmp_path / "one.yaml").write_text(MINIMAL.replace("dim:", "a_dim:"), "utf-8")
+    (tmp_path / "other.yaml").write_text(MINIMAL.replace("edition: v1", "edition: v1-a"), "utf-8")
+    both = [described(tmp_path / name) for name in ("one.yaml", "other.yaml")]
+    with pytest.raises(ValueError, match=r"lamp v1-a and lamp v1 would both have `lamp_v1_a_dim\w*` in C"):
+        list(c.generate(both, {}))
