@@ -177,7 +177,7 @@ def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> Me
         "29-bit" in said["Frame"],
         "remote frame" in said["Frame"],
         int(plain(said["Frame"])),
-        said.get("Form", "").split(":")[0],
+        said.get("Form", "").split(",")[0],
         tuple(int(node) for node in each.split(", ") if node),
         tuple(_key(row) for row in rows[1:] if not row[1]),
         tuple(_field(row) for row in rows[1:] if row[1]),

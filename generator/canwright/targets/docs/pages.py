@@ -30,6 +30,7 @@ class Half:
     """One direction of a command."""
 
     title: str
+    about: str
     facts: tuple[tuple[str, str], ...]
     rows: tuple[Row, ...]
     pictures: tuple[Picture, ...]
@@ -79,6 +80,7 @@ class Pages:
             "command": command,
             "halves": [self._half(command, d) for d in Direction],
             "only": code(words.condition(command.only)),
+            "mode": next((mode for mode in self.edition.bus.modes if mode.name == command.mode), None),
             "previous": commands[at - 1] if at else None,
             "following": commands[at + 1] if at + 1 < len(commands) else None,
             "errata": self.edition.errata_of(command),
@@ -93,9 +95,10 @@ class Pages:
         elif message is None:
             facts.append((labels["form"], labels["no_request"]))
         if message is None:
-            return Half(labels[direction.value], tuple(facts), (), (), ())
+            return Half(labels[direction.value], "", tuple(facts), (), (), ())
         return Half(
             labels[direction.value],
+            markdown(message.layout.about[self._language]),
             tuple(facts),
             tuple(tables.rows(message, command, labels, self._language)),
             tuple(self._pictures(command, message)),
@@ -107,7 +110,7 @@ class Pages:
         for variant in variants:
             suffix = "-" + "-".join(variant.values) if len(variants) > 1 else ""
             only = f"{message.layout.parameter} {', '.join(variant.values)}" if suffix else ""
-            title = f"{self._labels['picture']} {command.name} {self._labels[message.direction.value]} {only}".strip()
+            title = f"{self._labels['picture']}{self._labels['colon']}{command.name}, {message.direction.value} {only}".strip()
             svg = picture.svg(message, variant, title)
             yield Picture(f"{command.name}-{message.direction.value}{suffix}.svg", svg, markdown(title), code(only))
 
