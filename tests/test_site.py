@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from canwright.load import described
 from canwright.site import SiteError, build
 
 from .specs import ROOT
@@ -29,10 +30,22 @@ def test_both_languages_are_there_with_a_switch(site: Path) -> None:
     assert 'hreflang="en"' in chinese
 
 
+def test_the_menu_has_every_command_once_in_the_order_of_the_spec(site: Path) -> None:
+    page = (site / "v2.35/index.html").read_text("utf-8")
+    menu = re.findall(r'<a href="commands/(\w+)/" class="md-nav__link"', page)
+    assert menu == [command.name for command in described(ROOT / "spec/mwd_motor/v2.35.yaml").edition.commands]
+
+
 def test_search_finds_both_languages(site: Path) -> None:
     index = json.loads((site / "search/search_index.json").read_text("utf-8"))
-    titles = {entry["title"] for entry in index["docs"]}
+    titles = {entry["title"].replace("\u200b", "") for entry in index["docs"]}
     assert {"Torque control", "转矩闭环控制"} <= titles
+
+
+def test_search_finds_any_part_of_a_chinese_word(site: Path) -> None:
+    index = json.loads((site / "search/search_index.json").read_text("utf-8"))
+    found = re.split(index["config"]["separator"], "set_torque 转矩\u200b闭环, PID-参数")
+    assert [word for word in found if word] == ["set_torque", *"转矩闭环", ",", "PID", *"参数"]
 
 
 def test_no_page_loads_anything_from_another_host(site: Path) -> None:

@@ -23,13 +23,18 @@ _THEME = """{% extends "base.html" %}
 .md-grid { max-width: 80rem }
 .md-typeset table:not([class]) :is(td, th) { padding: .5em .7em; min-width: 0 }
 .md-typeset table:not([class]) code { white-space: nowrap }
+@media (max-width: 99.9em) { .md-main__inner:has(th:nth-child(9)) .md-sidebar--secondary { display: none } }
 </style>{% endblock %}
 """
-"""Byte tables are wide: more room for them, and no break within a number."""
+"""Byte tables are wide: more room for them, beside the contents only where there is plenty, and no break in a number."""
 
 
 _WORDS = r"[\s\-\u200b]+|(?<=[\u3400-\u9fff])|(?=[\u3400-\u9fff])"
 """Where search ends a word. Chinese has no spaces, so each of its characters is one, and any part of a word is found."""
+
+
+_ROW = re.compile(r"^\|[^|]*\| \[[^]]*\]\(commands/(\w+)\.md\) \|", re.MULTILINE)
+"""A command in the table of the overview: its code, and the link to its page."""
 
 
 class SiteError(Exception):
@@ -106,7 +111,7 @@ def _nav(folder: Path) -> list[Any]:
     nav: list[Any] = ["index.md"]
     for overview in sorted(folder.glob("*/index.md")):
         edition = overview.parent.name
-        names = re.findall(r"\]\(commands/(\w+)\.md\)", overview.read_text("utf-8"))
+        names = _ROW.findall(overview.read_text("utf-8"))
         pages = [f"{edition}/{name}.md" for name in _PAGES]
         commands = [f"{edition}/commands/{name}.md" for name in names]
         nav.append({edition: [f"{edition}/index.md", {"Commands": commands}, *pages]})

@@ -63,6 +63,41 @@ def test_effects_are_warnings_and_examples_are_golden_frames(pages: dict[str, st
     assert "not implemented" in pages["en/v2.35/commands/clear_angle.md"]
 
 
+def test_a_warning_is_bold_in_every_language(pages: dict[str, str]) -> None:
+    for path, text in pages.items():
+        for line in text.splitlines():
+            if line.startswith("> "):
+                assert re.search(r"<strong>[^<]+</strong> \S", python_markdown.markdown(line)), f"{path}: {line}"
+
+
+IN_THE_ID = """\
+canwright: 1
+family: axis
+edition: v1
+addresses: {axis: {id: node << 8, nodes: 1..15, extended: true}}
+selector: {at: id.0, raw: u8}
+commands:
+  set:
+    code: 0x21
+    manual: "1"
+    request: {part: {at: id.12, raw: u6}, level: {at: 0.4, raw: u8}}
+    reply: {layout: {index: {at: 0, raw: u8, constant: 7}}, code: 0x22, accept: [0x23]}
+"""
+
+
+def test_what_stands_in_the_id_is_in_table_and_picture(tmp_path: Path) -> None:
+    spec = tmp_path / "spec.yaml"
+    spec.write_text(IN_THE_ID, "utf-8")
+    pages = {output.path: output.text for output in docs.generate([described(spec)], {})}
+    text = pages["en/v1/commands/set.md"]
+    assert "| `id bits 0..7` |  |  | `u8` |  | `0x21` |" in text
+    assert "| `id bits 12..17` | `part` |" in text
+    assert "tells the command; Also accepted `0x23`" in text
+    picture = re.findall(r"<text[^>]*>([^<]*)</text>", pages["en/v1/pictures/set-request.svg"])
+    assert picture[8:12] == ["id 28..24", "0", "0", "0"]
+    assert {"0x21", "node", "part [3:0]", "part [5:4]", "level [3:0]", "level [7:4]"} <= set(picture)
+
+
 HOSTILE = (
     "a | b | c",
     "[link](javascript:alert(1)) ![x](y)",

@@ -44,7 +44,6 @@ class Choice:
 class EnumeratorView:
     name: str
     number: int
-    doc: str
 
 
 @dataclass(frozen=True)
@@ -105,8 +104,5 @@ def _parameter(names: Names, parameter: Parameter) -> ParameterView:
         doc,
         title,
         names.upper(parameter.name, "unknown"),
-        tuple(
-            EnumeratorView(names.upper(parameter.name, v.name), numbers[v.name], english(v.title))
-            for v in parameter.values
-        ),
+        tuple(EnumeratorView(names.upper(parameter.name, v.name), numbers[v.name]) for v in parameter.values),
     )

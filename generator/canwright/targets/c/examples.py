@@ -12,7 +12,6 @@ from ...model import Command, Direction, Encoding, Field, Message, ReplyForm, Ty
 from .. import Described
 from .names import Names, member
 from .numbers import integer
-from .text import english
 from .validity import constant_limits
 from .values import TypeView
 from .view import EditionView, FrameView
@@ -44,7 +43,6 @@ class SideView:
 class ExchangeView:
     command: str
     enumerator: str
-    title: str
     node: int
     request: SideView
     reply: SideView
@@ -131,7 +129,6 @@ class _Example:
                 yield ExchangeView(
                     command.name,
                     self._names.upper("command", command.name),
-                    english(command.title),
                     node,
                     self._side(request, sent),
                     self._side(reply, answered),

@@ -40,7 +40,6 @@ class LayoutView:
     name: str
     title: str
     doc: tuple[str, ...]
-    shared: bool
     members: tuple[MemberView, ...]
     has_fields: bool
     depends: bool
@@ -65,7 +64,6 @@ def layout_view(names: Names, edition: Edition, layout: Layout) -> LayoutView:
         names.lower(layout.name),
         english(layout.title) + (f" ({layout.manual})" if layout.manual else ""),
         tuple(text for text in (english(layout.about), *facts) if text),
-        layout.shared,
         tuple(_member(layout, f) for f in layout.fields if f.constant is None),
         bool(layout.fields),
         layout.parameter is not None,

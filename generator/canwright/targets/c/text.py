@@ -1,4 +1,4 @@
-"""Texts of a spec as comments, in C and in Markdown: nothing in them can end a comment or become code."""
+"""C as text: comments that no text of a spec can leave, statements, heads of functions."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def english(text: Text) -> str:
 def visible(text: str) -> str:
     """One line without control, format or unassigned characters; those are shown by their number."""
     line = " ".join(text.split())
-    return "".join(f"<U+{ord(c):04X}>" if unicodedata.category(c) in _UNSEEN else c for c in line)
+    return "".join(f"[U+{ord(c):04X}]" if unicodedata.category(c) in _UNSEEN else c for c in line)
 
 
 def in_comment(text: str) -> str:
@@ -61,11 +61,6 @@ def comment(paragraphs: str | Sequence[str], indent: int = 0) -> str:
         lines += [f"{margin} *"] if number else []
         lines += [f"{margin} * {line}" for line in _wrapped(text, WIDTH - indent - 3)]
     return "\n".join([*lines, f"{margin} */"])
-
-
-def in_markdown(text: str) -> str:
-    """A text that stays text in a Markdown document, its tables included."""
-    return re.sub(r"([\\`*_{}\[\]()<>#+!|~$&-])", r"\\\1", visible(text))
 
 
 def _wrapped(text: str, width: int) -> list[str]:

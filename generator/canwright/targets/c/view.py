@@ -121,7 +121,6 @@ class EditionView:
     prefix: str
     PREFIX: str
     family: str
-    name: str
     file: str
     title: str
     doc: tuple[str, ...]
@@ -161,7 +160,6 @@ def edition_view(edition: Edition) -> EditionView:
         names.lower(""),
         names.upper(""),
         edition.family,
-        edition.name,
         edition.identifier,
         english(edition.title),
         tuple(_edition_doc(edition)),

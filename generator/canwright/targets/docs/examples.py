@@ -12,7 +12,7 @@ from ...model import Field, Message
 from .tables import Labels
 from .text import code, markdown
 
-MOST = 3
+MOST = 4
 
 
 @dataclass(frozen=True)

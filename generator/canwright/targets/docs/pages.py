@@ -110,7 +110,8 @@ class Pages:
         for variant in variants:
             suffix = "-" + "-".join(variant.values) if len(variants) > 1 else ""
             only = f"{message.layout.parameter} {', '.join(variant.values)}" if suffix else ""
-            title = f"{self._labels['picture']}{self._labels['colon']}{command.name}, {message.direction.value} {only}".strip()
+            about = (command.name, self._labels[message.direction.value], only)
+            title = f"{self._labels['picture']} {self._labels['comma'].join(filter(None, about))}"
             svg = picture.svg(message, variant, title)
             yield Picture(f"{command.name}-{message.direction.value}{suffix}.svg", svg, markdown(title), code(only))
 

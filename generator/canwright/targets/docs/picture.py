@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ... import words
-from ...model import Message, Space, Variant
+from ...model import IdRule, Message, Segment, Space, Variant
 from .text import xml
 
-CELL, ROW, LEFT, TOP = 44, 34, 84, 26
+CELL, ROW, LEFT, TOP = 44, 34, 96, 26
 _STYLE = (
     "text{font:12px ui-monospace,monospace;fill:#1f2328;text-anchor:middle;dominant-baseline:central}"
     ".n{fill:#59636e}.e{text-anchor:end}rect{stroke:#8b949e}.g{fill:#fff;stroke:none}.r{fill:#f6f8fa}.k{fill:#ffe8b3}.a{fill:#d3e8ff}.b{fill:#d8f3dc}"
@@ -20,49 +20,85 @@ _STYLE = (
 
 @dataclass(frozen=True)
 class _Run:
-    """Adjacent bits of one byte that belong together."""
+    """Adjacent bits of one row that belong together."""
 
-    byte: int
+    row: int
     low: int
     width: int
     label: str
     style: str
 
 
+@dataclass(frozen=True)
+class _Row:
+    """Up to eight bits: a byte of the data, or a part of the id. What nobody takes has the bits of `rest`."""
+
+    title: str
+    width: int
+    rest: int
+
+
 def svg(message: Message, variant: Variant, title: str) -> str:
-    """The data bytes of a frame with its fields; what no field covers is shown as reserved."""
-    runs = list(_runs(message, variant))
-    taken = {(r.byte, r.low + i) for r in runs for i in range(r.width)}
-    width, height = LEFT + 8 * CELL + 8, TOP + message.dlc * ROW + 8
+    """The frame with its fields: the id where keys or fields stand in it, and the data bytes."""
+    rows = [*_id_rows(message, variant), *(_Row(f"DATA[{byte}]", 8, 0) for byte in range(message.dlc))]
+    runs = list(_runs(message, variant, len(rows) - message.dlc))
+    taken = {(run.row, run.low + i) for run in runs for i in range(run.width)}
+    width, height = LEFT + 8 * CELL + 8, TOP + len(rows) * ROW + 8
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
         f'role="img"><title>{xml(title)}</title><style>{_STYLE}</style>'
     ]
     parts.append(f'<rect class="g" x="0" y="0" width="{width}" height="{height}" rx="6"/>')
     parts += [f'<text class="n" x="{LEFT + (7 - b) * CELL + CELL // 2}" y="{TOP // 2}">{b}</text>' for b in range(8)]
-    for byte in range(message.dlc):
-        y = TOP + byte * ROW
-        parts.append(f'<text class="n e" x="{LEFT - 10}" y="{y + ROW // 2}">DATA[{byte}]</text>')
-        free = [bit for bit in range(8) if (byte, bit) not in taken]
-        parts += [_box(_Run(byte, bit, 1, "0", "r")) for bit in free]
+    for i, row in enumerate(rows):
+        parts.append(f'<text class="n e" x="{LEFT - 10}" y="{TOP + i * ROW + ROW // 2}">{row.title}</text>')
+        free = [bit for bit in range(row.width) if (i, bit) not in taken]
+        parts += [_box(_Run(i, bit, 1, str(row.rest >> bit & 1), "r")) for bit in free]
     parts += map(_box, runs)
     return "\n".join([*parts, "</svg>"]) + "\n"
 
 
-def _runs(message: Message, variant: Variant) -> Iterator[_Run]:
+def _id_rows(message: Message, variant: Variant) -> list[_Row]:
+    """The id from its upper bits down, eight to a row; none where the id has nothing but node and base."""
+    if Space.ID not in {*(key.space for key in message.keys), *(field.space for field in variant.fields)}:
+        return []
+    width, base = (29 if message.id.extended else 11), message.id.base
+    lows = reversed(range(0, width, 8))
+    return [_Row(f"id {min(low + 8, width) - 1}..{low}", min(8, width - low), base >> low & 0xFF) for low in lows]
+
+
+def _runs(message: Message, variant: Variant, id_rows: int) -> Iterator[_Run]:
     for key in message.keys:
-        if key.space is Space.DATA:
-            for s in key.segments:
-                yield _Run(s.byte, s.low, s.width, f"0x{key.value:02X}", "k")
-    places = [place for f in variant.fields if f.space is Space.DATA for place in words.elements(f)]
-    for i, (name, segments) in enumerate(places):
-        for s in segments:
-            part = "" if len(segments) == 1 else f" [{s.raw_low + s.width - 1}:{s.raw_low}]"
-            yield _Run(s.byte, s.low, s.width, name + part, "ab"[i % 2])
+        yield from _places(key.space, key.segments, f"0x{key.value:02X}", "k", id_rows)
+    if id_rows and message.id.nodes is not None:
+        yield from _places(Space.ID, [_node(message.id, message.id.nodes)], "node", "k", id_rows)
+    places = [(f.space, name, segments) for f in variant.fields for name, segments in words.elements(f)]
+    for i, (space, name, segments) in enumerate(places):
+        yield from _places(space, segments, name, "ab"[i % 2], id_rows)
+
+
+def _node(rule: IdRule, nodes: range) -> Segment:
+    """The bits of the id that differ from node to node."""
+    return Segment(0, rule.node_shift, max(1, max(nodes).bit_length()), 0)
+
+
+def _places(space: Space, segments: Sequence[Segment], label: str, style: str, id_rows: int) -> Iterator[_Run]:
+    """The runs of some segments; a label says which raw bits are there when there is more than one run."""
+    found = []
+    for s in segments:
+        bit, end = s.low, s.low + s.width
+        while bit < end:
+            width = min(end, bit // 8 * 8 + 8) - bit
+            row = id_rows - 1 - bit // 8 if space is Space.ID else id_rows + s.byte
+            found.append((row, bit % 8, width, s.raw_low + bit - s.low))
+            bit += width
+    for row, low, width, raw_low in found:
+        part = "" if len(found) == 1 else f" [{raw_low + width - 1}:{raw_low}]"
+        yield _Run(row, low, width, label + part, style)
 
 
 def _box(run: _Run) -> str:
-    x, y, width = LEFT + (8 - run.low - run.width) * CELL, TOP + run.byte * ROW, run.width * CELL
+    x, y, width = LEFT + (8 - run.low - run.width) * CELL, TOP + run.row * ROW, run.width * CELL
     fitting = max(1, (width - 6) // 7)
     label = run.label if len(run.label) <= fitting else run.label[: max(1, fitting - 1)] + "…"
     return (
