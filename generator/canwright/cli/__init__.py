@@ -1,0 +1,31 @@
+"""The command line: one command a module, listed here."""
+
+from __future__ import annotations
+
+import click
+
+from .. import __version__
+from .generate import check, generate
+from .schema import schema
+from .show import show
+from .site import site
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(__version__, "-V", "--version", message="canwright %(version)s")
+def main() -> None:
+    """Bindings and documents from one YAML description of a CAN protocol.
+
+    \b
+    Start here:
+      canwright generate                              everything in spec/ into generated/
+      canwright check                                 is generated/ what spec/ says?
+      canwright show COMMAND                          one command, in the terminal
+      canwright generate --spec my.yaml --out out     your own protocol, in any folder
+
+    Exit status: 0 when all is well, 1 when there are findings, 2 when it could not run.
+    """
+
+
+for command in (generate, check, show, site, schema):
+    main.add_command(command)

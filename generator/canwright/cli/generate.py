@@ -1,0 +1,87 @@
+"""`generate` and `check`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from ..generate import TARGETS, generate as make
+from ..model import Assignment
+from ..output import Content, OutputError, difference, write
+from ..targets import Described
+from .common import FINDINGS, OUT_FOLDER, FilePath, read, set_option, spec_option, stop, target_option
+
+
+@click.command()
+@spec_option
+@target_option
+@set_option
+@click.option(
+    "--out", type=FilePath(file_okay=False), default=OUT_FOLDER, show_default=True, help="Folder to write to."
+)
+@click.option("--force", is_flag=True, help="Overwrite files edited by hand, and drop editions not in this run.")
+def generate(specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], out: Path, force: bool) -> None:
+    """Write the bindings and documents of the specs.
+
+    Nothing is written unless every spec is right. Files of an earlier run that are no longer generated are removed;
+    files that canwright did not make are never touched.
+    """
+    content = _content(read(specs), targets, settings)
+    try:
+        changes = write(out, content, force=force)
+    except (OutputError, OSError) as error:
+        stop(str(error))
+    for path in changes.removed:
+        click.echo(f"removed {out.as_posix()}/{path}")
+    click.echo(
+        f"{', '.join(content.editions)}: {len(changes.written)} files written, {changes.unchanged} unchanged, "
+        f"{len(changes.removed)} removed in {out.as_posix()}/"
+    )
+
+
+@click.command()
+@spec_option
+@target_option
+@set_option
+@click.option("--out", type=FilePath(file_okay=False), help="Folder to compare with.  [default: generated]")
+def check(specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], out: Path | None) -> None:
+    """Check that the specs are right and that the output is what they say.
+
+    Prints a unified diff and exits 1 where the output differs. With --spec and without --out, the spec alone is checked.
+    """
+    described = read(specs)
+    names = ", ".join(f"{d.edition.family} {d.edition.name}" for d in described)
+    if specs and out is None:
+        click.echo(f"{names}: right")
+        return
+    out = out or OUT_FOLDER
+    try:
+        found = list(difference(out, _content(described, targets, settings)))
+    except (OutputError, OSError) as error:
+        stop(str(error))
+    for text in found:
+        click.echo(text, nl=False)
+    if found:
+        click.echo(f"{len(found)} files in {out.as_posix()}/ differ from the specs; run `canwright generate`", err=True)
+        sys.exit(FINDINGS)
+    click.echo(f"{names}: right, and {out.as_posix()}/ is what would be generated")
+
+
+def _content(described: Sequence[Described], targets: Sequence[str], settings: Sequence[str]) -> Content:
+    return make(described, targets or list(TARGETS), _assignment(described, settings))
+
+
+def _assignment(described: Sequence[Described], settings: Sequence[str]) -> Assignment:
+    """`--set` as an assignment, each name and value one that some edition knows."""
+    known = {p.name: {v.name for v in p.values} for d in described for p in d.edition.parameters if p.is_choice}
+    result = {}
+    for setting in settings:
+        name, _, value = setting.partition("=")
+        if value not in known.get(name, set()):
+            wanted = "; ".join(f"{n}={'|'.join(sorted(v))}" for n, v in sorted(known.items()))
+            stop(f"--set {setting} is not a parameter and its value; there are: {wanted}")
+        result[name] = value
+    return result
