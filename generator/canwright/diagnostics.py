@@ -54,7 +54,7 @@ class SpecError(Exception):
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics = tuple(
-            sorted(diagnostics, key=lambda d: (d.position.file, d.position.line, d.position.column))
+            sorted(dict.fromkeys(diagnostics), key=lambda d: (d.position.file, d.position.line, d.position.column))
         )
         super().__init__("\n".join(map(str, self.diagnostics)))
 

@@ -194,10 +194,13 @@ class Command:
 
     `code` is None when no selector tells it. `only` maps a parameter to the values that have the command.
     `from_each` are the nodes that reply, one frame each in this order; empty when only the addressed node does.
-    `reply_to` is the command whose reply this one shares (`ReplyForm.OTHER`).
+    `reply_of` is the command whose reply this one shares (`ReplyForm.OTHER`). `group` is the command as the spec has it:
+    the name, but for the forms that a table gives a command, `GROUP_ENTRY`; then `entry` is the title of that entry.
     """
 
     name: str
+    group: str
+    entry: Text | None
     code: int | None
     address: str
     mode: str | None

@@ -20,7 +20,8 @@ from .model import (
     Setting,
 )
 from .notation import IdExpression
-from .resolve_messages import MessageResolver
+from .resolve_layouts import LayoutResolver
+from .resolve_messages import Form, MessageResolver
 from .resolve_types import Context, read_units, resolve_parameters, resolve_types
 from .source import Document
 from .validate import validate
@@ -65,34 +66,13 @@ def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition
         )
         for name, written in spec.bus.modes.items()
     }
-    messages = MessageResolver(context, spec, parameters, types, addresses)
-    commands = []
-    for name, written in spec.commands.items():
-        path: Path = ("commands", name)
-        request, reply = messages.of(name)
-        commands.append(
-            Command(
-                name,
-                written.code,
-                messages.address_of(name),
-                _mode(context, path, written, modes),
-                messages.only(path, written.only),
-                request,
-                reply.message,
-                reply.form,
-                reply.of,
-                reply.from_each,
-                written.implemented,
-                tuple(_named(context, (*path, "effects"), "effect", written.effects, effects)),
-                tuple(_named(context, (*path, "limited_by"), "setting", written.limited_by, settings)),
-                tuple(_named(context, (*path, "not_limited_by"), "setting", written.not_limited_by, settings)),
-                context.title(path, written.title, name),
-                context.text((*path, "about"), written.about),
-                tuple(context.text((*path, "notes", i), note) for i, note in enumerate(written.notes)),
-                written.manual or "",
-                path,
-            )
-        )
+    layouts = LayoutResolver(context, spec.byte_order, parameters, types)
+    messages = MessageResolver(context, spec, layouts, addresses)
+    commands = [
+        _command(context, written, form, messages, layouts, modes, settings, effects, spec.tables)
+        for name, written in spec.commands.items()
+        for form in messages.forms(name)
+    ]
     return Edition(
         spec.family,
         spec.edition,
@@ -115,10 +95,60 @@ def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition
         tuple(settings.values()),
         tuple(effects.values()),
         tuple(addresses.values()),
-        tuple({**types, **messages.bare_types}.values()),
-        tuple(messages.shared_layouts.values()),
+        tuple({**types, **layouts.bare_types}.values()),
+        messages.layouts,
         messages.with_claims(commands),
         tuple(_erratum(context, i, written) for i, written in enumerate(spec.errata)),
+    )
+
+
+def _command(
+    context: Context,
+    written: schema.Command,
+    form: Form,
+    messages: MessageResolver,
+    layouts: LayoutResolver,
+    modes: Mapping[str, Mode],
+    settings: Mapping[str, Setting],
+    effects: Mapping[str, Effect],
+    tables: Mapping[str, schema.Table],
+) -> Command:
+    path: Path = ("commands", form.command)
+    request, reply = messages.of(form)
+    title = context.title(path, written.title, form.command)
+    only = layouts.only(path, written.only)
+    does = _named(context, (*path, "effects"), "effect", written.effects, effects)
+    entry_title = None
+    if form.entry is not None and written.table is not None:
+        entry = tables[written.table].entries[form.entry]
+        at: Path = ("tables", written.table, "entries", form.entry)
+        entry_title = context.title(at, entry.title, form.entry)
+        title = {language: f"{text}: {entry_title[language]}" for language, text in title.items()}
+        if request is not None and request.layout.fields:
+            does += _named(context, (*at, "effects"), "effect", entry.effects, effects)
+        only |= layouts.only(at, entry.only)
+    return Command(
+        form.name,
+        form.command,
+        entry_title,
+        written.code,
+        messages.address_of(form.command),
+        _mode(context, path, written, modes),
+        only,
+        request,
+        reply.message,
+        reply.form,
+        reply.of,
+        reply.from_each,
+        written.implemented,
+        tuple(does),
+        tuple(_named(context, (*path, "limited_by"), "setting", written.limited_by, settings)),
+        tuple(_named(context, (*path, "not_limited_by"), "setting", written.not_limited_by, settings)),
+        title,
+        context.text((*path, "about"), written.about),
+        tuple(context.text((*path, "notes", i), note) for i, note in enumerate(written.notes)),
+        written.manual or "",
+        path,
     )
 
 

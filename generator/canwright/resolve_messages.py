@@ -1,4 +1,4 @@
-"""Layouts and messages of a spec, resolved: fields with their bits, keys, reply forms."""
+"""Messages of a spec, resolved: keys, tables, reply forms."""
 
 from __future__ import annotations
 
@@ -11,22 +11,31 @@ from .model import (
     Address,
     Command,
     Direction,
-    Element,
-    Field,
     Key,
     Layout,
     Message,
-    Order,
-    Parameter,
     Path,
     ReplyForm,
-    Segment,
-    Space,
-    Type,
-    Variant,
 )
-from .notation import At, frame_bits
-from .resolve_types import Context, bare_type
+from .resolve_layouts import LayoutResolver, segments_at
+from .resolve_types import Context
+
+ENTRY = "entry"
+"""In place of a layout's name: the layout of the table's entry."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """A command, or what one entry of a table makes of it."""
+
+    command: str
+    entry: str | None
+    layout: Layout | None
+    keys: tuple[Key, ...]
+
+    @property
+    def name(self) -> str:
+        return self.command if self.entry is None else f"{self.command}_{self.entry}"
 
 
 @dataclass(frozen=True)
@@ -46,31 +55,35 @@ class MessageResolver:
         self,
         context: Context,
         spec: schema.EditionSpec,
-        parameters: Mapping[str, Parameter],
-        types: Mapping[str, Type],
+        layouts: LayoutResolver,
         addresses: Mapping[str, Address],
     ) -> None:
         self._context = context
         self._spec = spec
-        self._parameters = parameters
-        self._types = types
+        self._resolver = layouts
         self._addresses = addresses
         self._pending: list[str] = []
         self._done: dict[str, tuple[Message | None, Reply]] = {}
-        self.bare_types: dict[str, Type] = {}
-        self.shared_layouts = {
-            name: self._layout(("layouts", name), name, written.fields, written)
+        self._shared = {
+            name: layouts.shared(("layouts", name), name, written, ("layouts", name, "fields"))
             for name, written in spec.layouts.items()
         }
+        self._tables = {name: self._entries(name, written) for name, written in spec.tables.items()}
 
-    def only(self, path: Path, written: Mapping[str, Sequence[str]] | None) -> dict[str, tuple[str, ...]]:
-        """A condition on parameters, checked."""
-        for name, values in (written or {}).items():
-            parameter = self._context.find((*path, "only", name), "parameter", name, self._parameters, key=True)
-            known = {value.name: value for value in parameter.values} if parameter else dict.fromkeys(values)
-            for i, value in enumerate(values):
-                self._context.find((*path, "only", name, i), f"value of `{name}`:", value, known)
-        return {name: tuple(values) for name, values in (written or {}).items()}
+    @property
+    def layouts(self) -> tuple[Layout, ...]:
+        """The layouts that have a name of their own."""
+        of_entries = (entry.layout for table in self._tables.values() for entry in table.values())
+        own = {layout.name: layout for layout in of_entries if layout}
+        return tuple({**self._shared, **own}.values())
+
+    def forms(self, command: str) -> list[Form]:
+        """The forms of a command: one, or one for each entry of its table."""
+        name = self._spec.commands[command].table
+        if name is None:
+            return [Form(command, None, None, ())]
+        table = self._context.find(("commands", command, "table"), "table", name, self._tables) or {}
+        return [dataclasses.replace(entry, command=command) for entry in table.values()]
 
     def address_of(self, command: str) -> str:
         """The address that a command is sent to."""
@@ -78,24 +91,25 @@ class MessageResolver:
         self._context.find(("commands", command, "address"), "address", name, self._addresses)
         return name
 
-    def of(self, command: str) -> tuple[Message | None, Reply]:
+    def of(self, form: Form) -> tuple[Message | None, Reply]:
         """Request and reply of a command."""
-        if command not in self._done:
-            self._pending.append(command)
-            self._done[command] = self._resolve(command)
+        if form.name not in self._done:
+            self._pending.append(form.name)
+            self._done[form.name] = self._resolve(form)
             self._pending.pop()
-        return self._done[command]
+        return self._done[form.name]
 
-    def _resolve(self, command: str) -> tuple[Message | None, Reply]:
-        written = self._spec.commands[command]
+    def _resolve(self, form: Form) -> tuple[Message | None, Reply]:
+        written = self._spec.commands[form.command]
         echo = written.reply == "echo"
         request = None
         if written.request != "none":
-            name = command if echo else f"{command}_request"
-            request = self._message(command, Direction.REQUEST, name, written.request or {})
-        return request, self._reply(command, request)
+            name = form.name if echo else f"{form.name}_request"
+            request = self._message(form, Direction.REQUEST, name, written.request or {})
+        return request, self._reply(form, request)
 
-    def _reply(self, command: str, request: Message | None) -> Reply:
+    def _reply(self, form: Form, request: Message | None) -> Reply:
+        command = form.command
         path: Path = ("commands", command, "reply")
         written = self._spec.commands[command].reply
         if written is None:
@@ -107,20 +121,20 @@ class MessageResolver:
         if written == "none":
             return Reply(None, ReplyForm.NONE)
         if written == "echo":
-            return self._echo(command, request)
+            return self._echo(form, request)
         if isinstance(written, schema.MessageSpec) and written.of is not None:
             return self._other(path, written, written.of)
-        message = self._message(command, Direction.REPLY, f"{command}_reply", written)
-        form = ReplyForm.LAYOUT if message.layout.shared else ReplyForm.OWN
+        message = self._message(form, Direction.REPLY, f"{form.name}_reply", written)
+        shared = ReplyForm.LAYOUT if message.layout.shared else ReplyForm.OWN
         from_each = tuple(written.from_each or ()) if isinstance(written, schema.MessageSpec) else ()
-        return Reply(message, form, None, from_each)
+        return Reply(message, shared, None, from_each)
 
-    def _echo(self, command: str, request: Message | None) -> Reply:
-        path: Path = ("commands", command, "reply")
+    def _echo(self, form: Form, request: Message | None) -> Reply:
         if request is None:
-            self._context.report(path, "echo-of-nothing", f"`{command}` has no request that could come back")
+            path: Path = ("commands", form.command, "reply")
+            self._context.report(path, "echo-of-nothing", f"`{form.command}` has no request that could come back")
             return Reply(None, ReplyForm.NONE)
-        reply = self._message(command, Direction.REPLY, command, {})
+        reply = self._message(form, Direction.REPLY, form.name, {})
         return Reply(dataclasses.replace(reply, layout=request.layout, dlc=request.dlc), ReplyForm.ECHO)
 
     def _other(self, path: Path, written: schema.MessageSpec, of: str) -> Reply:
@@ -129,34 +143,43 @@ class MessageResolver:
         if of in self._pending:
             self._context.report((*path, "of"), "circular-reference", f"`{of}` takes its reply from here in turn")
             return Reply(None, ReplyForm.NONE)
-        _, reply = self.of(of)
+        if self._spec.commands[of].table is not None:
+            hint = "write `entry`, or the name of a layout"
+            self._context.report((*path, "of"), "reply-of-table", f"`{of}` has a reply for each entry of a table", hint)
+            return Reply(None, ReplyForm.NONE)
+        _, reply = self.of(Form(of, None, None, ()))
         return Reply(reply.message, ReplyForm.OTHER, of, tuple(written.from_each or ()))
 
     def _message(
-        self, command: str, direction: Direction, layout_name: str, written: str | schema.Fields | schema.MessageSpec
+        self, form: Form, direction: Direction, layout_name: str, written: str | schema.Fields | schema.MessageSpec
     ) -> Message:
+        command = form.command
         path: Path = ("commands", command, direction.value)
         spec = written if isinstance(written, schema.MessageSpec) else schema.MessageSpec(layout=written)
         address = self._addresses.get(spec.address or self.address_of(command))
         if spec.address is not None:
             self._context.find((*path, "address"), "address", spec.address, self._addresses)
         address = address or next(iter(self._addresses.values()))
-        if isinstance(spec.layout, str):
-            layout = self._context.find(path, "layout", spec.layout, self.shared_layouts)
-        else:
-            layout = None
+        layout = None
+        if spec.layout == ENTRY and form.layout is not None:
+            layout = form.layout
+        elif spec.layout == ENTRY:
+            hint = "name the `table` of the command"
+            self._context.report(path, "entry-of-nothing", f"`{command}` has no table with an entry", hint)
+        elif isinstance(spec.layout, str):
+            layout = self._context.find(path, "layout", spec.layout, self._shared)
         if layout is None:
             fields = spec.layout if isinstance(spec.layout, dict) else {}
             at = (*path, "layout") if isinstance(written, schema.MessageSpec) else path
-            layout = self._layout(at, layout_name, fields, None, command)
+            layout = self._own(at, layout_name, fields, command)
         code = spec.code if spec.code is not None else self._spec.commands[command].code
         return Message(
-            f"{command}_{direction.value}",
-            command,
+            f"{form.name}_{direction.value}",
+            form.name,
             direction,
             address.name,
             address.request if direction is Direction.REQUEST else address.reply,
-            self._keys(command, code),
+            (*self._keys(command, code), *form.keys),
             tuple(spec.accept or ()),
             (),
             self._spec.bus.dlc if spec.dlc is None else spec.dlc,
@@ -165,95 +188,50 @@ class MessageResolver:
             path,
         )
 
+    def _own(self, path: Path, name: str, fields: schema.Fields, command: str) -> Layout:
+        written = self._spec.commands[command]
+        title = self._context.title(("commands", command), written.title, name)
+        return self._resolver.own(path, name, fields, title, written.manual or "")
+
     def _keys(self, command: str, code: int | None) -> tuple[Key, ...]:
         if code is None:
             return ()
-        selector = self._spec.selector
-        if selector is None:
-            path: Path = ("commands", command, "code")
+        path: Path = ("commands", command, "code")
+        if self._spec.selector is None:
             self._context.report(path, "no-selector", "there is a code, but no `selector` that says where it stands")
             return ()
+        return (self._key("code", self._spec.selector, code, path),)
+
+    def _key(self, name: str, selector: schema.Selector, value: int, path: Path) -> Key:
         order = selector.byte_order or self._spec.byte_order
         _, width = selector.raw
-        if code >= 1 << width:
-            self._context.report(
-                ("commands", command, "code"), "code-width", f"0x{code:X} does not fit the selector's {width} bits"
+        if value >= 1 << width:
+            self._context.report(path, "code-width", f"0x{value:X} does not fit the selector's {width} bits")
+        return Key(name, selector.at.space, order, width, segments_at(selector.at, width, order), value)
+
+    def _entries(self, table: str, written: schema.Table) -> dict[str, Form]:
+        selectors = written.index if isinstance(written.index, list) else [written.index]
+        entries = {}
+        for name, entry in written.entries.items():
+            path: Path = ("tables", table, "entries", name)
+            values = entry.index if isinstance(entry.index, list) else [entry.index]
+            if len(values) > len(selectors):
+                text = f"`{name}` has {len(values)} index values, the table only {len(selectors)}"
+                self._context.report((*path, "index"), "too-many-values", text, "give the table's `index` as a list")
+            places = ((*path, "index", i) if isinstance(entry.index, list) else (*path, "index") for i in range(9))
+            keys = (
+                self._key("index" if i == 0 else f"index_{i + 1}", selector, value, place)
+                for i, (selector, value, place) in enumerate(zip(selectors, values, places, strict=False))
             )
-        return (Key("code", selector.at.space, order, width, _segments(selector.at, width, order), code),)
+            entries[name] = Form("", name, self._entry_layout(path, f"{table}_{name}", written, entry), tuple(keys))
+        return entries
 
-    def _layout(
-        self, path: Path, name: str, fields: schema.Fields, shared: schema.LayoutSpec | None, command: str = ""
-    ) -> Layout:
-        owner: schema.LayoutSpec | schema.Command = shared or self._spec.commands[command]
-        manual = owner.manual or ""
-        where = (*path, "fields") if shared else path
-        resolved = tuple(self._field((*where, n), n, f, manual) for n, f in fields.items())
-        conditions = dict.fromkeys(p for f in fields.values() for p in f.only or {})
-        if len(conditions) > 1:
-            names = ", ".join(conditions)
-            self._context.report(path, "two-parameters", f"the fields of one layout depend on {names}; one is allowed")
-        parameter = next(iter(conditions), None)
-        return Layout(
-            name,
-            resolved,
-            parameter,
-            self._variants(resolved, parameter),
-            shared is not None,
-            self._context.title(path if shared else ("commands", command), owner.title, name),
-            self._context.text((*path, "about"), shared.about if shared else None),
-            manual,
-            path,
-        )
-
-    def _variants(self, fields: tuple[Field, ...], parameter: str | None) -> tuple[Variant, ...]:
-        if parameter is None or parameter not in self._parameters:
-            return (Variant((), fields),)
-        groups: dict[tuple[str, ...], tuple[list[str], tuple[Field, ...]]] = {}
-        for value in self._parameters[parameter].values:
-            present = tuple(f for f in fields if not f.only or value.name in f.only)
-            names, _ = groups.setdefault(tuple(f.name for f in present), ([], present))
-            names.append(value.name)
-        return tuple(Variant(tuple(names), present) for names, present in groups.values())
-
-    def _field(self, path: Path, name: str, written: schema.FieldSpec, manual: str) -> Field:
-        type_ = self._type(path, written)
-        start, count = written.at, len(written.array) if written.array else 1
-        elements = []
-        for i in range(count):
-            bits = frame_bits(start, type_.width * count, type_.order)
-            offset = i * type_.width if type_.order is Order.LITTLE or start.space is Space.ID else None
-            first = offset if offset is not None else type_.width * (count - 1 - i)
-            elements.append(
-                Element(
-                    written.array[i] if written.array else None,
-                    segments_of(bits[first : first + type_.width], start.space),
-                )
-            )
-        title = type_.title if written.title is None else self._context.text((*path, "title"), written.title)
-        if not any(title.values()):
-            title = self._context.title(path, None, name)
-        return Field(
-            name,
-            type_,
-            start.space,
-            tuple(elements),
-            written.array is not None,
-            tuple(v for values in self.only(path, written.only).values() for v in values),
-            written.constant,
-            title,
-            self._context.text((*path, "about"), written.about),
-            written.manual or manual,
-            path,
-        )
-
-    def _type(self, path: Path, written: schema.FieldSpec) -> Type:
-        if (written.type is None) == (written.raw is None):
-            self._context.report(path, "field-type", "a field must have either `type` or `raw`", key=True)
-        if written.raw is not None:
-            bare = bare_type(self._context, written.raw, self._spec.byte_order, path)
-            return self.bare_types.setdefault(bare.name, bare)
-        found = self._context.find((*path, "type"), "type", written.type, self._types) if written.type else None
-        return found or bare_type(self._context, schema.EMPTY_RAW, self._spec.byte_order, path)
+    def _entry_layout(self, path: Path, name: str, table: schema.Table, entry: schema.Entry) -> Layout | None:
+        if isinstance(entry.layout, str):
+            return self._context.find((*path, "layout"), "layout", entry.layout, self._shared)
+        manual = entry.manual or table.manual
+        written = schema.LayoutSpec(title=entry.title, about=entry.about, fields=entry.layout, manual=manual)
+        return self._resolver.shared(path, name, written, (*path, "layout"))
 
     def with_claims(self, commands: Sequence[Command]) -> tuple[Command, ...]:
         """The commands with `claims` filled in: which codes stand for which message when nothing else is known."""
@@ -275,21 +253,3 @@ class MessageResolver:
             return message and dataclasses.replace(message, claims=tuple(claims.get(message.name, ())))
 
         return tuple(dataclasses.replace(c, request=claimed(c.request), reply=claimed(c.reply)) for c in commands)
-
-
-def _segments(start: At, width: int, order: Order) -> tuple[Segment, ...]:
-    return segments_of(frame_bits(start, width, order), start.space)
-
-
-def segments_of(bits: Sequence[int], space: Space) -> tuple[Segment, ...]:
-    """Runs of frame bits, from the least significant raw bit up, as segments within one byte each."""
-    if space is Space.ID:
-        return (Segment(0, bits[0], len(bits), 0),)
-    segments: list[Segment] = []
-    for raw, bit in enumerate(bits):
-        last = segments[-1] if segments else None
-        if last and last.byte == bit // 8 and last.low + last.width == bit % 8:
-            segments[-1] = dataclasses.replace(last, width=last.width + 1)
-        else:
-            segments.append(Segment(bit // 8, bit % 8, 1, raw))
-    return tuple(segments)

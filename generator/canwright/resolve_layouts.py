@@ -1,0 +1,135 @@
+"""Layouts of a spec, resolved: fields with their bits."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+
+from . import schema
+from .model import Element, Field, Layout, Order, Parameter, Path, Segment, Space, Text, Type, Variant
+from .notation import At, frame_bits
+from .resolve_types import Context, bare_type
+
+
+class LayoutResolver:
+    """Resolves layouts one by one; `bare_types` collects the types of fields that name a raw format only."""
+
+    def __init__(
+        self,
+        context: Context,
+        order: Order,
+        parameters: Mapping[str, Parameter],
+        types: Mapping[str, Type],
+    ) -> None:
+        self._context = context
+        self._order = order
+        self._parameters = parameters
+        self._types = types
+        self.bare_types: dict[str, Type] = {}
+
+    def only(self, path: Path, written: Mapping[str, Sequence[str]] | None) -> dict[str, tuple[str, ...]]:
+        """A condition on parameters, checked."""
+        for name, values in (written or {}).items():
+            parameter = self._context.find((*path, "only", name), "parameter", name, self._parameters, key=True)
+            known = {value.name: value for value in parameter.values} if parameter else dict.fromkeys(values)
+            for i, value in enumerate(values):
+                self._context.find((*path, "only", name, i), f"value of `{name}`:", value, known)
+        return {name: tuple(values) for name, values in (written or {}).items()}
+
+    def shared(self, path: Path, name: str, written: schema.LayoutSpec, fields_at: Path) -> Layout:
+        """A layout with a name of its own; its fields stand at `fields_at`."""
+        title = self._context.title(path, written.title, name)
+        about = self._context.text((*path, "about"), written.about)
+        return self._layout(path, fields_at, name, written.fields, title, about, written.manual or "", True)
+
+    def own(self, path: Path, name: str, fields: schema.Fields, title: Text, manual: str) -> Layout:
+        """The layout of one message."""
+        return self._layout(path, path, name, fields, title, self._context.text(path, None), manual, False)
+
+    def _layout(
+        self,
+        path: Path,
+        fields_at: Path,
+        name: str,
+        fields: schema.Fields,
+        title: Text,
+        about: Text,
+        manual: str,
+        shared: bool,
+    ) -> Layout:
+        resolved = tuple(self._field((*fields_at, n), n, f, manual) for n, f in fields.items())
+        conditions = dict.fromkeys(p for f in fields.values() for p in f.only or {})
+        if len(conditions) > 1:
+            names = ", ".join(conditions)
+            self._context.report(path, "two-parameters", f"the fields of one layout depend on {names}; one is allowed")
+        parameter = next(iter(conditions), None)
+        variants = self._variants(resolved, parameter)
+        return Layout(name, resolved, parameter, variants, shared, title, about, manual, path)
+
+    def _variants(self, fields: tuple[Field, ...], parameter: str | None) -> tuple[Variant, ...]:
+        if parameter is None or parameter not in self._parameters:
+            return (Variant((), fields),)
+        groups: dict[tuple[str, ...], tuple[list[str], tuple[Field, ...]]] = {}
+        for value in self._parameters[parameter].values:
+            present = tuple(f for f in fields if not f.only or value.name in f.only)
+            names, _ = groups.setdefault(tuple(f.name for f in present), ([], present))
+            names.append(value.name)
+        return tuple(Variant(tuple(names), present) for names, present in groups.values())
+
+    def _field(self, path: Path, name: str, written: schema.FieldSpec, manual: str) -> Field:
+        type_ = self._type(path, written)
+        start, count = written.at, len(written.array) if written.array else 1
+        elements = []
+        for i in range(count):
+            bits = frame_bits(start, type_.width * count, type_.order)
+            offset = i * type_.width if type_.order is Order.LITTLE or start.space is Space.ID else None
+            first = offset if offset is not None else type_.width * (count - 1 - i)
+            elements.append(
+                Element(
+                    written.array[i] if written.array else None,
+                    segments_of(bits[first : first + type_.width], start.space),
+                )
+            )
+        title = type_.title if written.title is None else self._context.text((*path, "title"), written.title)
+        if not any(title.values()):
+            title = self._context.title(path, None, name)
+        return Field(
+            name,
+            type_,
+            start.space,
+            tuple(elements),
+            written.array is not None,
+            tuple(v for values in self.only(path, written.only).values() for v in values),
+            written.constant,
+            title,
+            self._context.text((*path, "about"), written.about),
+            written.manual or manual,
+            path,
+        )
+
+    def _type(self, path: Path, written: schema.FieldSpec) -> Type:
+        if (written.type is None) == (written.raw is None):
+            self._context.report(path, "field-type", "a field must have either `type` or `raw`", key=True)
+        if written.raw is not None:
+            bare = bare_type(self._context, written.raw, self._order, path)
+            return self.bare_types.setdefault(bare.name, bare)
+        found = self._context.find((*path, "type"), "type", written.type, self._types) if written.type else None
+        return found or bare_type(self._context, schema.EMPTY_RAW, self._order, path)
+
+
+def segments_at(start: At, width: int, order: Order) -> tuple[Segment, ...]:
+    return segments_of(frame_bits(start, width, order), start.space)
+
+
+def segments_of(bits: Sequence[int], space: Space) -> tuple[Segment, ...]:
+    """Runs of frame bits, from the least significant raw bit up, as segments within one byte each."""
+    if space is Space.ID:
+        return (Segment(0, bits[0], len(bits), 0),)
+    segments: list[Segment] = []
+    for raw, bit in enumerate(bits):
+        last = segments[-1] if segments else None
+        if last and last.byte == bit // 8 and last.low + last.width == bit % 8:
+            segments[-1] = dataclasses.replace(last, width=last.width + 1)
+        else:
+            segments.append(Segment(bit // 8, bit % 8, 1, raw))
+    return tuple(segments)

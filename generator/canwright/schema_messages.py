@@ -1,0 +1,145 @@
+"""The part of the language that lays out frames: fields, layouts, messages, tables and commands."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Discriminator, Field, Tag
+
+from .model import Encoding, Order
+from .schema_types import Concept, Titled
+from .written import Byte, Name, Nodes, Only, Raw, Section, Start, Text
+
+
+class FieldSpec(Titled):
+    """A run of bits with a type."""
+
+    at: Annotated[
+        Start,
+        Field(
+            description="Where it starts: byte 4, bit 3 of byte 4 (4.3), or bit 5 of the id (id.5). Little-endian "
+            "fields start at their least significant bit, big-endian ones at their most significant."
+        ),
+    ]
+    type: Annotated[Name | None, Field(description="A type of this edition.")] = None
+    raw: Annotated[Raw | None, Field(description="A bare number of this format, in place of a type.")] = None
+    array: Annotated[
+        Nodes | None, Field(description="Indices of an array whose elements follow one another.", examples=["1..4"])
+    ] = None
+    only: Only = None
+    constant: Annotated[int | None, Field(description="The raw value that it always holds.")] = None
+    manual: Annotated[Section | None, Field(description="Section of the manual, when not the command's.")] = None
+
+
+EMPTY_RAW: tuple[Encoding, int] = (Encoding.UNSIGNED, 1)
+"""Stands in for the format of a field that has none, so that its other findings come out too."""
+
+
+Fields = dict[Name, FieldSpec]
+
+
+class LayoutSpec(Titled):
+    """Fields with their bits, shared by several messages. Bits that no field covers are reserved."""
+
+    fields: Annotated[Fields, Field(description="The fields, by name.")]
+    manual: Annotated[Section | None, Field(description="Section of the manual.")] = None
+
+
+class MessageSpec(Concept):
+    """A request or reply that needs more said than its fields."""
+
+    layout: Annotated[
+        Name | Fields | None,
+        Field(description="A shared layout's name, fields, or `entry`, those of the table's entry."),
+    ] = None
+    of: Annotated[Name | None, Field(description="The command whose reply this one is.")] = None
+    from_each: Annotated[
+        Nodes | None, Field(description="The nodes that reply, one frame each, in this order.", examples=["1..4"])
+    ] = None
+    code: Annotated[Byte | None, Field(description="Code, when not the command's.")] = None
+    accept: Annotated[list[Byte] | None, Field(description="Further codes that a receiver takes.")] = None
+    address: Annotated[Name | None, Field(description="Address, when not the command's.")] = None
+    dlc: Annotated[int | None, Field(ge=0, le=8, description="Data bytes, when not the bus's.")] = None
+    remote: Annotated[bool | None, Field(description="True for a remote frame, which has no data.")] = None
+
+
+def _message_kind(value: object) -> str:
+    if not isinstance(value, dict):
+        return "name"
+    return "long" if set(value) & set(MessageSpec.model_fields) else "fields"
+
+
+Message = Annotated[
+    Annotated[Name, Tag("name")] | Annotated[Fields, Tag("fields")] | Annotated[MessageSpec, Tag("long")],
+    Discriminator(_message_kind),
+]
+
+
+class Selector(Concept):
+    """The bits that tell one command from another, or one entry of a table."""
+
+    at: Annotated[Start, Field(description="Where it is, in the data or in the id.")]
+    raw: Annotated[Raw, Field(description="Its format, usually u8.")]
+    byte_order: Annotated[Order | None, Field(description="Overrides the edition's byte order.", strict=False)] = None
+
+
+def is_list(value: object) -> str:
+    return "list" if isinstance(value, list) else "plain"
+
+
+class Entry(Titled):
+    """One thing that a table's index can name, with its layout."""
+
+    index: Annotated[
+        Annotated[list[Byte], Field(min_length=1), Tag("list")] | Annotated[Byte, Tag("plain")],
+        Discriminator(is_list),
+        Field(description="Value of the index; a list where the index is one, and then it may be shorter."),
+    ]
+    layout: Annotated[Name | Fields, Field(description="Fields, or a shared layout's name.")]
+    only: Only = None
+    effects: Annotated[list[Name], Field(description="What writing it does, besides the command's effects.")] = []
+    manual: Annotated[Section | None, Field(description="Section of the manual, when not the command's.")] = None
+
+
+class Table(Titled):
+    """Things that several commands read and write by an index: a second selector, and a layout for each value of it."""
+
+    index: Annotated[
+        Annotated[list[Selector], Field(min_length=1), Tag("list")] | Annotated[Selector, Tag("plain")],
+        Discriminator(is_list),
+        Field(description="The bits that hold the index; a list where a second one follows the first."),
+    ]
+    entries: Annotated[dict[Name, Entry], Field(min_length=1, description="The entries, by name.")]
+    manual: Annotated[Section | None, Field(description="Section of the manual.")] = None
+
+
+class Command(Titled):
+    """A code with its request and its reply."""
+
+    code: Annotated[Byte | None, Field(description="Value of the selector; left out when there is none.")] = None
+    address: Annotated[Name | None, Field(description="Address, when not the first.")] = None
+    mode: Annotated[Name | None, Field(description="Bus mode, when not the first.")] = None
+    table: Annotated[
+        Name | None, Field(description="A table; the command then has one form for each entry, `COMMAND_ENTRY`.")
+    ] = None
+    manual: Annotated[Section | None, Field(description="Section of the manual, quoted.", examples=["2.10"])] = None
+    only: Only = None
+    implemented: Annotated[bool, Field(description="False when the manual says that it does not work yet.")] = True
+    request: Annotated[
+        Message | None,
+        Field(
+            description="Fields, the name of a shared layout, `entry` (the fields of the table's entry) or `none`; "
+            "left out, a request without fields."
+        ),
+    ] = None
+    reply: Annotated[
+        Message | None,
+        Field(
+            description="Fields, the name of a shared layout, `echo` (the request comes back), `entry` (the fields of "
+            "the table's entry) or `none`."
+        ),
+    ] = None
+    effects: Annotated[list[Name], Field(description="What sending it does; names of `effects`.")] = []
+    limited_by: Annotated[list[Name], Field(description="Settings that limit it.")] = []
+    not_limited_by: Annotated[list[Name], Field(description="Settings that one would expect to limit it.")] = []
+    notes: Annotated[list[Text], Field(description="What else its user should know.")] = []

@@ -1,0 +1,92 @@
+"""The part of the language that knows no frame: concepts, and types of raw bits."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+
+from .model import Order
+from .written import Name, Printed, Rational, Raw, Span, Text, is_map
+
+
+class Concept(BaseModel):
+    """What all concepts share: no unknown keys, nothing changes once it is read."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, strict=True)
+
+
+class Titled(Concept):
+    """What people read of a concept."""
+
+    title: Annotated[Text | None, Field(description="A few words, as a heading.")] = None
+    about: Annotated[Text | None, Field(description="A sentence or two for whoever uses it.")] = None
+
+
+def _none_or_plain(value: object) -> str:
+    return "none" if value == "none" else "plain"
+
+
+CaseScale = Annotated[
+    Annotated[Literal["none"], Tag("none")] | Annotated[Printed, Tag("plain")], Discriminator(_none_or_plain)
+]
+CaseSpan = Annotated[
+    Annotated[Literal["none"], Tag("none")] | Annotated[Span, Tag("plain")], Discriminator(_none_or_plain)
+]
+
+
+class ScaleBy(Concept):
+    """A scale for each value of a choice parameter; `none` where the manual gives none."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, CaseScale]
+    by: Annotated[Name, Field(description="The parameter that decides.")]
+
+
+class RangeBy(Concept):
+    """A range for each value of a choice parameter; `none` where the manual gives none."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, CaseSpan]
+    by: Annotated[Name, Field(description="The parameter that decides.")]
+
+
+Scale = Annotated[
+    Annotated[Literal["none"], Tag("none")] | Annotated[Printed, Tag("plain")] | Annotated[ScaleBy, Tag("map")],
+    Discriminator(lambda value: "none" if value == "none" else is_map(value)),
+]
+SpanChoice = Annotated[Annotated[Span, Tag("plain")] | Annotated[RangeBy, Tag("map")], Discriminator(is_map)]
+
+
+class Member(Titled):
+    """A name for one raw value."""
+
+    value: Annotated[int, Field(description="The raw value that has this name.")]
+
+
+class Flag(Titled):
+    """A name for one bit."""
+
+    bit: Annotated[int, Field(ge=0, le=63, description="The bit, 0 is the least significant.")]
+
+
+class Type(Titled):
+    """How raw bits become a value."""
+
+    raw: Annotated[Raw, Field(description="Sign and width: u8, i16, i56 (1 to 64 bits), or f32, f64.")]
+    byte_order: Annotated[Order | None, Field(description="Overrides the edition's byte order.", strict=False)] = None
+    unit: Annotated[str | None, Field(description="A unit of units.yaml; left out for a bare number.")] = None
+    scale: Annotated[
+        Scale | None,
+        Field(description="value = raw * scale + offset. As printed: 0.01, 1/64, 16.5/2048; `none` if none is known."),
+    ] = None
+    offset: Annotated[Rational | None, Field(description="Added after scaling, in the unit.")] = None
+    raw_range: Annotated[SpanChoice | None, Field(description="Allowed raw integers, when the manual says so.")] = None
+    range: Annotated[SpanChoice | None, Field(description="Allowed values in the unit, when the manual says so.")] = (
+        None
+    )
+    enum: Annotated[dict[Name, Member] | None, Field(description="The raw values that have a name.")] = None
+    flags: Annotated[dict[Name, Flag] | None, Field(description="The bits that have a name.")] = None
+    differs: Annotated[
+        Text | None, Field(description="Why this scale or unit is another one than that of its like.")
+    ] = None
