@@ -50,7 +50,7 @@ def test_a_wrong_spec_writes_nothing(folder: Path) -> None:
     result = run("generate", "--spec", "my.yaml", "--out", "out")
     assert result.exit_code == 1
     assert "my.yaml:7:16: error: `u99` is not a raw format" in result.output
-    assert "1 finding, nothing was written" in result.output
+    assert "1 error; `canwright explain RULE` says more" in result.output
     assert not (folder / "out").exists()
 
 
@@ -66,7 +66,9 @@ def test_what_cannot_run_exits_2(folder: Path) -> None:
 
 def test_check_of_a_spec_alone(folder: Path) -> None:
     result = run("check", "--spec", "my.yaml")
-    assert (result.exit_code, result.output) == (0, "lamp v1: right\n")
+    assert (result.exit_code, result.stdout) == (0, "lamp v1: right\n")
+    assert "my.yaml:1:1: warning: there are no golden frames beside this spec [missing-frame]" in result.stderr
+    assert run("check", "--spec", "my.yaml", "--strict").exit_code == 1
 
 
 def test_show_by_name_and_by_code() -> None:

@@ -113,11 +113,6 @@ def test_what_a_spec_means_is_checked_where_it_stands(tmp_path: Path, old: str, 
     assert expected in marked(findings(tmp_path, MINIMAL.replace(old, new, 1)))
 
 
-def test_messages_that_nothing_tells_apart_are_found(tmp_path: Path) -> None:
-    again = "  glow:\n    code: 0x10\n    request: {x: {at: 3, raw: u8}}\n    reply: none\n"
-    assert marked(findings(tmp_path, MINIMAL + again)) == ["ambiguous-message: {"]
-
-
 def test_addresses_that_run_into_each_other_are_found(tmp_path: Path) -> None:
     text = MINIMAL.replace("nodes: 1..4}}", "nodes: 1..4}, all: {id: 0x102}}")
     assert marked(findings(tmp_path, text)) == ["id-collision: {"] * 2

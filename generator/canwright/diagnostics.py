@@ -59,12 +59,17 @@ class SpecError(Exception):
         super().__init__("\n".join(map(str, self.diagnostics)))
 
 
+def near(name: str, known: Iterable[str]) -> str | None:
+    """The one of `known` that `name` is probably a slip of the pen for."""
+    return next(iter(difflib.get_close_matches(name, sorted(set(known)), n=1, cutoff=0.6)), None)
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
     """A hint that names the nearest of `known`, or lists them when none is near and they are few."""
     names = sorted(set(known))
-    close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+    close = near(name, names)
     if close:
-        return f"did you mean `{close[0]}`?"
+        return f"did you mean `{close}`?"
     if 0 < len(names) <= 12:
         return "there are: " + ", ".join(f"`{n}`" for n in names)
     return ""

@@ -1,46 +1,97 @@
-"""A spec file and its golden frames, read and resolved."""
+"""A spec file and its golden frames, read, resolved and checked."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 from . import rules, source
-from .diagnostics import Diagnostic, SpecError
+from .diagnostics import Diagnostic, Severity, SpecError
 from .golden import GoldenFrames
-from .model import Edition
+from .model import Edition, Path as ItemPath
 from .resolve import resolve
-from .targets import Described
-from .validate import validate
+from .rules import Subject
+from .schema import EditionSpec
+from .source import Document
+from .targets import Described, c
+from .validate import validate_parts
 
 FRAMES_SUFFIX = ".frames.yaml"
 
 
-def described(file: Path) -> Described:
-    """The edition in `file`, with the golden frames beside it where there are any. Raises SpecError, OSError."""
+@dataclass(frozen=True)
+class Loaded:
+    """A spec that is right: what targets are given of it, its text with positions, and what might be better."""
+
+    described: Described
+    document: Document
+    warnings: tuple[Diagnostic, ...]
+
+
+def load(file: Path) -> Loaded:
+    """The edition in `file`, with the golden frames beside it where there are any.
+
+    Raises SpecError with all findings when one of them is an error, and OSError.
+    """
     document, content = source.read(file)
+    read = validate_parts(document, EditionSpec)
+    if read.spec is None:
+        raise SpecError(read.diagnostics)
     digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
-    edition = resolve(document, digest)
-    findings = list(rules.check(edition, document))
-    if findings:
-        raise SpecError(findings)
+    edition, unresolved = resolve(document, read.spec, digest, read.dropped)
+    findings = [*read.diagnostics, *unresolved]
     beside = frames_file(file)
-    return Described(edition, frames(beside, edition) if beside.is_file() else None)
+    golden, frames_document = None, document
+    if beside.is_file():
+        frames_document, _ = source.read(beside)
+        golden, amiss = _frames(frames_document, edition)
+        findings += amiss
+    known = {(d.position.line, d.position.column) for d in findings}
+    found = list(rules.check(Subject(edition, read.spec, golden), whole=not findings))
+    wrong = bool(findings) or any(rule.severity is Severity.ERROR for rule, _ in found)
+    for rule, finding in found:
+        warning = rule.severity is Severity.WARNING
+        where = frames_document if finding.in_frames else document
+        diagnostic = where.finding(
+            finding.path, rule.id, finding.message, finding.hint, key=finding.key, warning=warning
+        )
+        spoilt = any(_related(finding.path, path) for path in read.dropped)
+        place = (diagnostic.position.line, diagnostic.position.column)
+        if not spoilt and place not in known and not (wrong and warning and rule.whole):
+            findings.append(diagnostic)
+    if wrong:
+        raise SpecError(findings)
+    return Loaded(Described(edition, golden), document, tuple(findings))
 
 
-def all_described(files: Iterable[Path]) -> list[Described]:
+def described(file: Path) -> Described:
+    """What targets are given of the edition in `file`. Raises as `load`."""
+    return load(file).described
+
+
+def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     """Every edition of `files`, in order of family and edition. Raises SpecError with the findings of all files."""
-    result: list[Described] = []
+    result: list[Loaded] = []
     findings: list[Diagnostic] = []
     for file in files:
         try:
-            result.append(described(file))
+            result.append(load(file))
         except SpecError as error:
             findings += error.diagnostics
     if findings:
         raise SpecError(findings)
-    return sorted(result, key=lambda d: (d.edition.family, d.edition.name))
+    result.sort(key=lambda one: (one.described.edition.family, one.described.edition.name))
+    documents = {id(one.described.edition): one.document for one in result}
+    clashes = c.between([one.described.edition for one in result])
+    findings = [
+        documents[id(edition)].finding(("edition",), "name-collision", text, "rename one of the editions")
+        for edition, text in clashes
+    ]
+    if findings:
+        raise SpecError(findings)
+    return result
 
 
 def frames_file(file: Path) -> Path:
@@ -53,11 +104,19 @@ def spec_files(folder: Path) -> list[Path]:
     return sorted(f for f in folder.glob("*/*.yaml") if not f.name.endswith(FRAMES_SUFFIX))
 
 
-def frames(file: Path, edition: Edition) -> GoldenFrames:
-    """Golden frames of an edition. Raises SpecError, also when they are another edition's."""
-    document, _ = source.read(file)
-    golden = validate(document, GoldenFrames)
-    for key, wanted in (("family", edition.family), ("edition", edition.name)):
-        if getattr(golden, key) != wanted:
-            raise SpecError([document.finding((key,), "other-edition", f"these frames stand beside {key} `{wanted}`")])
-    return golden
+def _frames(document: Document, edition: Edition) -> tuple[GoldenFrames | None, list[Diagnostic]]:
+    """Golden frames of an edition, and what is amiss with them: then they are None."""
+    read = validate_parts(document, GoldenFrames)
+    if read.spec is None or read.diagnostics:
+        return None, list(read.diagnostics)
+    others = [
+        document.finding((key,), "other-edition", f"these frames stand beside {key} `{wanted}`", f"{key}: {wanted}")
+        for key, wanted in (("family", edition.family), ("edition", edition.name))
+        if getattr(read.spec, key) != wanted
+    ]
+    return (None if others else read.spec), others
+
+
+def _related(one: ItemPath, other: ItemPath) -> bool:
+    shorter = min(len(one), len(other))
+    return one[:shorter] == other[:shorter]

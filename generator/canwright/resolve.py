@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
 from . import schema
-from .diagnostics import SpecError
+from .diagnostics import Diagnostic
 from .model import (
     Address,
     Bus,
@@ -24,19 +24,19 @@ from .resolve_layouts import LayoutResolver
 from .resolve_messages import Form, MessageResolver
 from .resolve_types import Context, read_units, resolve_parameters, resolve_types
 from .source import Document
-from .validate import validate
 
 T = TypeVar("T")
 
 
-def resolve(document: Document, digest: str) -> Edition:
-    """The edition that a document describes; `digest` is the hash of its text. Raises SpecError with all findings."""
-    spec = validate(document, schema.EditionSpec)
-    context = Context(document, tuple(spec.languages), [])
-    edition = _edition(context, spec, digest)
-    if context.diagnostics:
-        raise SpecError(context.diagnostics)
-    return edition
+def resolve(
+    document: Document, spec: schema.EditionSpec, digest: str, dropped: frozenset[Path] = frozenset()
+) -> tuple[Edition, list[Diagnostic]]:
+    """The edition that a spec describes, and all findings; with any, the edition is only there to be checked further.
+
+    `digest` is the hash of the document's text, `dropped` the parts of the document that `spec` lacks.
+    """
+    context = Context(document, tuple(spec.languages), [], dropped)
+    return _edition(context, spec, digest), context.diagnostics
 
 
 def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition:

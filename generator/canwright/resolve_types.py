@@ -32,18 +32,23 @@ T = TypeVar("T")
 
 @dataclass
 class Context:
-    """What every step of resolving needs: the document for positions, the languages, and the findings so far."""
+    """What every step of resolving needs: the document for positions, the languages, and the findings so far.
+
+    `dropped` are the parts that could not be read; what is missing because of them is not a finding of its own.
+    """
 
     document: source.Document
     languages: tuple[schema.Language, ...]
     diagnostics: list[Diagnostic]
+    dropped: frozenset[Path] = frozenset()
 
     def report(self, path: Path, rule: str, message: str, hint: str = "", *, key: bool = False) -> None:
-        self.diagnostics.append(self.document.finding(path, rule, message, hint, key=key))
+        if not any(one[: len(path)] == path for one in self.dropped):
+            self.diagnostics.append(self.document.finding(path, rule, message, hint, key=key))
 
     def find(self, path: Path, kind: str, name: str, known: Mapping[str, T], *, key: bool = False) -> T | None:
         """`known[name]`, or a finding that there is no such thing, at the value or at the `key` that names it."""
-        if name not in known:
+        if name not in known and name not in {one[-1] for one in self.dropped}:
             self.report(path, "unknown-reference", f"there is no {kind} `{name}`", nearest(name, known), key=key)
         return known.get(name)
 

@@ -14,3 +14,6 @@ _ROOT = _INSTALLED if _INSTALLED.is_dir() else _PACKAGE.parent.parent
 TEMPLATES = _ROOT / "templates"
 UNITS = _ROOT / "spec" / "units.yaml"
 SCHEMA = _ROOT / "spec" / "canwright.schema.json"
+
+EXAMPLES = _PACKAGE / "rules" / "examples"
+"""A folder for each rule: what it finds, and what it lets pass."""

@@ -44,14 +44,21 @@ class Mark:
 
 
 class Document:
-    """One YAML file: its data, and where each key and value stands. `name` is the file as findings call it."""
+    """One YAML file: its data, and where each key and value stands. `name` is the file as findings call it.
+
+    `renamed` leads from the path that a misspelt key should have to the one it has.
+    """
 
     def __init__(self, name: str, text: str) -> None:
         self.name = name
         self.lines = text.split("\n")
         self._keys: dict[Path, Mark] = {}
         self._values: dict[Path, Mark] = {}
+        self.renamed: dict[Path, Path] = {}
         self.data: Data = _Builder(self, text).build()
+
+    def __contains__(self, path: object) -> bool:
+        return path in self._values
 
     def holds(self, dotted: str) -> bool:
         """Whether `commands.stop.reply` is a path of this file."""
@@ -63,6 +70,9 @@ class Document:
 
     def position(self, path: Path, *, key: bool = False) -> Position:
         """Where the value at `path` stands, or with `key` its key; for a path that is not there, what is nearest."""
+        for meant, written in self.renamed.items():
+            if path[: len(meant)] == meant:
+                path = (*written, *path[len(meant) :])
         while path and path not in self._values:
             path, key = path[:-1], True
         mark = (self._keys.get(path) if key else None) or self._values.get(path) or Mark(1, 1, 1)

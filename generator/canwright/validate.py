@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import typing
+from collections.abc import Iterator
+from dataclasses import dataclass
 from types import UnionType
-from typing import Annotated, Any, TypeVar, Union
+from typing import Annotated, Any, Generic, TypeVar, Union
 
 from pydantic import BaseModel, Tag, ValidationError
 
-from .diagnostics import Diagnostic, SpecError, nearest
+from .diagnostics import Diagnostic, SpecError, near, nearest
 from .model import Path
 from .source import Document
 
@@ -20,10 +23,99 @@ Location = tuple[str | int, ...]
 
 def validate(document: Document, concept: type[M]) -> M:
     """The document as an instance of `concept`. Raises SpecError with every structural finding."""
-    try:
-        return concept.model_validate(document.data)
-    except ValidationError as error:
-        raise SpecError([_diagnostic(document, concept, dict(e)) for e in error.errors()]) from None
+    found = validate_parts(document, concept)
+    if found.diagnostics or found.spec is None:
+        raise SpecError(found.diagnostics)
+    return found.spec
+
+
+@dataclass(frozen=True)
+class Validated(Generic[M]):
+    """What of a document could be read: without the parts at `dropped`; None when too little is left."""
+
+    spec: M | None
+    diagnostics: tuple[Diagnostic, ...]
+    dropped: frozenset[Path]
+
+
+def validate_parts(document: Document, concept: type[M]) -> Validated[M]:
+    """As much of the document as is right, and every structural finding, so that one run tells all."""
+    data: Any = document.data
+    diagnostics: tuple[Diagnostic, ...] = ()
+    dropped: set[Path] = set()
+    for _ in range(ROUNDS):
+        try:
+            return Validated(concept.model_validate(data), diagnostics, frozenset(dropped))
+        except ValidationError as error:
+            errors = [dict(e) for e in error.errors()]
+        data = copy.deepcopy(data) if data is document.data else data
+        meant = dict(_meant(document, concept, errors))
+        renamed = {(*path[:-1], name) for path, name in meant.items()}
+        told = [e for e in errors if e["type"] != "missing" or _missing(document, e) not in renamed]
+        diagnostics = diagnostics or tuple(_diagnostic(document, concept, e) for e in told)
+        for path, name in meant.items():
+            _rename(document, data, path, name)
+        culprits = {_culprit(document, e) for e in told} - set(meant)
+        if () in culprits:
+            break
+        for path in culprits:
+            _drop(data, path)
+        dropped |= culprits
+    return Validated(None, diagnostics, frozenset(dropped))
+
+
+ROUNDS = 8
+"""How often parts are dropped before giving up: a part without what it needs takes what holds it along."""
+
+
+def _culprit(document: Document, error: dict[str, Any]) -> Path:
+    """The entry of a mapping to drop for an error; empty when that would be everything."""
+    location: Location = error["loc"]
+    path = _path(document, location)
+    if error["type"] == "missing":
+        path = _path(document, location[:-1])
+    while path and not isinstance(path[-1], str):
+        path = path[:-1]
+    return path
+
+
+def _missing(document: Document, error: dict[str, Any]) -> Path:
+    location: Location = error["loc"]
+    return (*_path(document, location[:-1]), location[-1])
+
+
+def _meant(document: Document, concept: type[BaseModel], errors: list[dict[str, Any]]) -> Iterator[tuple[Path, str]]:
+    """The unknown keys that are a slip of the pen for a key that is not there: they are read as that one."""
+    for error in errors:
+        if error["type"] == "extra_forbidden":
+            location: Location = error["loc"]
+            path = _path(document, location)
+            name = near(str(location[-1]), _keys(concept, location[:-1]))
+            if path and name and (*path[:-1], name) not in document:
+                yield path, name
+
+
+def _rename(document: Document, data: Any, path: Path, name: str) -> None:
+    owner = _owner(data, path)
+    if isinstance(owner, dict) and path[-1] in owner:
+        owner[name] = owner.pop(path[-1])
+        meant: Path = (*path[:-1], name)
+        document.renamed[meant] = path
+
+
+def _drop(data: Any, path: Path) -> None:
+    owner = _owner(data, path)
+    if isinstance(owner, dict):
+        owner.pop(path[-1], None)
+
+
+def _owner(data: Any, path: Path) -> Any:
+    for step in path[:-1]:
+        inside = step in data if isinstance(data, dict) else isinstance(data, list) and isinstance(step, int)
+        if not inside:
+            return None
+        data = data[step]
+    return data
 
 
 def _diagnostic(document: Document, concept: type[BaseModel], error: dict[str, Any]) -> Diagnostic:

@@ -6,12 +6,12 @@ import re
 from pathlib import Path
 
 import pytest
-from canwright.load import described
+from canwright.diagnostics import SpecError
+from canwright.load import all_loaded, described
 from canwright.targets import c
 from canwright.targets.c.names import defined
-from canwright.targets.c.problems import problems
 
-from ..specs import MINIMAL, edition
+from ..specs import MINIMAL, findings
 from .test_c_compiles import SPECS
 
 MACRO = re.compile(r"^#define (\w+)", re.M)
@@ -62,13 +62,16 @@ CLASHES = {
 
 @pytest.mark.parametrize(("old", "new", "wanted"), CLASHES.values(), ids=CLASHES)
 def test_clashes_within_an_edition(old: str, new: str, wanted: list[str], tmp_path: Path) -> None:
-    found = [text for _, text, _ in problems(edition(tmp_path, MINIMAL.replace(old, new)))]
-    assert found == wanted
+    found = findings(tmp_path, MINIMAL.replace(old, new))
+    assert [d.message for d in found if d.rule == "name-collision" and " in C" in d.message] == wanted
 
 
 def test_clashes_between_editions(tmp_path: Path) -> None:
     (tmp_path / "one.yaml").write_text(MINIMAL.replace("dim:", "a_dim:"), "utf-8")
     (tmp_path / "other.yaml").write_text(MINIMAL.replace("edition: v1", "edition: v1-a"), "utf-8")
-    both = [described(tmp_path / name) for name in ("one.yaml", "other.yaml")]
-    with pytest.raises(ValueError, match=r"lamp v1-a and lamp v1 would both have `lamp_v1_a_dim\w*` in C"):
-        list(c.generate(both, {}))
+    with pytest.raises(SpecError) as refused:
+        all_loaded([tmp_path / "one.yaml", tmp_path / "other.yaml"])
+    (finding,) = refused.value.diagnostics
+    assert finding.position.file.endswith("other.yaml")
+    assert (finding.rule, finding.position.line) == ("name-collision", 3)
+    assert re.fullmatch(r"lamp v1 would also have `(lamp_v1_a_dim|LAMP_V1_A_DIM)\w*` in C", finding.message)

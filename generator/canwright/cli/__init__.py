@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from .. import __version__
+from .explain import explain
 from .generate import check, generate
 from .schema import schema
 from .show import show
@@ -20,6 +21,7 @@ def main() -> None:
     Start here:
       canwright generate                              everything in spec/ into generated/
       canwright check                                 is generated/ what spec/ says?
+      canwright explain RULE                          what a finding means
       canwright show COMMAND                          one command, in the terminal
       canwright generate --spec my.yaml --out out     your own protocol, in any folder
 
@@ -27,5 +29,5 @@ def main() -> None:
     """
 
 
-for command in (generate, check, show, site, schema):
+for command in (generate, check, explain, show, site, schema):
     main.add_command(command)

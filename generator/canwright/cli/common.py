@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
 import click
 
-from ..diagnostics import SpecError
+from ..diagnostics import Diagnostic, SpecError
 from ..generate import TARGETS
-from ..load import all_described, spec_files
+from ..load import Loaded, all_loaded, spec_files
+from ..printers import PRINTERS
 from ..targets import Described
 
 SPEC_FOLDER = Path("spec")
@@ -40,6 +42,14 @@ target_option = click.option(
     type=click.Choice(list(TARGETS)),
     help="A target; may be given several times.  [default: all]",
 )
+format_option = click.option(
+    "--format",
+    "printer",
+    type=click.Choice(list(PRINTERS)),
+    default="text",
+    show_default=True,
+    help="How findings are printed.",
+)
 set_option = click.option(
     "--set",
     "settings",
@@ -49,20 +59,34 @@ set_option = click.option(
 )
 
 
-def read(specs: Sequence[Path]) -> list[Described]:
+def read(specs: Sequence[Path], printer: str = "text") -> list[Described]:
+    """The editions of the given specs, or of all there are. Errors are printed and end the run."""
+    return [one.described for one in load(specs, printer)]
+
+
+def load(specs: Sequence[Path], printer: str = "text") -> list[Loaded]:
+    """As `read`, with warnings and texts."""
     files = list(specs) or spec_files(SPEC_FOLDER)
     if not files:
         stop(f"there is no spec in {SPEC_FOLDER}/; name one with --spec my.yaml")
     try:
-        return all_described(files)
+        return all_loaded(files)
     except SpecError as error:
-        for finding in error.diagnostics:
-            click.echo(str(finding), err=True)
-        count = len(error.diagnostics)
-        click.echo(f"{count} finding{'s' if count != 1 else ''}, nothing was written", err=True)
+        show_findings(error.diagnostics, printer)
         sys.exit(FINDINGS)
     except OSError as error:
         stop(str(error))
+
+
+def show_findings(findings: Sequence[Diagnostic], printer: str) -> None:
+    """Findings for people on standard error with their count, for machines on standard output."""
+    if printer != "text":
+        click.echo(PRINTERS[printer](findings))
+        return
+    click.echo(PRINTERS[printer](findings), err=True)
+    counts = Counter(finding.severity.value for finding in findings)
+    told = " and ".join(f"{count} {kind}{'' if count == 1 else 's'}" for kind, count in sorted(counts.items()))
+    click.echo(f"{told}; `canwright explain RULE` says more", err=True)
 
 
 def stop(message: str) -> NoReturn:

@@ -8,28 +8,44 @@ from pathlib import Path
 
 import click
 
+from ..diagnostics import Diagnostic, Position, Severity
 from ..generate import TARGETS, generate as make
 from ..model import Assignment
 from ..output import Content, OutputError, difference, write
 from ..targets import Described
-from .common import FINDINGS, OUT_FOLDER, FilePath, read, set_option, spec_option, stop, target_option
+from .common import (
+    FINDINGS,
+    OUT_FOLDER,
+    FilePath,
+    format_option,
+    load,
+    read,
+    set_option,
+    show_findings,
+    spec_option,
+    stop,
+    target_option,
+)
 
 
 @click.command()
 @spec_option
 @target_option
 @set_option
+@format_option
 @click.option(
     "--out", type=FilePath(file_okay=False), default=OUT_FOLDER, show_default=True, help="Folder to write to."
 )
 @click.option("--force", is_flag=True, help="Overwrite files edited by hand, and drop editions not in this run.")
-def generate(specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], out: Path, force: bool) -> None:
+def generate(
+    specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], printer: str, out: Path, force: bool
+) -> None:
     """Write the bindings and documents of the specs.
 
     Nothing is written unless every spec is right. Files of an earlier run that are no longer generated are removed;
     files that canwright did not make are never touched.
     """
-    content = _content(read(specs), targets, settings)
+    content = _content(read(specs, printer), targets, settings)
     try:
         changes = write(out, content, force=force)
     except (OutputError, OSError) as error:
@@ -46,28 +62,48 @@ def generate(specs: Sequence[Path], targets: Sequence[str], settings: Sequence[s
 @spec_option
 @target_option
 @set_option
+@format_option
 @click.option("--out", type=FilePath(file_okay=False), help="Folder to compare with.  [default: generated]")
-def check(specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], out: Path | None) -> None:
+@click.option("--strict", is_flag=True, help="Exit 1 when there are warnings.")
+def check(
+    specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], printer: str, out: Path | None, strict: bool
+) -> None:
     """Check that the specs are right and that the output is what they say.
 
     Prints a unified diff and exits 1 where the output differs. With --spec and without --out, the spec alone is checked.
     """
-    described = read(specs)
+    loaded = load(specs, printer)
+    described = [one.described for one in loaded]
+    warnings = [warning for one in loaded for warning in one.warnings]
     names = ", ".join(f"{d.edition.family} {d.edition.name}" for d in described)
     if specs and out is None:
-        click.echo(f"{names}: right")
+        _report(warnings, f"{names}: right", printer, strict)
         return
     out = out or OUT_FOLDER
     try:
         found = list(difference(out, _content(described, targets, settings)))
     except (OutputError, OSError) as error:
         stop(str(error))
-    for text in found:
-        click.echo(text, nl=False)
-    if found:
-        click.echo(f"{len(found)} files in {out.as_posix()}/ differ from the specs; run `canwright generate`", err=True)
+    if not found:
+        _report(warnings, f"{names}: right, and {out.as_posix()}/ is what would be generated", printer, strict)
+        return
+    if printer == "text":
+        for text in found:
+            click.echo(text, nl=False)
+    differs = f"{len(found)} files in {out.as_posix()}/ differ from the specs"
+    place = Position(out.as_posix(), 1, 1, 1, "")
+    stale = Diagnostic(Severity.ERROR, "stale-output", differs, place, "run `canwright generate`")
+    show_findings([*warnings, stale], printer)
+    sys.exit(FINDINGS)
+
+
+def _report(warnings: Sequence[Diagnostic], message: str, printer: str, strict: bool) -> None:
+    if warnings or printer != "text":
+        show_findings(warnings, printer)
+    if printer == "text":
+        click.echo(message)
+    if warnings and strict:
         sys.exit(FINDINGS)
-    click.echo(f"{names}: right, and {out.as_posix()}/ is what would be generated")
 
 
 def _content(described: Sequence[Described], targets: Sequence[str], settings: Sequence[str]) -> Content:

@@ -1,30 +1,72 @@
-"""One rule a file, listed in one table. A rule looks at a resolved edition and yields what it finds."""
+"""One rule a file, listed in one table; behind them what is found while a spec is read."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..diagnostics import Diagnostic
-from ..model import Edition
-from ..source import Document
-from . import ambiguous_message, beyond_frame, beyond_width, id_collision, member_value, overlap, zero_scale
-from .rule import Rule
+from ..diagnostics import Severity
+from . import (
+    ambiguous_message,
+    beyond_frame,
+    beyond_width,
+    differing_quantity,
+    duplicate_code,
+    duplicate_name,
+    frame_contradiction,
+    id_bits,
+    id_collision,
+    long_name,
+    member_value,
+    missing_frame,
+    missing_manual,
+    name_collision,
+    overlap,
+    parameter_range,
+    reserved_word,
+    unknown_node,
+    unused,
+    zero_scale,
+)
+from .reading import READING
+from .rule import Finding as Finding, Rule as Rule, Subject as Subject
+
+WARNING = Severity.WARNING
 
 RULES: tuple[Rule, ...] = (
     Rule("overlap", "No two fields of one message share a bit, nor a field and a key.", overlap.check),
     Rule("beyond-frame", "Every field lies within the data bytes, or the bits of the id.", beyond_frame.check),
-    Rule("beyond-width", "A range lies within what the bits hold.", beyond_width.check),
+    Rule("beyond-width", "A range and a constant lie within what the bits hold.", beyond_width.check),
     Rule("zero-scale", "A scale is not zero.", zero_scale.check),
     Rule("member-value", "The values of an enum and the bits of flags are distinct and fit.", member_value.check),
+    Rule("parameter-range", "Limits leave room, and choices do not repeat.", parameter_range.check),
+    Rule("reserved-word", "A word of the language is not used as a name.", reserved_word.check),
+    Rule("duplicate-code", "No two commands of one address have the same code.", duplicate_code.check, whole=True),
+    Rule("duplicate-name", "Commands, layouts and errata have names of their own.", duplicate_name.check, whole=True),
     Rule(
-        "ambiguous-message", "Two messages that a receiver cannot tell apart have one layout.", ambiguous_message.check
+        "ambiguous-message",
+        "Two messages that a receiver cannot tell apart have one layout.",
+        ambiguous_message.check,
+        whole=True,
     ),
-    Rule("id-collision", "No id belongs to two addresses of one direction.", id_collision.check),
+    Rule("id-collision", "No id belongs to two addresses of one direction.", id_collision.check, whole=True),
+    Rule("id-bits", "Fields and selectors in the id leave the bits of the address alone.", id_bits.check),
+    Rule("unknown-node", "The nodes that reply are nodes of their address.", unknown_node.check, whole=True),
+    Rule("name-collision", "No two names become one in C or Python.", name_collision.check, whole=True),
+    Rule("frame-contradiction", "Golden frames mean what the spec says.", frame_contradiction.check, whole=True),
+    Rule("missing-frame", "Every request and reply has a golden frame.", missing_frame.check, WARNING, whole=True),
+    Rule("missing-manual", "Every command names its section of the manual.", missing_manual.check, WARNING),
+    Rule("differing-quantity", "One quantity has one unit and scale, or a reason.", differing_quantity.check, WARNING),
+    Rule("unused", "What a spec defines is used.", unused.check, WARNING, whole=True),
+    Rule("long-name", "A name is short enough for a DBC file.", long_name.check, WARNING),
 )
 
+EVERY: dict[str, Rule] = {rule.id: rule for rule in (*READING, *RULES)}
+"""All rules by id, those of reading first."""
 
-def check(edition: Edition, document: Document) -> Iterator[Diagnostic]:
-    """Everything that all rules find."""
+
+def check(subject: Subject, *, whole: bool) -> Iterator[tuple[Rule, Finding]]:
+    """Everything that the rules find; those that need the `whole` spec are left out where a part of it is missing."""
     for rule in RULES:
-        for path, message, hint in rule.check(edition):
-            yield document.finding(path, rule.id, message, hint)
+        if rule.check is not None and (whole or not rule.whole):
+            for finding in rule.check(subject):
+                yield rule, finding

@@ -1,17 +1,24 @@
-"""A range lies within what the bits hold."""
+"""A range, a constant and what an index names lie within what the bits hold."""
 
 from __future__ import annotations
 
 from .. import words
 from ..model import Edition, Encoding
-from .rule import Found
+from .rule import Finding, Found, Subject
 
 
-def check(edition: Edition) -> Found:
-    for type_ in edition.types:
+def check(subject: Subject) -> Found:
+    yield from _ranges(subject)
+    yield from _constants(subject.edition)
+
+
+def _ranges(subject: Subject) -> Found:
+    for type_ in subject.edition.types:
         if type_.encoding is Encoding.FLOAT:
             continue
         low, high = type_.raw_limits
+        written = subject.spec.types.get(type_.name)
+        key = "range" if written and written.range is not None else "raw_range"
         for _, limits in type_.raw_range.distinct():
             if limits is None:
                 continue
@@ -20,4 +27,13 @@ def check(edition: Edition) -> Found:
                 text = (
                     f"the raw range {words.span(limits)} is not within {low}..{high}, all that {type_.width} bits hold"
                 )
-                yield (*type_.path, "raw_range"), text, "check the range, and sign and width in `raw`"
+                yield Finding((*type_.path, key), text, "check the range, and sign and width in `raw`")
+
+
+def _constants(edition: Edition) -> Found:
+    fields = {f.path: f for m in edition.all_messages() for f in m.layout.fields if f.constant is not None}
+    for field in fields.values():
+        low, high = field.type.raw_limits
+        if field.constant is not None and not low <= field.constant <= high:
+            text = f"{field.constant} is not within {low}..{high}, all that {field.type.width} bits hold"
+            yield Finding((*field.path, "constant"), text, "check the constant, and sign and width of the field")

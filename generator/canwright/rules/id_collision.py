@@ -2,24 +2,38 @@
 
 from __future__ import annotations
 
-from ..model import Direction, Edition, IdRule
-from .rule import Found
+from collections.abc import Sequence
+
+from ..model import Address, Direction, Edition, Space
+from . import ids
+from .rule import Finding, Found, Subject
 
 
-def check(edition: Edition) -> Found:
+def check(subject: Subject) -> Found:
+    edition = subject.edition
     for direction in Direction:
-        owner: dict[tuple[bool, int], str] = {}
-        for address in edition.addresses:
-            rule = address.request if direction is Direction.REQUEST else address.reply
-            for id_ in _ids(rule):
-                other = owner.setdefault((rule.extended, id_), address.name)
-                if other != address.name:
-                    text = f"the {direction.value} id 0x{id_:X} belongs to `{other}` as well"
-                    yield address.path, text, "check `id` and `nodes` of both"
-                    break
+        for i, address in enumerate(edition.addresses):
+            for other in edition.addresses[:i]:
+                shared = _shared(edition, direction, address, other)
+                if shared is not None:
+                    text = f"the {direction.value} id 0x{shared:X} belongs to `{other.name}` as well"
+                    yield Finding(address.path, text, "check `id` and `nodes` of both")
 
 
-def _ids(rule: IdRule) -> list[int]:
-    if rule.nodes is None:
-        return [rule.base]
-    return [rule.base + (node << rule.node_shift) for node in rule.nodes]
+def _shared(edition: Edition, direction: Direction, one: Address, other: Address) -> int | None:
+    if one.request.extended != other.request.extended:
+        return None
+    for first in _ids(edition, direction, one):
+        for second in _ids(edition, direction, other):
+            found = ids.meet(first, second)
+            if found is not None:
+                return found
+    return None
+
+
+def _ids(edition: Edition, direction: Direction, address: Address) -> Sequence[range]:
+    """The ids of an address; where the selector is in the id, those of its messages."""
+    of_address = [m for m in edition.messages(direction) if m.address == address.name]
+    selected = [ids.of_message(m) for m in of_address if any(k.space is Space.ID for k in m.keys)]
+    rule = address.request if direction is Direction.REQUEST else address.reply
+    return list(dict.fromkeys(selected)) or [ids.of_rule(rule)]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ..model import Edition, Member, Path, Type
-from .rule import Found
+from ..model import Member, Path, Type
+from .rule import Finding, Found, Subject
 
 
-def check(edition: Edition) -> Found:
-    for type_ in edition.types:
+def check(subject: Subject) -> Found:
+    for type_ in subject.edition.types:
         low, high = type_.raw_limits
         yield from _members(type_, "enum", type_.enum, low, high)
         yield from _members(type_, "flags", type_.flags, 0, type_.width - 1)
@@ -18,7 +18,9 @@ def _members(type_: Type, key: str, members: tuple[Member, ...], low: int, high:
     for member in members:
         path: Path = (*type_.path, key, member.name)
         if member.value in first:
-            yield path, f"`{member.name}` and `{first[member.value]}` are both {member.value}", "give each its own"
+            text = f"`{member.name}` and `{first[member.value]}` are both {member.value}"
+            yield Finding(path, text, "give each its own")
         elif not low <= member.value <= high:
-            yield path, f"{member.value} is not within {low}..{high}, all that {type_.width} bits hold", ""
+            text = f"{member.value} is not within {low}..{high}, all that {type_.width} bits hold"
+            yield Finding(path, text, "check the value, and sign and width in `raw`")
         first.setdefault(member.value, member.name)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import Edition, Message, Path, Segment, Space, Variant
-from .rule import Found
+from ..model import Message, Path, Segment, Space, Variant
+from .rule import Finding, Found, Subject
 
 
-def check(edition: Edition) -> Found:
+def check(subject: Subject) -> Found:
     seen = set()
-    for message in edition.all_messages():
+    for message in subject.edition.all_messages():
         for variant in message.layout.variants:
             for path, text in _clashes(message, variant):
                 if (path, text) not in seen:
                     seen.add((path, text))
-                    yield path, text, "move one of them, or let `only` tell them apart"
+                    yield Finding(path, text, "move one of them, or let `only` tell them apart")
 
 
 def _clashes(message: Message, variant: Variant) -> Iterator[tuple[Path, str]]:

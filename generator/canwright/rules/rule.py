@@ -1,20 +1,49 @@
-"""What a rule is."""
+"""What a rule is, and what it looks at."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from ..diagnostics import Severity
+from ..golden import GoldenFrames
 from ..model import Edition, Path
+from ..schema import EditionSpec
 
-Found = Iterator[tuple[Path, str, str]]
-"""Where, what is wrong, and what to do about it."""
+
+@dataclass(frozen=True)
+class Subject:
+    """A spec that could be read: as it is written, as it resolves, and its golden frames where it has any."""
+
+    edition: Edition
+    spec: EditionSpec
+    frames: GoldenFrames | None
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Where, what is wrong, and what to do about it. The place is in the golden frames with `in_frames`."""
+
+    path: Path
+    message: str
+    hint: str = ""
+    key: bool = False
+    in_frames: bool = False
+
+
+Found = Iterator[Finding]
 
 
 @dataclass(frozen=True)
 class Rule:
-    """An id for people to look up, what the rule wants, and the check."""
+    """An id for people to look up, what the rule wants, and how much it matters.
+
+    `check` is None for what is found while a spec is read. A rule that needs the `whole` spec is left out where some of
+    it could not be read.
+    """
 
     id: str
     purpose: str
-    check: Callable[[Edition], Found]
+    check: Callable[[Subject], Found] | None = None
+    severity: Severity = Severity.ERROR
+    whole: bool = False

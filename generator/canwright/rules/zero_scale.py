@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from ..model import Edition
-from .rule import Found
+from .rule import Finding, Found, Subject
 
 
-def check(edition: Edition) -> Found:
-    for type_ in edition.types:
+def check(subject: Subject) -> Found:
+    for type_ in subject.edition.types:
         if any(linear is not None and linear.scale == 0 for _, linear in type_.linear.distinct()):
-            yield (
-                (*type_.path, "scale"),
-                "a scale of zero makes every value the same",
-                "write `none` if there is no scale",
-            )
+            text = "a scale of zero makes every value the same"
+            yield Finding((*type_.path, "scale"), text, "write `none` if there is no scale")

@@ -11,7 +11,7 @@ from ...render import environment
 from .. import Described, Output
 from .bits import operand
 from .examples import example
-from .problems import check
+from .problems import between as between, problems as problems
 from .text import call, code, comment, defines, function, in_comment, paragraph
 from .view import edition_view
 
@@ -61,7 +61,6 @@ class FamilyView:
 
 def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
     """Headers, a CMake package, and an example an edition. The parameters stay open: a program decides on them."""
-    check([one.edition for one in described])
     env = environment("c", FILTERS)
     env.globals.update(call=call, function=function, tab="    ")
     views = [(one, edition_view(one.edition)) for one in described]

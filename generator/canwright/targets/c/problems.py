@@ -16,13 +16,12 @@ def problems(edition: Edition) -> Iterator[Problem]:
     yield from conversions.problems(edition)
 
 
-def check(editions: Sequence[Edition]) -> None:
-    """Raises ValueError for the first problem of an edition, or between two."""
-    owners: dict[str, str] = {}
+def between(editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
+    """Names that two editions would both have: the later edition, and what is wrong."""
+    owners: dict[str, Edition] = {}
     for edition in editions:
-        here = f"{edition.family} {edition.name}"
-        for path, text, hint in problems(edition):
-            raise ValueError(f"{here}, {'.'.join(map(str, path))}: {text}; {hint}")
         for name, _, _ in names.defined(edition):
-            if owners.setdefault(name, here) != here:
-                raise ValueError(f"{here} and {owners[name]} would both have `{name}` in C; rename one edition")
+            other = owners.setdefault(name, edition)
+            if other is not edition:
+                yield edition, f"{other.family} {other.name} would also have `{name}` in C"
+                break

@@ -13,6 +13,7 @@ from ...render import environment
 from .. import Described, Output
 from .files import files
 from .guide import guide
+from .names import long_names as long_names
 from .text import text
 
 

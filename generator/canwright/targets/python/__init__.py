@@ -10,27 +10,8 @@ from ...golden import Refusal
 from ...model import Assignment, Direction, Edition, Parameter
 from ...render import environment
 from .. import Described, Output, header
-from . import messages, routes, text, types
-
-_CODEC = (
-    *("Bound", "CodecError", "Float", "Message", "Number", "Real", "Refusal", "Reply", "Request"),
-    *(
-        "Route",
-        "Router",
-        "ToAll",
-        "ToNode",
-        "constant",
-        "each",
-        "flags",
-        "known",
-        "member",
-        "merge",
-        "missing",
-        "named",
-    ),
-    *("node_in", "not_answer", "require"),
-)
-"""What an edition's module may need of `_codec`."""
+from . import codec_names, messages, routes, text, types
+from .problems import problems as problems
 
 
 @dataclass(frozen=True)
@@ -68,7 +49,7 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
         view = _module(item.edition)
         text_of_body = body.render(view)
         used = set(re.findall(r"\w+", text_of_body))
-        imports = [name for name in _CODEC if name in used]
+        imports = [name for name in codec_names.NAMES if name in used]
         structs = [name for name in ("Struct", "pack") if f"{name}(" in text_of_body]
         yield Output(
             f"{item.edition.family}/{item.edition.identifier}.py",

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from ...model import Text
 
 _RESERVED = {*keyword.kwlist, *keyword.softkwlist, *dir(builtins), "self", "cls"}
-_MEMBERS = {"node", "parameters", "can_id", "encode", "fields", "raw", "mro"}
+_MEMBERS = {"node", "parameters", "can_id", "encode", "fields", "from_raw", "raw", "mro", "unpack"}
 
 
 def plain(text: str) -> str:

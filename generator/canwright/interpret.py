@@ -1,0 +1,116 @@
+"""What a frame means, straight from the model: exact and plain, one frame at a time.
+
+This is for looking at frames while generating or checking. Programs use the generated bindings.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from .model import Assignment, Encoding, Field, IdRule, Key, Message, Segment, Space, Type, Variant
+
+Raw = int | list[int]
+Value = Fraction | str | list[str] | None
+
+
+@dataclass(frozen=True)
+class CanFrame:
+    """A frame as it was on the bus; `extended` means a 29-bit id, `remote` a frame that asks for data."""
+
+    id: int
+    data: bytes
+    extended: bool = False
+    remote: bool = False
+
+
+def has_id(message: Message, frame: CanFrame) -> bool:
+    """Whether the id of a frame is one of the message's, keys in the id included."""
+    if (message.id.extended, message.remote) != (frame.extended, frame.remote):
+        return False
+    if not all(_key_holds(message, i, frame) for i, key in enumerate(message.keys) if key.space is Space.ID):
+        return False
+    rest = frame.id & ~message.id_mask
+    return rest == message.id.base if message.id.nodes is None else node(message.id, rest) is not None
+
+
+def is_message(message: Message, frame: CanFrame) -> bool:
+    """Whether a frame has the id, the length and the keys of a message."""
+    if len(frame.data) != message.dlc and not frame.remote:
+        return False
+    return has_id(message, frame) and all(_key_holds(message, i, frame) for i in range(len(message.keys)))
+
+
+def node(rule: IdRule, id_: int) -> int | None:
+    """The node of an id without the bits of keys and fields; None when there is none."""
+    if rule.nodes is None:
+        return None
+    rest = id_ - rule.base
+    found = rest >> rule.node_shift
+    return found if rest >= 0 and found << rule.node_shift == rest and found in rule.nodes else None
+
+
+def node_of(message: Message, frame: CanFrame) -> int | None:
+    """The node that a frame of this message is of."""
+    return node(message.id, frame.id & ~message.id_mask)
+
+
+def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
+    """The raw integer of each field, constants left out."""
+    return {f.name: raw_of(f, frame) for f in variant.fields if f.constant is None}
+
+
+def raw_of(field: Field, frame: CanFrame) -> Raw:
+    """The raw integer of a field, a list for an array."""
+    found = [_signed(field.type, _bits(e.segments, field.space, frame)) for e in field.elements]
+    return found if field.is_array else found[0]
+
+
+def wrong_constants(variant: Variant, frame: CanFrame) -> list[Field]:
+    """The fields that should hold a constant and hold something else."""
+    return [f for f in variant.fields if f.constant is not None and raw_of(f, frame) != f.constant]
+
+
+def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
+    """The value of a raw integer: a number in the unit, a member's name, the names of flags; None when there is none."""
+    if type_.enum:
+        return next((member.name for member in type_.enum if member.value == raw), None)
+    if type_.flags:
+        return [flag.name for flag in type_.flags if raw >> flag.value & 1]
+    linear = type_.linear.at(assignment)
+    if linear is None:
+        return None
+    if type_.encoding is Encoding.FLOAT:
+        code = {32: ("<I", "<f"), 64: ("<Q", "<d")}[type_.width]
+        (number,) = struct.unpack(code[1], struct.pack(code[0], raw))
+        if number != number or number in (float("inf"), float("-inf")):
+            return None
+        return Fraction(number) * linear.scale + linear.offset
+    return raw * linear.scale + linear.offset
+
+
+def number_parameters(parameters: Mapping[str, int | str]) -> dict[str, Fraction]:
+    """The parameters that are numbers, exact."""
+    return {name: Fraction(value) for name, value in parameters.items() if isinstance(value, int)}
+
+
+def _key_holds(message: Message, index: int, frame: CanFrame) -> bool:
+    key: Key = message.keys[index]
+    found = _bits(key.segments, key.space, frame)
+    return found == key.value or (index == 0 and found in (*message.accept, *message.claims))
+
+
+def _bits(segments: Sequence[Segment], space: Space, frame: CanFrame) -> int:
+    found = 0
+    for s in segments:
+        source = frame.id if space is Space.ID else frame.data[s.byte] if s.byte < len(frame.data) else 0
+        found |= (source >> s.low & (1 << s.width) - 1) << s.raw_low
+    return found
+
+
+def _signed(type_: Type, raw: int) -> int:
+    if type_.encoding is Encoding.SIGNED and raw >> (type_.width - 1):
+        return raw - (1 << type_.width)
+    return raw

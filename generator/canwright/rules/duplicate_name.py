@@ -1,0 +1,20 @@
+"""Commands, layouts and errata have names of their own, those that come of tables included."""
+
+from __future__ import annotations
+
+from ..model import Path
+from .rule import Finding, Found, Subject
+
+
+def check(subject: Subject) -> Found:
+    edition = subject.edition
+    commands = [(c.name, c.path) for c in edition.commands]
+    layouts = [(layout.name, layout.path) for layout in edition.layouts]
+    errata = [(erratum.id, ("errata", i, "id")) for i, erratum in enumerate(edition.errata)]
+    for what, named in (("command", commands), ("layout", layouts), ("erratum", errata)):
+        first: dict[str, Path] = {}
+        for name, path in named:
+            if name in first:
+                text = f"there is another {what} `{name}`, {'.'.join(map(str, first[name]))}"
+                yield Finding(path, text, "rename one of them", key=what != "erratum")
+            first.setdefault(name, path)

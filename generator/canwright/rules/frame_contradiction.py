@@ -1,0 +1,99 @@
+"""Golden frames mean what the spec says they mean."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from .. import words
+from ..diagnostics import nearest
+from ..golden import Frame, RefusedValues
+from ..interpret import CanFrame, Raw, Value, has_id, is_message, node_of, raws, value_of, wrong_constants
+from ..model import Direction, Edition, Field, Message, Path
+from .rule import Finding, Found, Subject
+
+
+def check(subject: Subject) -> Found:
+    for i, frame in enumerate(subject.frames.frames if subject.frames else ()):
+        for path, text, hint in _frame(subject.edition, frame):
+            yield Finding(("frames", i, *path), text, hint, in_frames=True)
+    commands = {c.name for c in subject.edition.commands}
+    for i, refused in enumerate(subject.frames.refused if subject.frames else ()):
+        if isinstance(refused, RefusedValues) and refused.command not in commands:
+            text = f"there is no command `{refused.command}`"
+            hint = nearest(refused.command, commands)
+            yield Finding(("refused", i, "command"), text, hint, in_frames=True)
+
+
+Problem = tuple[Path, str, str]
+
+
+def _frame(edition: Edition, frame: Frame) -> list[Problem]:
+    direction = frame.direction.value
+    both = ((c.name, c.request if frame.direction is Direction.REQUEST else c.reply) for c in edition.commands)
+    messages = {name: message for name, message in both if message is not None}
+    message = messages.get(frame.command)
+    if message is None:
+        return [((direction,), f"no command `{frame.command}` has a {direction}", nearest(frame.command, messages))]
+    can = CanFrame(frame.id, frame.data, message.id.extended, message.remote)
+    problem = _header(message, frame, can)
+    if problem:
+        return [problem]
+    variant = message.layout.variant({name: str(value) for name, value in frame.parameters.items()})
+    if variant is None:
+        text = f"the fields depend on `{message.layout.parameter}`, which is not given"
+        return [((), text, f"add parameters: {{{message.layout.parameter}: …}}")]
+    wrong = [((), f"`{f.name}` should hold {f.constant}", "check `data`") for f in wrong_constants(variant, can)]
+    found = raws(variant, can)
+    return [*wrong, *_raws(frame, found), *_values(frame, {f.name: f for f in variant.fields}, found)]
+
+
+def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
+    if not has_id(message, can):
+        return ("id",), f"0x{frame.id:X} is no id of {message.name}", "check the id, and the address in the spec"
+    if len(frame.data) != message.dlc:
+        return ("data",), f"{len(frame.data)} bytes, but {message.name} has {message.dlc}", "check `data` and `dlc`"
+    if not is_message(message, can):
+        return ("data",), f"these bytes do not select {message.name}", "check the code"
+    if node_of(message, can) != frame.node:
+        return ("node",), f"the id 0x{frame.id:X} is that of node {node_of(message, can)}", "check `id` and `node`"
+    return None
+
+
+def _raws(frame: Frame, found: Mapping[str, Raw]) -> list[Problem]:
+    if set(found) != set(frame.raw):
+        return [(("raw",), f"the fields are {', '.join(found) or 'none'}", "write every field and no other")]
+    return [
+        (("raw", name), f"the bytes hold {raw} in `{name}`", "check `data` by hand, and the layout in the spec")
+        for name, raw in found.items()
+        if raw != frame.raw[name]
+    ]
+
+
+def _values(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[Problem]:
+    problems: list[Problem] = []
+    assignment = {name: str(value) for name, value in frame.parameters.items()}
+    for name, wanted in frame.values.items():
+        if name not in fields or name not in found:
+            problems.append((("values", name), f"there is no field `{name}`", nearest(name, found)))
+            continue
+        raw, type_ = found[name], fields[name].type
+        value = (
+            [value_of(type_, r, assignment) for r in raw] if isinstance(raw, list) else value_of(type_, raw, assignment)
+        )
+        if not _same(wanted, value):
+            text = f"`{name}` is {_shown(value)} by the spec's scale"
+            problems.append((("values", name), text, "check the value by hand, and the type in the spec"))
+    return problems
+
+
+def _same(wanted: object, value: object) -> bool:
+    if isinstance(wanted, list) and isinstance(value, list):
+        return len(wanted) == len(value) and all(map(_same, wanted, value))
+    return wanted == ("none" if value is None else value)
+
+
+def _shown(value: Value | list[Value]) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_shown, value))}]"
+    return words.exact(value) if isinstance(value, Fraction) else "none" if value is None else str(value)

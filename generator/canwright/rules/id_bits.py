@@ -1,0 +1,39 @@
+"""Fields and selectors in the id leave the bits of the node and of the base alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import reduce
+
+from ..model import IdRule, Message, Path, Segment, Space
+from . import ids
+from .rule import Finding, Found, Subject
+
+
+def check(subject: Subject) -> Found:
+    seen: set[Path] = set()
+    for message in subject.edition.all_messages():
+        taken = _bits(message.id)
+        for name, path, segments in _in_id(message):
+            clash = [bit for s in segments for bit in range(s.low, s.low + s.width) if taken >> bit & 1]
+            if clash and path not in seen:
+                seen.add(path)
+                text = f"{name} shares bit {clash[0]} of the id with the address `{message.address}`"
+                yield Finding(path, text, "move it, or check `id` and `nodes` of the address")
+
+
+def _in_id(message: Message) -> Iterator[tuple[str, Path, tuple[Segment, ...]]]:
+    for key in message.keys:
+        if key.space is Space.ID:
+            yield "the selector", ("selector",) if key.name == "code" else message.path, key.segments
+    for field in message.layout.fields:
+        for element in field.elements if field.space is Space.ID else ():
+            yield f"`{field.name}`", field.path, element.segments
+
+
+def _bits(rule: IdRule) -> int:
+    """The bits that are set in some id of a rule."""
+    found = ids.of_rule(rule)
+    if len(found) > ids.ENUMERATED:
+        return int(rule.base) | ((1 << (found[-1] - rule.base).bit_length()) - 1)
+    return reduce(lambda bits, id_: bits | id_, found, 0)

@@ -1,0 +1,52 @@
+"""The CAN ids that messages and addresses can have, and whether two of them meet."""
+
+from __future__ import annotations
+
+from itertools import islice
+
+from ..model import IdRule, Message, Space
+
+ENUMERATED = 1 << 16
+"""Up to so many nodes, ids are listed; above, bits of the id that fields fill are not told from the rest."""
+
+
+def of_rule(rule: IdRule) -> range:
+    """All ids of a rule, without the bits of keys and fields."""
+    if rule.nodes is None:
+        return range(rule.base, rule.base + 1)
+    first, last = (rule.base + (node << rule.node_shift) for node in (rule.nodes[0], rule.nodes[-1]))
+    return range(first, last + 1, 1 << rule.node_shift)
+
+
+def of_message(message: Message) -> range:
+    """All ids of a message, without the bits of fields."""
+    keys = sum(k.value << k.segments[0].low for k in message.keys if k.space is Space.ID)
+    ids = of_rule(message.id)
+    return range(ids.start + keys, ids.stop + keys, ids.step)
+
+
+def free_bits(message: Message) -> int:
+    """Bits of the id that fields fill, and may hold anything."""
+    fields = (f for f in message.layout.fields if f.space is Space.ID and f.constant is None)
+    segments = [s for f in fields for e in f.elements for s in e.segments]
+    return sum(((1 << s.width) - 1) << s.low for s in segments)
+
+
+def meet(one: range, other: range, free: int = 0) -> int | None:
+    """The lowest id that two ranges share when the `free` bits do not count; None when there is none."""
+    if free:
+        ids = {id_ & ~free for id_ in islice(one, ENUMERATED)}
+        shared = ids & {id_ & ~free for id_ in islice(other, ENUMERATED)}
+        return min(shared, default=None)
+    fine, coarse = sorted((one, other), key=lambda ids: ids.step)
+    first = coarse.start
+    if first < fine.start:
+        first += -((first - fine.start) // coarse.step) * coarse.step
+    return first if first in fine and first in coarse else None
+
+
+def messages_meet(one: Message, other: Message) -> bool:
+    """Whether some id belongs to both messages, in the same format."""
+    if (one.id.extended, one.remote) != (other.id.extended, other.remote):
+        return False
+    return meet(of_message(one), of_message(other), free_bits(one) | free_bits(other)) is not None

@@ -1,0 +1,22 @@
+"""The limits of a parameter leave room, and the default bit rate is one of the bit rates."""
+
+from __future__ import annotations
+
+from .. import words
+from .rule import Finding, Found, Subject
+
+
+def check(subject: Subject) -> Found:
+    for parameter in subject.edition.parameters:
+        low, high = parameter.minimum, parameter.maximum
+        if low is not None and high is not None and low > high:
+            text = f"no number is at least {words.exact(low)} and at most {words.exact(high)}"
+            yield Finding(("parameters", parameter.name, "number"), text, "check `min` and `max`")
+        names = [value.name for value in parameter.values]
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                yield Finding(("parameters", parameter.name, "values", i), f"{name} is there twice", "remove one")
+    for mode in subject.edition.bus.modes:
+        if mode.default_kbps is not None and mode.default_kbps not in mode.bit_rates_kbps:
+            text = f"{mode.default_kbps} kbit/s is not among the bit rates of `{mode.name}`"
+            yield Finding(("bus", "modes", mode.name, "default_kbps"), text, "add it to `bit_rates_kbps`")

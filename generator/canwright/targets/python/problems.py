@@ -1,0 +1,67 @@
+"""Different things of a spec that would have one name in Python. Nothing is generated from them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...model import Edition, Layout, Path
+from . import codec_names, text
+
+Problem = tuple[Path, str, str]
+"""Where, what is wrong, and what to do about it."""
+
+_MODULE = {
+    *codec_names.NAMES,
+    *("Any", "ClassVar", "Enum", "Fraction", "IntEnum", "IntFlag", "Iterable", "Parameters", "R", "Self", "Struct"),
+    *("TYPE_CHECKING", "TypeVar", "FAMILY", "EDITION", "SPEC_HASH", "UNKNOWN"),
+}
+
+
+def problems(edition: Edition) -> Iterator[Problem]:
+    """Everything about one edition."""
+    yield from _clashes(_module_names(edition), "something that every module has")
+    for layout in {id(m.layout): m.layout for m in edition.all_messages()}.values():
+        yield from _clashes(_attributes(layout), "")
+    for type_ in edition.types:
+        key = "enum" if type_.enum else "flags"
+        members = [
+            (text.member_name(m.name), f"`{m.name}`", (*type_.path, key, m.name)) for m in type_.enum or type_.flags
+        ]
+        yield from _clashes(iter(members), "")
+    for parameter in edition.parameters:
+        at: Path = ("parameters", parameter.name, "values")
+        values = [(text.member_name(v.name), f"`{v.name}`", (*at, v.name)) for v in parameter.values]
+        if not parameter.is_numeric:
+            yield from _clashes(iter(values), "")
+
+
+def _clashes(names: Iterator[tuple[str, str, Path]], taken: str) -> Iterator[Problem]:
+    """Names that stand for two things, or for one and what is `taken` by every module."""
+    owners = dict.fromkeys(_MODULE, taken) if taken else {}
+    for name, what, path in names:
+        other = owners.setdefault(name, what)
+        if other != what:
+            yield path, f"{what} and {other} would both be `{name}` in Python", "rename one of them"
+
+
+def _module_names(edition: Edition) -> Iterator[tuple[str, str, Path]]:
+    for parameter in edition.parameters:
+        if parameter.is_choice and not parameter.is_numeric:
+            yield text.class_name(parameter.name), f"the parameter `{parameter.name}`", ("parameters", parameter.name)
+    for type_ in edition.types:
+        what = f"the type `{type_.name}`"
+        if type_.enum or type_.flags:
+            yield text.class_name(type_.name), what, type_.path
+        else:
+            yield text.member_name(type_.name), what, type_.path
+    layouts = [m.layout for m in edition.all_messages()]
+    for message in edition.all_messages():
+        yield text.class_name(message.name), f"the {message.direction.value} of `{message.command}`", message.path
+        if sum(layout is message.layout for layout in layouts) > 1 and message.layout.fields:
+            yield text.class_name(message.layout.name), f"the layout `{message.layout.name}`", message.layout.path
+
+
+def _attributes(layout: Layout) -> Iterator[tuple[str, str, Path]]:
+    for field in layout.fields:
+        for ending in ("", "_raw"):
+            yield text.attribute(field.name) + ending, f"the field `{field.name}`", field.path
