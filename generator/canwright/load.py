@@ -48,7 +48,7 @@ def load(file: Path) -> Loaded:
         frames_document, _ = source.read(beside)
         golden, amiss = _frames(frames_document, edition)
         findings += amiss
-    known = {(d.position.line, d.position.column) for d in findings}
+    known = {_place(d): d.rule for d in findings}
     found = list(rules.check(Subject(edition, read.spec, golden), whole=not findings))
     wrong = bool(findings) or any(rule.severity is Severity.ERROR for rule, _ in found)
     for rule, finding in found:
@@ -58,8 +58,8 @@ def load(file: Path) -> Loaded:
             finding.path, rule.id, finding.message, finding.hint, key=finding.key, warning=warning
         )
         spoilt = any(_related(finding.path, path) for path in read.dropped)
-        place = (diagnostic.position.line, diagnostic.position.column)
-        if not spoilt and place not in known and not (wrong and warning and rule.whole):
+        told = known.setdefault(_place(diagnostic), rule.id) != rule.id
+        if not (spoilt or told or (wrong and warning and rule.whole)):
             findings.append(diagnostic)
     if wrong:
         raise SpecError(findings)
@@ -115,6 +115,10 @@ def _frames(document: Document, edition: Edition) -> tuple[GoldenFrames | None, 
         if getattr(read.spec, key) != wanted
     ]
     return (None if others else read.spec), others
+
+
+def _place(finding: Diagnostic) -> tuple[str, int, int]:
+    return (finding.position.file, finding.position.line, finding.position.column)
 
 
 def _related(one: ItemPath, other: ItemPath) -> bool:

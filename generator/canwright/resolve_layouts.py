@@ -61,7 +61,12 @@ class LayoutResolver:
         conditions = dict.fromkeys(p for f in fields.values() for p in f.only or {})
         if len(conditions) > 1:
             names = ", ".join(conditions)
-            self._context.report(path, "two-parameters", f"the fields of one layout depend on {names}; one is allowed")
+            self._context.report(
+                path,
+                "two-parameters",
+                f"the fields of one layout depend on {names}; one is allowed",
+                "give the others commands of their own",
+            )
         parameter = next(iter(conditions), None)
         variants = self._variants(resolved, parameter)
         return Layout(name, resolved, parameter, variants, shared, title, about, manual, path)
@@ -109,7 +114,9 @@ class LayoutResolver:
 
     def _type(self, path: Path, written: schema.FieldSpec) -> Type:
         if (written.type is None) == (written.raw is None):
-            self._context.report(path, "field-type", "a field must have either `type` or `raw`", key=True)
+            self._context.report(
+                path, "field-type", "a field must have either `type` or `raw`", "raw: u8 is a bare number", key=True
+            )
         if written.raw is not None:
             bare = bare_type(self._context, written.raw, self._order, path)
             return self.bare_types.setdefault(bare.name, bare)

@@ -63,7 +63,7 @@ class MessageResolver:
         self._resolver = layouts
         self._addresses = addresses
         self._pending: list[str] = []
-        self._done: dict[str, tuple[Message | None, Reply]] = {}
+        self._done: dict[tuple[str, str | None], tuple[Message | None, Reply]] = {}
         self._shared = {
             name: layouts.shared(("layouts", name), name, written, ("layouts", name, "fields"))
             for name, written in spec.layouts.items()
@@ -93,11 +93,12 @@ class MessageResolver:
 
     def of(self, form: Form) -> tuple[Message | None, Reply]:
         """Request and reply of a command."""
-        if form.name not in self._done:
-            self._pending.append(form.name)
-            self._done[form.name] = self._resolve(form)
+        key = (form.command, form.entry)
+        if key not in self._done:
+            self._pending.append(form.command)
+            self._done[key] = self._resolve(form)
             self._pending.pop()
-        return self._done[form.name]
+        return self._done[key]
 
     def _resolve(self, form: Form) -> tuple[Message | None, Reply]:
         written = self._spec.commands[form.command]
@@ -132,7 +133,12 @@ class MessageResolver:
     def _echo(self, form: Form, request: Message | None) -> Reply:
         if request is None:
             path: Path = ("commands", form.command, "reply")
-            self._context.report(path, "echo-of-nothing", f"`{form.command}` has no request that could come back")
+            self._context.report(
+                path,
+                "echo-of-nothing",
+                f"`{form.command}` has no request that could come back",
+                "say what it replies, or `none`",
+            )
             return Reply(None, ReplyForm.NONE)
         reply = self._message(form, Direction.REPLY, form.name, {})
         return Reply(dataclasses.replace(reply, layout=request.layout, dlc=request.dlc), ReplyForm.ECHO)
@@ -141,7 +147,12 @@ class MessageResolver:
         if self._context.find((*path, "of"), "command", of, self._spec.commands) is None:
             return Reply(None, ReplyForm.NONE)
         if of in self._pending:
-            self._context.report((*path, "of"), "circular-reference", f"`{of}` takes its reply from here in turn")
+            self._context.report(
+                (*path, "of"),
+                "circular-reference",
+                f"`{of}` takes its reply from here in turn",
+                "give one of them a reply",
+            )
             return Reply(None, ReplyForm.NONE)
         if self._spec.commands[of].table is not None:
             hint = "write `entry`, or the name of a layout"
@@ -198,7 +209,12 @@ class MessageResolver:
             return ()
         path: Path = ("commands", command, "code")
         if self._spec.selector is None:
-            self._context.report(path, "no-selector", "there is a code, but no `selector` that says where it stands")
+            self._context.report(
+                path,
+                "no-selector",
+                "there is a code, but no `selector` that says where it stands",
+                "selector: {at: 0, raw: u8}",
+            )
             return ()
         return (self._key("code", self._spec.selector, code, path),)
 
@@ -206,7 +222,12 @@ class MessageResolver:
         order = selector.byte_order or self._spec.byte_order
         _, width = selector.raw
         if value >= 1 << width:
-            self._context.report(path, "code-width", f"0x{value:X} does not fit the selector's {width} bits")
+            self._context.report(
+                path,
+                "code-width",
+                f"0x{value:X} does not fit the selector's {width} bits",
+                "check the value, and `raw` of the selector",
+            )
         return Key(name, selector.at.space, order, width, segments_at(selector.at, width, order), value)
 
     def _entries(self, table: str, written: schema.Table) -> dict[str, Form]:

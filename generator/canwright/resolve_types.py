@@ -87,7 +87,9 @@ def resolve_parameters(context: Context, written: Mapping[str, schema.ParameterS
     for name, spec in written.items():
         path: Path = ("parameters", name)
         if (spec.values is None) == (spec.number is None):
-            context.report(path, "parameter-kind", f"`{name}` must have either `values` or `number`", key=True)
+            context.report(
+                path, "parameter-kind", f"`{name}` must have either `values` or `number`", "number: {}", key=True
+            )
         values: tuple[ParameterValue, ...] = ()
         if isinstance(spec.values, list):
             values = tuple(ParameterValue(str(n), n, context.title(path, None, str(n))) for n in spec.values)
@@ -172,6 +174,10 @@ class _TypeResolver:
         path = (*self.path, key)
         parameter = self.context.find((*path, "by"), "parameter", parameter_name, self.parameters)
         if parameter is None:
+            return {}
+        if not parameter.is_choice:
+            text = f"`{parameter_name}` has no `values`, so `{key}` cannot depend on them"
+            self.context.report((*path, "by"), "parameter-kind", text, "give it `values`, or write a range like 0..2*N")
             return {}
         known = {value.name: value for value in parameter.values}
         for name in written:

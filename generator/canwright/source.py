@@ -143,7 +143,9 @@ class _Builder:
         if event.tag is not None:
             self._refuse("yaml-tag", f"the tag `{event.tag}` is not read", "a spec is plain data; remove the tag")
         if depth > MAX_DEPTH:
-            self._refuse("yaml-depth", f"nested deeper than {MAX_DEPTH} levels")
+            self._refuse(
+                "yaml-depth", f"nested deeper than {MAX_DEPTH} levels", "no spec needs that; check brackets and indents"
+            )
         self._document._values[path] = self._mark()
         if isinstance(event, yaml.ScalarEvent):
             return self._scalar()

@@ -1,0 +1,135 @@
+"""Every rule by its examples: what it finds, to the letter, and what it lets pass."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from canwright.cli import main
+from canwright.diagnostics import Diagnostic, SpecError
+from canwright.load import load
+from canwright.resources import EXAMPLES
+from canwright.rules import EVERY
+from click.testing import CliRunner
+
+from .specs import MINIMAL
+
+FOLDERS = sorted(folder.name for folder in EXAMPLES.iterdir())
+ELSEWHERE = {
+    "file-size": "its example would be a megabyte; test_source has it",
+    "stale-output": "it is about output; test_cli has it",
+}
+
+
+def found(folder: Path, name: str, rule: str, monkeypatch: pytest.MonkeyPatch) -> list[Diagnostic]:
+    """Findings of an example. That it has no golden frames is not held against it, except by the rule that wants them."""
+    monkeypatch.chdir(folder)
+    try:
+        findings = load(Path(name)).warnings
+    except SpecError as error:
+        findings = error.diagnostics
+    return [finding for finding in findings if rule == "missing-frame" or finding.rule != "missing-frame"]
+
+
+def test_every_rule_has_examples() -> None:
+    assert set(FOLDERS) | set(ELSEWHERE) == set(EVERY)
+    assert not set(FOLDERS) & set(ELSEWHERE)
+
+
+@pytest.mark.parametrize("rule", FOLDERS)
+def test_what_a_rule_finds(rule: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = EXAMPLES / rule
+    bad = found(folder, "bad.yaml", rule, monkeypatch)
+    assert "\n".join(map(str, bad)) + "\n" == (folder / "expected.txt").read_text("utf-8")
+    assert {(finding.rule, finding.severity) for finding in bad} == {(rule, EVERY[rule].severity)}
+    assert all(finding.hint for finding in bad) or rule in ("value", "yaml")
+    assert found(folder, "good.yaml", rule, monkeypatch) == []
+
+
+@pytest.mark.parametrize("rule", EVERY)
+def test_explain(rule: str) -> None:
+    result = CliRunner().invoke(main, ["explain", rule])
+    assert result.exit_code == 0
+    assert result.output.startswith(f"{rule} ({EVERY[rule].severity.value})\n\n{EVERY[rule].purpose}\n")
+    assert ("Bad, bad.yaml:" in result.output) == (rule in FOLDERS)
+    assert f"[{rule}]" in result.output or rule in ELSEWHERE
+
+
+def test_explain_lists_all_and_names_the_nearest() -> None:
+    listed = CliRunner().invoke(main, ["explain"]).output
+    assert [line.split()[0] for line in listed.splitlines()] == list(EVERY)
+    result = CliRunner().invoke(main, ["explain", "overlp"])
+    assert (result.exit_code, "did you mean `overlap`?" in result.output) == (2, True)
+
+
+MIXED = (
+    MINIMAL.replace("selector:", "selecter:")
+    .replace("u16", "u99")
+    .replace("reply: echo", "repl: echo\n    effects: [glows]")
+    .replace("edition: v1", "edition: v1\ntitle: {en: 100% lamps, zh: 灯}")
+    + "  glow: {code: 0x110, reply: {a: {at: 1, raw: u8}, b: {at: 1.4, raw: u8}}}\n"
+)
+
+
+def test_one_run_tells_all_that_is_wrong(tmp_path: Path) -> None:
+    """Structure, references and meaning together, in file order, and nothing that only follows from another finding."""
+    (tmp_path / "my.yaml").write_text(MIXED, "utf-8")
+    with pytest.raises(SpecError) as refused:
+        load(tmp_path / "my.yaml")
+    assert [(d.position.line, d.rule) for d in refused.value.diagnostics] == [
+        (6, "unknown-key"),
+        (8, "value"),
+        (14, "unknown-key"),
+        (15, "unknown-reference"),
+        (16, "code-width"),
+        (16, "overlap"),
+    ]
+
+
+def machine(folder: Path, printer: str, text: str = MIXED) -> tuple[int, str]:
+    file = folder / "a, b.yaml"
+    file.write_text(text, "utf-8")
+    result = CliRunner().invoke(main, ["check", "--spec", str(file), "--format", printer])
+    return result.exit_code, result.stdout.replace(str(folder), "folder")
+
+
+def test_json(tmp_path: Path) -> None:
+    code, printed = machine(tmp_path, "json")
+    assert code == 1
+    findings = json.loads(printed)["findings"]
+    assert len(findings) == 6
+    assert findings[0] == {
+        "file": "folder/a, b.yaml",
+        "line": 6,
+        "column": 1,
+        "end_column": 9,
+        "severity": "error",
+        "rule": "unknown-key",
+        "message": "unknown key `selecter`",
+        "hint": "did you mean `selector`?",
+    }
+
+
+def test_github_annotations(tmp_path: Path) -> None:
+    code, printed = machine(tmp_path, "github", MINIMAL.replace("at: 2", "at: 7"))
+    assert code == 1
+    assert printed == (
+        "::error file=folder/a%2C b.yaml,line=12,col=22,title=beyond-frame::"
+        "`level` reaches past the 8 data bytes of the frame%0Acheck `at`, the type and `dlc`\n"
+    )
+
+
+def test_sarif(tmp_path: Path) -> None:
+    code, printed = machine(tmp_path, "sarif")
+    assert code == 1
+    (run,) = json.loads(printed)["runs"]
+    assert {rule["id"] for rule in run["tool"]["driver"]["rules"]} == {result["ruleId"] for result in run["results"]}
+    region = run["results"][0]["locations"][0]["physicalLocation"]["region"]
+    assert region == {"startLine": 6, "startColumn": 1, "endColumn": 9}
+
+
+def test_machines_are_told_when_all_is_well(tmp_path: Path) -> None:
+    assert machine(tmp_path, "github", MINIMAL)[0] == 0
+    code, printed = machine(tmp_path, "json", MINIMAL)
+    assert (code, [f["rule"] for f in json.loads(printed)["findings"]]) == (0, ["missing-frame"])
