@@ -6,7 +6,7 @@ import pytest
 from canwright.cli import main
 from click.testing import CliRunner, Result
 
-from .specs import MINIMAL, ROOT
+from .spec_texts import MINIMAL, ROOT
 
 
 def run(*arguments: str) -> Result:

@@ -15,7 +15,7 @@ from canwright.golden import GoldenFrames
 from canwright.schema import EditionSpec, schema_text
 from click.testing import CliRunner
 
-from .specs import ROOT
+from .spec_texts import ROOT
 
 FOREIGN = re.compile(r"motor|\biq\b|mwd|0x140|torque", re.IGNORECASE)
 MACHINE = re.compile(r"(^|[^A-Za-z0-9_.])/(home|root|work|tmp|Users)/")

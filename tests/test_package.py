@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from .specs import MINIMAL, ROOT
+from .spec_texts import MINIMAL, ROOT
 
 
 def run(folder: Path, *command: str | Path) -> str:

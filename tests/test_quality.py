@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from .specs import ROOT
+from .spec_texts import ROOT
 
 MAX_LINES = 350
 

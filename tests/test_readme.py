@@ -12,7 +12,7 @@ from canwright.cli import main
 from click.testing import CliRunner
 
 from .compilers import WARNINGS, compilers
-from .specs import ROOT, findings
+from .spec_texts import ROOT, findings
 
 README = (ROOT / "README.md").read_text("utf-8")
 

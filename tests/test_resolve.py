@@ -7,7 +7,7 @@ import pytest
 from canwright.load import described
 from canwright.model import Dependent, Direction, Edition, Linear, ReplyForm, Segment
 
-from .specs import MINIMAL, ROOT, edition, findings, marked, places
+from .spec_texts import MINIMAL, ROOT, edition, findings, marked, places
 
 
 @pytest.fixture(scope="module")

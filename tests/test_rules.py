@@ -13,7 +13,7 @@ from canwright.resources import EXAMPLES
 from canwright.rules import EVERY
 from click.testing import CliRunner
 
-from .specs import MINIMAL
+from .spec_texts import MINIMAL
 
 FOLDERS = sorted(folder.name for folder in EXAMPLES.iterdir())
 ELSEWHERE = {

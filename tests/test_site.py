@@ -11,7 +11,7 @@ import pytest
 from canwright.load import described
 from canwright.site import SiteError, build
 
-from .specs import ROOT
+from .spec_texts import ROOT
 
 
 @pytest.fixture(scope="module")

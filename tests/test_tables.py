@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .specs import MINIMAL, edition, findings, marked
+from .spec_texts import MINIMAL, edition, findings, marked
 
 TABLE = (
     MINIMAL

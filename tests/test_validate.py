@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from .specs import MINIMAL, findings, places
+from .spec_texts import MINIMAL, findings, places
 
 
 @pytest.mark.parametrize(

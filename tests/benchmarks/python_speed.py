@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import cantools
 
-from ..specs import ROOT
+from ..spec_texts import ROOT
 
 DATA = bytes.fromhex("A1326400F401E803")
 ROUNDS = 100_000

@@ -13,7 +13,7 @@ from canwright.load import described, spec_files
 from canwright.model import Direction
 from canwright.targets import python as target
 
-from ..specs import ROOT
+from ..spec_texts import ROOT
 from .adapters.python import PythonAdapter
 
 SPECS = spec_files(ROOT / "spec")

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from canwright.load import described, spec_files
 
-from ..specs import ROOT
+from ..spec_texts import ROOT
 from .adapters import ADAPTERS
 from .runner import Runner
 from .summary import REPORTS

@@ -11,7 +11,7 @@ from canwright.load import all_loaded, described
 from canwright.targets import c
 from canwright.targets.c.names import defined
 
-from ..specs import MINIMAL, findings
+from ..spec_texts import MINIMAL, findings
 from .test_c_compiles import SPECS
 
 MACRO = re.compile(r"^#define (\w+)", re.M)

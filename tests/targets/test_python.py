@@ -13,7 +13,7 @@ from canwright.load import described
 from canwright.targets import python as target
 
 from ..conformance.adapters.python import load
-from ..specs import MINIMAL, ROOT
+from ..spec_texts import MINIMAL, ROOT
 
 SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
 
