@@ -189,18 +189,28 @@ class Erratum:
 
 
 @dataclass(frozen=True)
+class Entry:
+    """The entry of a table that a form of a command is of; its `path` is where it stands."""
+
+    table: str
+    name: str
+    title: Text
+    path: Path = field(compare=False)
+
+
+@dataclass(frozen=True)
 class Command:
     """A code with its request and its reply.
 
     `code` is None when no selector tells it. `only` maps a parameter to the values that have the command.
     `from_each` are the nodes that reply, one frame each in this order; empty when only the addressed node does.
     `reply_of` is the command whose reply this one shares (`ReplyForm.OTHER`). `group` is the command as the spec has it:
-    the name, but for the forms that a table gives a command, `GROUP_ENTRY`; then `entry` is the title of that entry.
+    the name, but for the forms that a table gives a command, `GROUP_ENTRY`; then `entry` is that entry.
     """
 
     name: str
     group: str
-    entry: Text | None
+    entry: Entry | None
     code: int | None
     address: str
     mode: str | None

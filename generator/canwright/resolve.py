@@ -13,6 +13,7 @@ from .model import (
     Command,
     Edition,
     Effect,
+    Entry,
     Erratum,
     IdRule,
     Mode,
@@ -118,19 +119,19 @@ def _command(
     title = context.title(path, written.title, form.command)
     only = layouts.only(path, written.only)
     does = _named(context, (*path, "effects"), "effect", written.effects, effects)
-    entry_title = None
+    of = None
     if form.entry is not None and written.table is not None:
         entry = tables[written.table].entries[form.entry]
         at: Path = ("tables", written.table, "entries", form.entry)
-        entry_title = context.title(at, entry.title, form.entry)
-        title = {language: f"{text}: {entry_title[language]}" for language, text in title.items()}
+        of = Entry(written.table, form.entry, context.title(at, entry.title, form.entry), at)
+        title = {language: f"{text}: {of.title[language]}" for language, text in title.items()}
         if request is not None and request.layout.fields:
             does += _named(context, (*at, "effects"), "effect", entry.effects, effects)
         only |= layouts.only(at, entry.only)
     return Command(
         form.name,
         form.command,
-        entry_title,
+        of,
         written.code,
         messages.address_of(form.command),
         _mode(context, path, written, modes),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from .model import Bound, Dependent, Encoding, Field, Linear, Order, Range, Segment, Space, Type
+from .model import Bound, Dependent, Encoding, Field, IdRule, Linear, Order, Range, Segment, Space, Type
 
 
 def exact(number: Fraction) -> str:
@@ -102,3 +102,11 @@ def condition(only: Mapping[str, tuple[str, ...]]) -> str:
 def elements(field: Field) -> list[tuple[str, tuple[Segment, ...]]]:
     """The places of a field, each with its name: `level`, or `level[1]`, `level[2]`, … for an array."""
     return [(field.name if e.index is None else f"{field.name}[{e.index}]", e.segments) for e in field.elements]
+
+
+def id_rule(rule: IdRule) -> str:
+    """`0x100 + node`, `node << 5`, or a fixed id."""
+    if rule.nodes is None:
+        return f"0x{rule.base:X}"
+    node = f"node << {rule.node_shift}" if rule.node_shift else "node"
+    return f"0x{rule.base:X} + {node}" if rule.base else node

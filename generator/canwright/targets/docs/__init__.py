@@ -12,7 +12,6 @@ from ...model import Assignment
 from ...render import environment
 from .. import Described, Output, header
 from .pages import Pages
-from .tables import id_text
 from .text import code, markdown
 
 _PAGES = ("types", "parameters", "errata", "bus")
@@ -22,7 +21,8 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     """A folder for each language, in it one for each edition."""
     labels = yaml.safe_load((resources.TEMPLATES / "docs" / "labels.yaml").read_text("utf-8"))
     env = environment(
-        "docs", {"md": markdown, "code": code, "exact": words.exact, "raw_format": words.raw_format, "id_text": id_text}
+        "docs",
+        {"md": markdown, "code": code, "exact": words.exact, "raw_format": words.raw_format, "id_rule": words.id_rule},
     )
     families = {d.edition.family for d in described}
     for language in [one for one in labels if any(one in d.edition.languages for d in described)]:

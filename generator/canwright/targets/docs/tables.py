@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from ... import words
-from ...model import Assignment, Command, Field, IdRule, Layout, Message, Order, ReplyForm, Type
+from ...model import Assignment, Command, Field, Layout, Message, Order, ReplyForm, Type
 from .text import code, markdown
 
 Labels = Mapping[str, str]
@@ -112,17 +112,9 @@ def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
     return cases(found)
 
 
-def id_text(rule: IdRule) -> str:
-    """`0x100 + node`, `node << 5`, or a fixed id."""
-    if rule.nodes is None:
-        return f"0x{rule.base:X}"
-    node = f"node << {rule.node_shift}" if rule.node_shift else "node"
-    return f"0x{rule.base:X} + {node}" if rule.base else node
-
-
 def facts(message: Message, labels: Labels) -> Iterator[tuple[str, str]]:
     """Id, nodes and frame of a message."""
-    yield labels["id"], code(id_text(message.id))
+    yield labels["id"], code(words.id_rule(message.id))
     if message.id.nodes is not None:
         yield labels["nodes"], code(f"{message.id.nodes[0]}..{message.id.nodes[-1]}")
     kind = labels["extended" if message.id.extended else "standard"]

@@ -1,0 +1,89 @@
+"""One change between two editions: what, where, and who is hit by it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from ..model import Path, Text
+
+
+class Category(str, Enum):
+    """What kind of thing changed."""
+
+    WIRE = "wire"
+    """Which bits are sent, and when."""
+    VALUE = "value"
+    """What the bits mean, and what a command does."""
+    API = "api"
+    """Names in the bindings."""
+    DOC = "doc"
+    """Texts, sections and errata."""
+
+
+class Impact(str, Enum):
+    """What becomes of a program of the old edition beside a node of the new one, each change taken by itself."""
+
+    SILENT = "silent"
+    """It keeps running, and reads or commands something else."""
+    LOUD = "loud"
+    """It gets no answer, or an error."""
+    BUILD = "build"
+    """It runs as before, but has to be changed before it builds with the new bindings."""
+    NONE = "none"
+    """Nothing."""
+
+
+class Side(str, Enum):
+    """What the host does when a change hits it."""
+
+    SENDING = "sending"
+    RECEIVING = "receiving"
+
+
+Fact = str | Text
+"""What a sentence is filled with; a text in several languages where it is the spec's."""
+
+
+@dataclass(frozen=True)
+class ChangeRule:
+    """An id for people to look up, and the sentence, with names of facts in braces, that a change is told by."""
+
+    id: str
+    category: Category
+    purpose: str
+    says: str
+
+
+@dataclass(frozen=True)
+class Item:
+    """What a change belongs to, as `command dim`."""
+
+    kind: str
+    name: str
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.name}" if self.name else self.kind
+
+
+@dataclass(frozen=True)
+class Change:
+    """One change. `old` and `new` are where it stands in the specs; `used_by` are the commands it reaches."""
+
+    rule: ChangeRule
+    item: Item
+    facts: Mapping[str, Fact]
+    old: Path | None
+    new: Path | None
+    impact: Impact
+    sides: tuple[Side, ...]
+    used_by: tuple[str, ...]
+
+    def says(self, language: str = "en", sentence: str | None = None) -> str:
+        """The sentence of the rule, or another one in `language`, with the facts of this change."""
+        facts = {
+            name: fact if isinstance(fact, str) else fact.get(language) or next(iter(fact.values()), "")
+            for name, fact in self.facts.items()
+        }
+        return (sentence or self.rule.says).format_map(facts)

@@ -1,0 +1,232 @@
+"""Changes of commands: what there is, its codes, its frames, what it does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .. import words
+from ..model import Command, Direction, Edition, Level, Message, ReplyForm
+from . import api, fields, match
+from .change import Impact, Item, Side
+from .fields import Editions
+from .found import Found, Use, listed
+
+_SIDE = {Direction.REQUEST: Side.SENDING, Direction.REPLY: Side.RECEIVING}
+
+
+def compare(found: Found, old: Edition, new: Edition) -> None:
+    """All changes of all commands, and of the layouts and types that they use."""
+    matched = match.commands(old, new)
+    layouts = [(a.layout, b.layout) for pair in matched.pairs for _, a, b in messages(*pair)]
+    pairs = [(a.name, b.name) for a, b in layouts if a.shared and b.shared]
+    types = [(a.name, b.name) for a, b in fields.type_pairs(layouts)]
+    both = Editions(
+        old,
+        new,
+        match.renamed(types, old.types, new.types),
+        match.renamed(pairs, old.layouts, new.layouts),
+    )
+    repurposed = [
+        (one, other) for one in matched.removed for other in matched.added if match.code_of(one) == match.code_of(other)
+    ]
+    for one, other in repurposed:
+        _repurposed(found, one, other)
+    for one in matched.removed:
+        if all(one is not gone for gone, _ in repurposed):
+            _removed(found, one, new)
+    for other in matched.added:
+        if all(other is not fresh for _, fresh in repurposed):
+            _added(found, other, old)
+    for one, other in matched.pairs:
+        _command(found, both, one, other)
+
+
+def messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, Message]]:
+    """The frames of a command that both editions have and that are its own."""
+    for direction in Direction:
+        one, other = (c.request if direction is Direction.REQUEST else c.reply for c in (old, new))
+        if one is not None and other is not None and one.command == old.name and other.command == new.name:
+            echoes = direction is Direction.REPLY and old.reply_form is new.reply_form is ReplyForm.ECHO
+            if not echoes or old.request is None or new.request is None:
+                yield direction, one, other
+
+
+def _item(command: Command) -> Item:
+    return Item("command", command.group)
+
+
+def _code(command: Command) -> str:
+    return f" ({code(command.code)})" if command.code is not None else ""
+
+
+def code(value: int | None) -> str:
+    return "none" if value is None else f"0x{value:02X}"
+
+
+def _index(command: Command) -> str:
+    message = command.request or command.reply
+    return listed(code(key.value) for key in message.keys if key.name != "code") if message else "none"
+
+
+def _repurposed(found: Found, old: Command, new: Command) -> None:
+    use = Use((Side.SENDING, Side.RECEIVING), (old.group,))
+    if old.entry and new.entry:
+        item = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        facts = {"index": _index(old), "old": old.entry.name, "new": new.entry.name}
+        found.add("entry-repurposed", item, old.entry.path, new.entry.path, Impact.SILENT, use, **facts)
+        return
+    facts = {"code": _code(old), "old": old.group, "new": new.group}
+    where = (old.path, new.path)
+    found.add("command-repurposed", _item(old), *where, Impact.SILENT, use, **facts, meaning=new.title)
+
+
+def _removed(found: Found, old: Command, new: Edition) -> None:
+    use = Use((Side.SENDING,), (old.group,))
+    if old.entry and any(c.group == old.group for c in new.commands):
+        item = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        facts = {"name": old.entry.name, "index": _index(old)}
+        found.add("entry-removed", item, old.entry.path, ("tables", old.entry.table), Impact.LOUD, use, **facts)
+        return
+    facts = {"name": old.group, "code": _code(old)}
+    found.add("command-removed", _item(old), old.path, ("commands",), Impact.LOUD, use, **facts)
+
+
+def _added(found: Found, new: Command, old: Edition) -> None:
+    if new.entry and any(c.group == new.group for c in old.commands):
+        item = Item("entry", f"{new.entry.table}.{new.entry.name}")
+        facts = {"name": new.entry.name, "index": _index(new)}
+        use = Use((), (new.group,))
+        found.add("entry-added", item, ("tables", new.entry.table), new.entry.path, Impact.NONE, use, **facts)
+        return
+    facts = {"name": new.group, "code": _code(new)}
+    item, use = _item(new), Use((), (new.group,))
+    found.add("command-added", item, ("commands",), new.path, Impact.NONE, use, **facts)
+
+
+def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
+    item, where = _item(old), (old.path, new.path)
+    use = Use((Side.SENDING,), (old.group,))
+    if old.entry and new.entry and old.entry.name != new.entry.name:
+        entry = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        names = {"old": old.entry.name, "new": new.entry.name}
+        found.renamed("entry-renamed", entry, old.entry.path, new.entry.path, use, **names)
+    elif old.group != new.group:
+        names = {"old": old.group, "new": new.group, "names": api.command(old.name, new.name)}
+        found.renamed("command-renamed", item, *where, use, **names)
+    _codes(found, both, old, new)
+    _facts(found, old, new)
+    _texts(found, old, new)
+    _reply(found, old, new)
+    for direction, one, other in messages(old, new):
+        used = Use((_SIDE[direction],), (old.group,))
+        _message(found, old, new, one, other)
+        fields.compare(found, both, old.group, one.layout, other.layout, used)
+
+
+def _codes(found: Found, both: Editions, old: Command, new: Command) -> None:
+    use = Use((Side.SENDING, Side.RECEIVING), (old.group,))
+    paths = ((*old.path, "code"), (*new.path, "code"))
+    facts = {"old": code(old.code), "new": code(new.code)}
+    if old.code != new.code:
+        now = [
+            c.group for c in both.new.commands if c.address == new.address and c.code == old.code and c.entry is None
+        ]
+        found.add("code-changed", _item(old), *paths, Impact.SILENT if now else Impact.LOUD, use, **facts)
+        if now:
+            found.add("code-taken", _item(old), *paths, Impact.SILENT, use, old=code(old.code), other=now[0])
+    if old.entry and new.entry and _index(old) != _index(new):
+        entry = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        places = ((*old.entry.path, "index"), (*new.entry.path, "index"))
+        facts = {"old": _index(old), "new": _index(new)}
+        found.add("index-changed", entry, *places, Impact.SILENT, use, **facts)
+    one, other = (c.request or c.reply for c in (old, new))
+    if one and other and [k.segments for k in one.keys] != [k.segments for k in other.keys]:
+        stood = [", ".join(words.place(k.space, k.segments) for k in m.keys) or "none" for m in (one, other)]
+        facts = {"old": stood[0], "new": stood[1]}
+        found.add("code-moved", Item("edition", ""), ("selector",), ("selector",), Impact.LOUD, use, **facts)
+
+
+def _facts(found: Found, old: Command, new: Command) -> None:
+    item, use = _item(old), Use((Side.SENDING,), (old.group,))
+
+    def add(rule: str, impact: Impact, key: str, one: str, other: str) -> None:
+        found.add(rule, item, (*old.path, key), (*new.path, key), impact, use, old=one, new=other)
+
+    if old.only != new.only:
+        add("availability-changed", Impact.SILENT, "only", *(words.condition(c.only) or "all" for c in (old, new)))
+    if old.implemented != new.implemented:
+        impact = Impact.SILENT if new.implemented else Impact.LOUD
+        add("implemented-changed", impact, "implemented", *(str(c.implemented).lower() for c in (old, new)))
+    if old.mode != new.mode:
+        add("mode-of-command-changed", Impact.LOUD, "mode", *(c.mode or "none" for c in (old, new)))
+    before, after = ({e.name: e for e in c.effects} for c in (old, new))
+    if before.keys() != after.keys():
+        other = [e for e in (*old.effects, *new.effects) if (e.name in before) != (e.name in after)]
+        impact = Impact.SILENT if any(e.level is not Level.NOTE for e in other) else Impact.NONE
+        add("effects-changed", impact, "effects", listed(before), listed(after))
+    limits = [listed(s.name for s in c.limited_by) for c in (old, new)]
+    if set(limits[0].split(", ")) != set(limits[1].split(", ")):
+        add("limits-changed", Impact.SILENT, "limited_by", *limits)
+
+
+def _texts(found: Found, old: Command, new: Command) -> None:
+    item, name = _item(old), old.group
+    one, other = ((c.entry.title if c.entry else c.title) for c in (old, new))
+    entry = Item("entry", f"{old.entry.table}.{old.entry.name}") if old.entry else item
+    at = tuple((*(c.entry.path if c.entry else c.path), "title") for c in (old, new))
+    found.text("title-changed", entry, (at[0], at[1]), old.entry.name if old.entry else name, one, other)
+    found.text("text-changed", item, ((*old.path, "about"), (*new.path, "about")), name, old.about, new.about)
+    notes = [{lang: "\n".join(n[lang] for n in c.notes) for lang in c.title} for c in (old, new)]
+    found.text("text-changed", item, ((*old.path, "notes"), (*new.path, "notes")), name, *notes)
+    if old.manual != new.manual:
+        paths = ((*old.path, "manual"), (*new.path, "manual"))
+        facts = {"old": old.manual or "none", "new": new.manual or "none"}
+        found.add("section-changed", item, *paths, Impact.NONE, Use((), (old.group,)), **facts)
+
+
+def _reply(found: Found, old: Command, new: Command) -> None:
+    item, where = _item(old), ((*old.path, "reply"), (*new.path, "reply"))
+    use = Use((Side.RECEIVING,), (old.group,))
+    one, other = _form(old), _form(new)
+    if one != other:
+        impact = Impact.LOUD if other == "none" else Impact.NONE if one == "none" else Impact.SILENT
+        found.add("reply-form-changed", item, *where, impact, use, old=one, new=other)
+    if old.from_each != new.from_each:
+        facts = {"old": listed(old.from_each), "new": listed(new.from_each)}
+        found.add("repliers-changed", item, *where, Impact.LOUD, use, **facts)
+    if (old.request is None) != (new.request is None):
+        told = ["none" if c.request is None else "fields" for c in (old, new)]
+        paths = ((*old.path, "request"), (*new.path, "request"))
+        impact = Impact.LOUD if new.request is None else Impact.NONE
+        sending = Use((Side.SENDING,), (old.group,))
+        found.add("request-changed", item, *paths, impact, sending, old=told[0], new=told[1])
+
+
+def _form(command: Command) -> str:
+    """The form as far as it decides what comes back: whose layout the fields are in does not."""
+    if command.reply_form is ReplyForm.OTHER:
+        return f"of {command.reply_of}"
+    return "fields" if command.reply_form in (ReplyForm.OWN, ReplyForm.LAYOUT) else command.reply_form.value
+
+
+def _message(found: Found, old: Command, new: Command, one: Message, other: Message) -> None:
+    direction = one.direction.value
+    item, use = _item(old), Use((_SIDE[one.direction],), (old.group,))
+
+    def add(rule: str, impact: Impact, key: str, before: str, after: str, **facts: str) -> None:
+        paths = (*one.path, key), (*other.path, key)
+        found.add(rule, item, *paths, impact, use, old=before, new=after, **facts)
+
+    own = [m.keys[0].value if m.keys else None for m in (one, other)]
+    if own != [old.code, new.code] and own[0] != own[1]:
+        known = other.keys and other.keys[0].value in one.accept
+        add("reply-code-changed", Impact.NONE if known else Impact.LOUD, "code", code(own[0]), code(own[1]))
+    if one.accept != other.accept:
+        add("accept-changed", Impact.NONE, "accept", *(listed(map(code, m.accept)) for m in (one, other)))
+    if one.address != other.address and one.id != other.id:
+        add("address-of-command-changed", Impact.LOUD, "address", one.address, other.address, direction=direction)
+    if one.dlc != other.dlc:
+        add("dlc-changed", Impact.LOUD, "dlc", str(one.dlc), str(other.dlc), direction=direction)
+    if one.remote != other.remote:
+        kinds = ["remote frame" if m.remote else "data frame" for m in (one, other)]
+        add("frame-kind-changed", Impact.LOUD, "remote", *kinds, direction=direction)

@@ -1,0 +1,170 @@
+"""Changes of layouts: which bits hold which field."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .. import words
+from ..model import Edition, Encoding, Field, Layout, Path, Type
+from . import api, match, quantities
+from .change import Impact, Item, Side
+from .found import Found, Use, listed
+
+
+@dataclass(frozen=True)
+class Editions:
+    """Both editions, and which types and layouts of the old one have another name in the new one."""
+
+    old: Edition
+    new: Edition
+    types: dict[str, str]
+    layouts: dict[str, str]
+
+
+def compare(found: Found, both: Editions, command: str, old: Layout, new: Layout, use: Use) -> None:
+    """All changes of one layout, as it is used by a message of `command`."""
+    item = _item(command, old)
+    if old.shared and both.layouts.get(old.name) == new.name:
+        names = api.layout(old.name, new.name)
+        found.renamed("layout-renamed", item, old.path, new.path, use, old=old.name, new=new.name, names=names)
+    if old.shared and new.shared:
+        found.text("title-changed", item, _at(old, new, "title"), old.name, old.title, new.title)
+        found.text("text-changed", item, _at(old, new, "about"), old.name, old.about, new.about)
+    matched = match.fields(old, new)
+    for one, other in matched.pairs:
+        _field(found, both, item, one, other, use)
+    removed, added = list(matched.removed), list(matched.added)
+    for gone in matched.removed:
+        fresh = next((f for f in added if match.overlap(gone, f)), None)
+        if fresh is not None:
+            removed.remove(gone)
+            added.remove(fresh)
+            facts = {"place": places([gone]), "old": gone.name, "new": fresh.name}
+            found.add("field-replaced", item, gone.path, fresh.path, Impact.SILENT, use, **facts)
+    for gone in removed:
+        facts = {"name": gone.name, "place": places([gone])}
+        found.add("field-removed", item, gone.path, new.path, Impact.SILENT, use, **facts)
+    for fresh in added:
+        taken = any(match.overlap(fresh, f) for f in old.fields)
+        impact = Impact.SILENT if taken or Side.SENDING in use.sides else Impact.NONE
+        impact = Impact.LOUD if fresh.constant else impact
+        facts = {"name": fresh.name, "place": places([fresh])}
+        found.add("field-added", item, old.path, fresh.path, impact, use, **facts)
+
+
+def _item(command: str, layout: Layout) -> Item:
+    if layout.path[0] == "tables":
+        return Item("entry", f"{layout.path[1]}.{layout.path[3]}")
+    return Item("layout", layout.name) if layout.shared else Item("command", command)
+
+
+def _field(found: Found, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
+    where = old.path, new.path
+    if old.name != new.name:
+        names = api.field(old.name, new.name)
+        found.renamed("field-renamed", item, *where, use, old=old.name, new=new.name, names=names)
+
+    def add(rule: str, impact: Impact, key: str, one: str, other: str) -> None:
+        paths = (*old.path, key), (*new.path, key)
+        found.add(rule, item, *paths, impact, use, name=new.name, old=one, new=other)
+
+    if _moved(old, new):
+        add("field-moved", Impact.SILENT, "at", places([old]), places([new]))
+    before, after = ([e.index for e in f.elements] for f in (old, new))
+    if (old.is_array, before) != (new.is_array, after):
+        add("array-changed", Impact.SILENT, "array", *(_array(f) for f in (old, new)))
+    if old.only != new.only:
+        add("field-condition-changed", Impact.SILENT, "only", old_only(old), old_only(new))
+    if old.constant != new.constant:
+        add(
+            "constant-changed",
+            Impact.LOUD,
+            "constant",
+            *("none" if c is None else str(c) for c in _constants(old, new)),
+        )
+    found.text("title-changed", item, _at(old, new, "title"), new.name, old.title, new.title)
+    found.text("text-changed", item, _at(old, new, "about"), new.name, old.about, new.about)
+    _type(found, both, item, old, new, use)
+
+
+def _constants(old: Field, new: Field) -> tuple[int | None, int | None]:
+    return old.constant, new.constant
+
+
+def old_only(field: Field) -> str:
+    return ", ".join(field.only) or "all"
+
+
+def _array(field: Field) -> str:
+    return listed(e.index for e in field.elements) if field.is_array else "one"
+
+
+def places(fields: Sequence[Field]) -> str:
+    """Where fields stand, as `DATA[4..5]`."""
+    return ", ".join(words.place(f.space, tuple(s for e in f.elements for s in e.segments)) for f in fields)
+
+
+def _moved(old: Field, new: Field) -> bool:
+    """Whether a field starts elsewhere; one that only grew, or turned its bytes, has not moved."""
+    if old.space is not new.space:
+        return True
+    same_shape = (old.type.width, old.type.order, len(old.elements)) == (
+        *(new.type.width, new.type.order),
+        len(new.elements),
+    )
+    if same_shape:
+        return [e.segments for e in old.elements] != [e.segments for e in new.elements]
+    return min(old.elements[0].bits) != min(new.elements[0].bits)
+
+
+def _type(found: Found, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
+    one, other = old.type, new.type
+    named = one.path[0] == other.path[0] == "types"
+    same = named and both.types.get(one.name, one.name) == other.name
+    owner, name = (Item("type", one.name), one.name) if same else (item, new.name)
+    paths = (one.path, other.path) if same else (_path(old), _path(new))
+    pair = quantities.Pair(one, other, owner, name, *paths, use)
+    if same and one.name != other.name:
+        names = api.type_(one.name, other.name)
+        found.renamed("type-renamed", owner, *paths, use, old=one.name, new=other.name, names=names)
+    elif not same and one.name != other.name:
+        found.renamed("type-of-field-changed", item, *paths, use, name=new.name, old=one.name, new=other.name)
+    if one.width != other.width:
+        pair.add(found, "width-changed", Impact.SILENT, "raw", old=str(one.width), new=str(other.width))
+    floats = [t.encoding is Encoding.FLOAT for t in (one, other)]
+    if one.encoding is not other.encoding:
+        rule = "encoding-changed" if any(floats) else "sign-changed"
+        pair.add(found, rule, Impact.SILENT, "raw", old=one.encoding.value, new=other.encoding.value)
+    _order(found, both, pair)
+    if same:
+        found.text("title-changed", owner, _at(one, other, "title"), name, one.title, other.title)
+        found.text("text-changed", owner, _at(one, other, "about"), name, one.about, other.about)
+    quantities.compare(found, pair)
+
+
+def _order(found: Found, both: Editions, pair: quantities.Pair) -> None:
+    old, new = pair.old, pair.new
+    if old.order is new.order or min(old.width, new.width) <= 8:
+        return
+    facts = {"old": old.order.value, "new": new.order.value}
+    everywhere = (old.order, new.order) == (both.old.order, both.new.order)
+    if everywhere:
+        place = ("byte_order",)
+        item = Item("edition", "")
+        found.add("byte-order-changed", item, place, place, Impact.SILENT, pair.use, name="byte_order", **facts)
+    else:
+        pair.add(found, "byte-order-changed", Impact.SILENT, "byte_order", **facts)
+
+
+def _at(old: Layout | Field | Type, new: Layout | Field | Type, key: str) -> tuple[Path, Path]:
+    return (*old.path, key), (*new.path, key)
+
+
+def _path(field: Field) -> Path:
+    return (*field.path, "type") if field.type.path[0] == "types" else (*field.path, "raw")
+
+
+def type_pairs(layouts: Sequence[tuple[Layout, Layout]]) -> list[tuple[Type, Type]]:
+    """Types that stand in for one another in matched layouts."""
+    return [(one.type, other.type) for old, new in layouts for one, other in match.fields(old, new).pairs]

@@ -1,0 +1,65 @@
+"""The changes that were found, each once, with all the commands that it reaches."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from ..model import Path, Text
+from .change import Change, Fact, Impact, Item, Side
+from .table import CHANGES
+
+_ORDER = list(Impact)
+
+
+@dataclass(frozen=True)
+class Use:
+    """Where something is used: what the host does with it, and the commands. `prefix` are the names it is part of."""
+
+    sides: tuple[Side, ...] = ()
+    commands: tuple[str, ...] = ()
+
+
+class Found:
+    """Collects changes. One that is found again for another command is the same change."""
+
+    def __init__(self) -> None:
+        self._changes: dict[object, Change] = {}
+
+    def add(
+        self, rule: str, item: Item, old: Path | None, new: Path | None, impact: Impact, use: Use, /, **facts: Fact
+    ) -> None:
+        """A change by `rule`; `old` and `new` are where it stands."""
+        told = tuple((name, fact if isinstance(fact, str) else tuple(fact.items())) for name, fact in facts.items())
+        key = (rule, item, told, old, new)
+        known = self._changes.get(key)
+        change = Change(CHANGES[rule], item, facts, old, new, impact, use.sides, use.commands)
+        if known is not None:
+            worst = min(known.impact, impact, key=_ORDER.index)
+            sides = tuple(side for side in Side if side in (*known.sides, *use.sides))
+            used_by = tuple(dict.fromkeys((*known.used_by, *use.commands)))
+            change = dataclasses.replace(change, impact=worst, sides=sides, used_by=used_by)
+        self._changes[key] = change
+
+    def renamed(self, rule: str, item: Item, old: Path, new: Path, use: Use, /, **facts: Fact) -> None:
+        """A change of a name alone."""
+        self.add(rule, item, old, new, Impact.BUILD, use, **facts)
+
+    def text(self, rule: str, item: Item, places: tuple[Path, Path], name: str, old: Text, new: Text) -> None:
+        """A change of a text, in any language that both have."""
+        if any(old[language] != new[language] for language in old.keys() & new.keys()):
+            self.add(rule, item, *places, Impact.NONE, Use(), name=name, old=shortened(old), new=shortened(new))
+
+    def __iter__(self) -> Iterator[Change]:
+        return iter(self._changes.values())
+
+
+def shortened(text: Text, longest: int = 60) -> Mapping[str, str]:
+    """A text that fits a line."""
+    return {k: t if len(t) <= longest else t[: longest - 1].rstrip() + "…" for k, t in text.items()}
+
+
+def listed(names: Iterable[object]) -> str:
+    """`a, b`, or `none`."""
+    return ", ".join(map(str, names)) or "none"

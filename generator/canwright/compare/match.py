@@ -1,0 +1,115 @@
+"""What of one edition is what of the other: by name, and then by what else tells that it is the same."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+from ..model import Command, Edition, Field, Layout, Message, ReplyForm, Type
+
+
+class Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+T = TypeVar("T", bound=Named)
+
+
+@dataclass(frozen=True)
+class Matched(Generic[T]):
+    """Pairs of old and new, and what has no other half."""
+
+    pairs: tuple[tuple[T, T], ...]
+    removed: tuple[T, ...]
+    added: tuple[T, ...]
+
+    def also(self, *tests: Callable[[T, T], bool]) -> Matched[T]:
+        """As this, with what is left paired where a test holds, the first test first."""
+        pairs, removed, added = list(self.pairs), list(self.removed), list(self.added)
+        for test in tests:
+            for old in list(removed):
+                new = next((one for one in added if test(old, one)), None)
+                if new is not None:
+                    pairs.append((old, new))
+                    removed.remove(old)
+                    added.remove(new)
+        return Matched(tuple(pairs), tuple(removed), tuple(added))
+
+
+def by_name(old: Iterable[T], new: Iterable[T]) -> Matched[T]:
+    """Things of one name are the same thing."""
+    before, after = {one.name: one for one in old}, {one.name: one for one in new}
+    return Matched(
+        tuple((one, after[name]) for name, one in before.items() if name in after),
+        tuple(one for name, one in before.items() if name not in after),
+        tuple(one for name, one in after.items() if name not in before),
+    )
+
+
+def commands(old: Edition, new: Edition) -> Matched[Command]:
+    """Commands of one name, of the same frames under another name, or of one title and the same fields."""
+
+    def same_frames(one: Command, other: Command) -> bool:
+        return code_of(one) == code_of(other) and _content(one) == _content(other)
+
+    def same_title(one: Command, other: Command) -> bool:
+        return one.title == other.title and _content(one) == _content(other)
+
+    return by_name(old.commands, new.commands).also(same_frames, same_title)
+
+
+def fields(old: Layout, new: Layout) -> Matched[Field]:
+    """Fields of one name, the same bits with the same meaning under another name, or of one type and title."""
+
+    def same_bits(one: Field, other: Field) -> bool:
+        return one.elements == other.elements and _meaning(one.type) == _meaning(other.type) and one.only == other.only
+
+    def same_title(one: Field, other: Field) -> bool:
+        return one.type.name == other.type.name and one.title == other.title
+
+    return by_name(old.fields, new.fields).also(same_bits, same_title)
+
+
+def code_of(command: Command) -> tuple[object, ...]:
+    """What tells the frames of a command from those of the others: address and keys."""
+    message = command.request or command.reply
+    keys = tuple((key.space, key.segments, key.value) for key in message.keys) if message else ()
+    return (command.address, *keys)
+
+
+def overlap(one: Field, other: Field) -> bool:
+    """Whether two fields share bits."""
+    return one.space is other.space and bool(_bits(one) & _bits(other))
+
+
+def _bits(field: Field) -> set[int]:
+    return {bit for element in field.elements for bit in element.bits}
+
+
+def _content(command: Command) -> tuple[object, ...]:
+    echo = command.reply_form is ReplyForm.ECHO
+    return (_fields(command.request), echo, None if echo else _fields(command.reply))
+
+
+def _fields(message: Message | None) -> object:
+    return message and {(f.elements, f.only, f.constant, _meaning(f.type)) for f in message.layout.fields}
+
+
+def _meaning(type_: Type) -> tuple[object, ...]:
+    """All that makes a value of bits; not the names."""
+    return (
+        (type_.width, type_.encoding, type_.order, type_.unit and type_.unit.name),
+        type_.linear.parameter,
+        type_.linear.constant,
+        tuple(type_.linear.cases.items()),
+        tuple(member.value for member in type_.enum),
+        tuple(flag.value for flag in type_.flags),
+    )
+
+
+def renamed(pairs: Iterable[tuple[str, str]], old: Sequence[Named], new: Sequence[Named]) -> dict[str, str]:
+    """Old names to new ones, where the old name is gone and the new one was not there."""
+    before, after = {one.name for one in old}, {one.name for one in new}
+    return {a: b for a, b in pairs if a != b and a not in after and b not in before}
