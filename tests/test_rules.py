@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from canwright.cli import main
+from canwright.compare import CHANGES
 from canwright.diagnostics import Diagnostic, SpecError
 from canwright.load import load
 from canwright.resources import EXAMPLES
@@ -58,7 +59,7 @@ def test_explain(rule: str) -> None:
 
 def test_explain_lists_all_and_names_the_nearest() -> None:
     listed = CliRunner().invoke(main, ["explain"]).output
-    assert [line.split()[0] for line in listed.splitlines()] == list(EVERY)
+    assert [line.split()[0] for line in listed.splitlines()] == [*EVERY, *CHANGES]
     result = CliRunner().invoke(main, ["explain", "overlp"])
     assert (result.exit_code, "did you mean `overlap`?" in result.output) == (2, True)
 

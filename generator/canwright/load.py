@@ -30,12 +30,13 @@ class Loaded:
     warnings: tuple[Diagnostic, ...]
 
 
-def load(file: Path) -> Loaded:
+def load(file: Path, name: str | None = None) -> Loaded:
     """The edition in `file`, with the golden frames beside it where there are any.
 
-    Raises SpecError with all findings when one of them is an error, and OSError.
+    `name` is what findings call the file, when it is not the path. Raises SpecError with all findings when one of them
+    is an error, and OSError.
     """
-    document, content = source.read(file)
+    document, content = source.read(file, name)
     read = validate_parts(document, EditionSpec)
     if read.spec is None:
         raise SpecError(read.diagnostics)

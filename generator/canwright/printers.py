@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from . import __version__
-from .diagnostics import Diagnostic, Severity
+from .diagnostics import Diagnostic, Position, Severity
 from .rules import EVERY
 
 _COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow"}
@@ -61,10 +61,14 @@ def github(findings: Sequence[Diagnostic]) -> str:
 
 
 def _annotation(finding: Diagnostic) -> str:
-    at = finding.position
     message = f"{finding.message}\n{finding.hint}" if finding.hint else finding.message
-    places = f"file={_property(at.file)},line={at.line},col={at.column},title={_property(finding.rule)}"
-    return f"::{finding.severity.value} {places}::{_escaped(message)}"
+    return annotation(finding.severity.value, finding.position, finding.rule, message)
+
+
+def annotation(level: str, at: Position, title: str, message: str) -> str:
+    """One workflow command of GitHub; `level` is error, warning or notice."""
+    places = f"file={_property(at.file)},line={at.line},col={at.column},title={_property(title)}"
+    return f"::{level} {places}::{_escaped(message)}"
 
 
 def _escaped(written: str) -> str:

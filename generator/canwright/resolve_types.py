@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeVar
 
-from . import resources, schema, source
+from . import resources, schema, source, words
 from .diagnostics import Diagnostic, nearest
 from .model import (
     IDENTITY,
@@ -69,7 +69,7 @@ class Context:
     def title(self, path: Path, written: schema.Text | None, name: str) -> Text:
         """A title; a name in words where none is written."""
         if written is None:
-            return dict.fromkeys(self.languages, name.replace("_", " ").capitalize())
+            return dict.fromkeys(self.languages, words.spoken(name))
         return self.text((*path, "title"), written)
 
 
@@ -92,7 +92,10 @@ def resolve_parameters(context: Context, written: Mapping[str, schema.ParameterS
             )
         values: tuple[ParameterValue, ...] = ()
         if isinstance(spec.values, list):
-            values = tuple(ParameterValue(str(n), n, context.title(path, None, str(n))) for n in spec.values)
+            values = tuple(
+                ParameterValue(str(n), n if isinstance(n, int) else None, context.title(path, None, str(n)))
+                for n in spec.values
+            )
         elif spec.values is not None:
             values = tuple(
                 ParameterValue(n, None, context.title((*path, "values", n), v.title, n)) for n, v in spec.values.items()

@@ -17,3 +17,6 @@ SCHEMA = _ROOT / "spec" / "canwright.schema.json"
 
 EXAMPLES = _PACKAGE / "rules" / "examples"
 """A folder for each rule: what it finds, and what it lets pass."""
+
+CHANGE_EXAMPLES = _PACKAGE / "compare" / "examples"
+"""A folder for each kind of change: an edition before and after."""

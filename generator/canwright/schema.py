@@ -79,8 +79,11 @@ class ParameterSpec(Titled):
     """What the integrator knows of a node and no frame says: a choice among values, or a number."""
 
     values: Annotated[
-        list[int] | dict[ValueName, Titled] | None,
-        Field(description="The values of a choice: numbers, or names with a title.", examples=[[14, 15, 18]]),
+        list[int | ValueName] | dict[ValueName, Titled] | None,
+        Field(
+            description="The values of a choice: a list of numbers or names, or names with a title.",
+            examples=[[14, 15, 18], ["A", "B"]],
+        ),
     ] = None
     number: Annotated[NumberRange | None, Field(description="A number, with its limits.")] = None
 

@@ -202,10 +202,13 @@ def parse(name: str, text: str) -> Document:
     return Document(name, text)
 
 
-def read(file: FilePath) -> tuple[Document, bytes]:
-    """Reads a YAML file; also returns its bytes. Raises SpecError, and OSError when there is no reading it."""
+def read(file: FilePath, name: str | None = None) -> tuple[Document, bytes]:
+    """Reads a YAML file; also returns its bytes. Raises SpecError, and OSError when there is no reading it.
+
+    `name` is what findings call it, when it is not the path.
+    """
     content = file.read_bytes()
-    name = file.as_posix()
+    name = name or file.as_posix()
 
     def refuse(line: int, rule: str, message: str, hint: str) -> NoReturn:
         raise SpecError([Diagnostic(Severity.ERROR, rule, message, Position(name, line, 1, 1, ""), hint)])

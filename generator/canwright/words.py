@@ -20,6 +20,11 @@ def exact(number: Fraction) -> str:
     return f"{sign}{digits[:-15]}.{digits[-15:]}".rstrip("0")
 
 
+def spoken(name: str) -> str:
+    """A name as a title, where a spec gives none: `read_level` is `Read level`."""
+    return name.replace("_", " ").capitalize()
+
+
 def bound(end: Bound) -> str:
     """`2048`, or `100*size-1`."""
     if end.parameter is None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from .. import __version__
+from .diff import diff, editions
 from .explain import explain
 from .generate import check, generate
 from .schema import schema
@@ -22,6 +23,7 @@ def main() -> None:
       canwright generate                              everything in spec/ into generated/
       canwright check                                 is generated/ what spec/ says?
       canwright explain RULE                          what a finding means
+      canwright diff OLD NEW                          what changed between editions, and who is hit
       canwright show COMMAND                          one command, in the terminal
       canwright generate --spec my.yaml --out out     your own protocol, in any folder
 
@@ -29,5 +31,5 @@ def main() -> None:
     """
 
 
-for command in (generate, check, explain, show, site, schema):
+for command in (generate, check, diff, editions, explain, show, site, schema):
     main.add_command(command)

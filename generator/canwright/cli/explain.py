@@ -4,10 +4,21 @@ from __future__ import annotations
 
 import click
 
+from ..compare import CHANGES
 from ..diagnostics import nearest
-from ..resources import EXAMPLES
+from ..resources import CHANGE_EXAMPLES, EXAMPLES
 from ..rules import EVERY
 from .common import stop
+
+_FILES = (
+    ("Bad, bad.yaml", "bad.yaml"),
+    ("With it, bad.frames.yaml", "bad.frames.yaml"),
+    ("Before, previous.yaml", "previous.yaml"),
+    ("After, current.yaml", "current.yaml"),
+    ("What canwright says", "expected.txt"),
+    ("Good, good.yaml", "good.yaml"),
+    ("With it, good.frames.yaml", "good.frames.yaml"),
+)
 
 
 @click.command()
@@ -15,25 +26,21 @@ from .common import stop
 def explain(rule: str | None) -> None:
     """Say what a RULE wants, with a bad and a good example; without RULE, list all rules.
 
-    The rule stands in brackets behind every finding.
+    The rule stands in brackets behind every finding of `check`, and every change of `diff`.
     """
+    kinds = {one.id: (one.severity.value, one.purpose) for one in EVERY.values()}
+    kinds |= {one.id: (one.category.value, one.purpose) for one in CHANGES.values()}
     if rule is None:
-        width = max(map(len, EVERY))
-        for one in EVERY.values():
-            click.echo(f"{one.id:<{width}}  {one.severity.value:<7}  {one.purpose}")
+        width = max(map(len, kinds))
+        for id_, (kind, purpose) in kinds.items():
+            click.echo(f"{id_:<{width}}  {kind:<7}  {purpose}")
         return
-    if rule not in EVERY:
-        stop(f"there is no rule `{rule}`; {nearest(rule, EVERY) or '`canwright explain` lists them'}")
-    one = EVERY[rule]
-    click.echo(f"{one.id} ({one.severity.value})\n\n{one.purpose}")
-    for heading, file in (
-        ("Bad, bad.yaml", "bad.yaml"),
-        ("With it, bad.frames.yaml", "bad.frames.yaml"),
-        ("What canwright says", "expected.txt"),
-        ("Good, good.yaml", "good.yaml"),
-        ("With it, good.frames.yaml", "good.frames.yaml"),
-    ):
-        example = EXAMPLES / one.id / file
+    if rule not in kinds:
+        stop(f"there is no rule `{rule}`; {nearest(rule, kinds) or '`canwright explain` lists them'}")
+    kind, purpose = kinds[rule]
+    click.echo(f"{rule} ({kind})\n\n{purpose}")
+    for heading, file in _FILES:
+        example = (EXAMPLES if rule in EVERY else CHANGE_EXAMPLES) / rule / file
         if example.is_file():
             lines = example.read_text("utf-8", errors="replace").rstrip("\n").split("\n")
             click.echo(f"\n{heading}:\n" + "\n".join(f"    {line}".rstrip() for line in lines))

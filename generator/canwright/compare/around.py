@@ -25,7 +25,7 @@ def compare(found: Found, old: Edition, new: Edition) -> None:
             Item("setting", gone.name),
             ("settings", gone.name),
             ("settings",),
-            Impact.NONE,
+            Impact.SAFE,
             Use(),
             name=gone.name,
         )
@@ -35,15 +35,14 @@ def compare(found: Found, old: Edition, new: Edition) -> None:
             Item("setting", fresh.name),
             ("settings",),
             ("settings", fresh.name),
-            Impact.NONE,
+            Impact.SAFE,
             Use(),
             name=fresh.name,
         )
     _errata(found, old, new)
     edition = Item("edition", "")
-    for key, one, other in (("title", old.title, new.title), ("about", old.about, new.about)):
-        rule = "title-changed" if key == "title" else "text-changed"
-        found.text(rule, edition, ((key,), (key,)), old.family, one, other)
+    found.title(edition, (("title",), ("title",)), (old.family, new.family), old.title, new.title)
+    found.text("text-changed", edition, (("about",), ("about",)), old.family, old.about, new.about)
 
 
 def _addresses(found: Found, old: Sequence[Address], new: Sequence[Address]) -> None:
@@ -58,7 +57,7 @@ def _addresses(found: Found, old: Sequence[Address], new: Sequence[Address]) -> 
         ):
             _rule(found, item, (one, other), direction, a, b, Use((side,)))
         places = ((*one.path, "title"), (*other.path, "title"))
-        found.text("title-changed", item, places, one.name, one.title, other.title)
+        found.title(item, places, (one.name, other.name), one.title, other.title)
     for gone in matched.removed:
         facts = {"name": gone.name, "old": words.id_rule(gone.request)}
         item = Item("address", gone.name)
@@ -66,7 +65,7 @@ def _addresses(found: Found, old: Sequence[Address], new: Sequence[Address]) -> 
     for fresh in matched.added:
         facts = {"name": fresh.name, "new": words.id_rule(fresh.request)}
         item = Item("address", fresh.name)
-        found.add("address-added", item, ("addresses",), fresh.path, Impact.NONE, Use(), **facts)
+        found.add("address-added", item, ("addresses",), fresh.path, Impact.SAFE, Use(), **facts)
 
 
 def _rule(
@@ -81,7 +80,7 @@ def _rule(
         found.add("id-changed", item, places[0], places[1], Impact.LOUD, use, **facts)
     if old.nodes is not None and new.nodes is not None and old.nodes != new.nodes:
         beyond = set(new.nodes) - set(old.nodes) if Side.RECEIVING in use.sides else set(old.nodes) - set(new.nodes)
-        impact = Impact.LOUD if beyond else Impact.NONE
+        impact = Impact.LOUD if beyond else Impact.SAFE
         facts = {"old": f"{old.nodes[0]}..{old.nodes[-1]}", "new": f"{new.nodes[0]}..{new.nodes[-1]}"}
         places = [(*a.path, "nodes") for a in pair]
         found.add("nodes-changed", item, places[0], places[1], impact, use, **facts)
@@ -108,7 +107,7 @@ def _bus(found: Found, old: Bus, new: Bus) -> None:
             Item("mode", fresh.name),
             ("bus", "modes"),
             ("bus", "modes", fresh.name),
-            Impact.NONE,
+            Impact.SAFE,
             Use(),
             name=fresh.name,
         )
@@ -118,7 +117,7 @@ def _bus(found: Found, old: Bus, new: Bus) -> None:
     ):
         if a != b:
             facts = {"old": "none" if a is None else str(a), "new": "none" if b is None else str(b)}
-            found.add(rule, item, ("bus", key), ("bus", key), Impact.NONE, Use(), **facts)
+            found.add(rule, item, ("bus", key), ("bus", key), Impact.SAFE, Use(), **facts)
 
 
 def _mode(found: Found, item: Item, old: Mode, new: Mode) -> None:
@@ -127,8 +126,8 @@ def _mode(found: Found, item: Item, old: Mode, new: Mode) -> None:
         facts = {"old": _rates(old), "new": _rates(new)}
         gone = set(old.bit_rates_kbps) - set(new.bit_rates_kbps) or old.default_kbps != new.default_kbps
         place = (*path, "bit_rates_kbps")
-        found.add("bit-rates-changed", item, place, place, Impact.LOUD if gone else Impact.NONE, _BOTH, **facts)
-    found.text("title-changed", item, ((*path, "title"), (*path, "title")), old.name, old.title, new.title)
+        found.add("bit-rates-changed", item, place, place, Impact.LOUD if gone else Impact.SAFE, _BOTH, **facts)
+    found.title(item, ((*path, "title"), (*path, "title")), (old.name, new.name), old.title, new.title)
     found.text("text-changed", item, ((*path, "about"), (*path, "about")), old.name, old.about, new.about)
 
 
@@ -168,12 +167,12 @@ def _parameters(found: Found, old: Sequence[Parameter], new: Sequence[Parameter]
             found.add("parameter-value-removed", item, (*at, value.name), at, Impact.BUILD, _BOTH, **facts)
         for value in values.added:
             facts = {"name": one.name, "value": value.name}
-            found.add("parameter-value-added", item, at, (*at, value.name), Impact.NONE, Use(), **facts)
+            found.add("parameter-value-added", item, at, (*at, value.name), Impact.SAFE, Use(), **facts)
         if (one.minimum, one.maximum) != (other.minimum, other.maximum):
             facts = {"name": one.name, "old": _bounds(one), "new": _bounds(other)}
             place = (*path, "number")
             found.add("parameter-bounds-changed", item, place, place, Impact.SILENT, _BOTH, **facts)
-        found.text("title-changed", item, ((*path, "title"), (*path, "title")), one.name, one.title, other.title)
+        found.title(item, ((*path, "title"), (*path, "title")), (one.name, other.name), one.title, other.title)
         found.text("text-changed", item, ((*path, "about"), (*path, "about")), one.name, one.about, other.about)
 
 
@@ -189,8 +188,8 @@ def _errata(found: Found, old: Edition, new: Edition) -> None:
         (i, one), (j, other) = before.get(id_, (None, None)), after.get(id_, (None, None))
         places: list[Path] = [("errata",) if n is None else ("errata", n) for n in (i, j)]
         if other is None:
-            found.add("erratum-removed", item, places[0], places[1], Impact.NONE, Use(), name=id_)
+            found.add("erratum-removed", item, places[0], places[1], Impact.SAFE, Use(), name=id_)
         elif one is None:
-            found.add("erratum-added", item, places[0], places[1], Impact.NONE, Use(), name=id_, used=other.used)
+            found.add("erratum-added", item, places[0], places[1], Impact.SAFE, Use(), name=id_, used=other.used)
         elif (one.printed, one.used, one.why) != (other.printed, other.used, other.why):
-            found.add("erratum-changed", item, places[0], places[1], Impact.NONE, Use(), name=id_, used=other.used)
+            found.add("erratum-changed", item, places[0], places[1], Impact.SAFE, Use(), name=id_, used=other.used)

@@ -31,7 +31,7 @@ class Impact(str, Enum):
     """It gets no answer, or an error."""
     BUILD = "build"
     """It runs as before, but has to be changed before it builds with the new bindings."""
-    NONE = "none"
+    SAFE = "safe"
     """Nothing."""
 
 

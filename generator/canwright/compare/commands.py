@@ -96,11 +96,11 @@ def _added(found: Found, new: Command, old: Edition) -> None:
         item = Item("entry", f"{new.entry.table}.{new.entry.name}")
         facts = {"name": new.entry.name, "index": _index(new)}
         use = Use((), (new.group,))
-        found.add("entry-added", item, ("tables", new.entry.table), new.entry.path, Impact.NONE, use, **facts)
+        found.add("entry-added", item, ("tables", new.entry.table), new.entry.path, Impact.SAFE, use, **facts)
         return
     facts = {"name": new.group, "code": _code(new)}
     item, use = _item(new), Use((), (new.group,))
-    found.add("command-added", item, ("commands",), new.path, Impact.NONE, use, **facts)
+    found.add("command-added", item, ("commands",), new.path, Impact.SAFE, use, **facts)
 
 
 def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
@@ -162,7 +162,7 @@ def _facts(found: Found, old: Command, new: Command) -> None:
     before, after = ({e.name: e for e in c.effects} for c in (old, new))
     if before.keys() != after.keys():
         other = [e for e in (*old.effects, *new.effects) if (e.name in before) != (e.name in after)]
-        impact = Impact.SILENT if any(e.level is not Level.NOTE for e in other) else Impact.NONE
+        impact = Impact.SILENT if any(e.level is not Level.NOTE for e in other) else Impact.SAFE
         add("effects-changed", impact, "effects", listed(before), listed(after))
     limits = [listed(s.name for s in c.limited_by) for c in (old, new)]
     if set(limits[0].split(", ")) != set(limits[1].split(", ")):
@@ -171,17 +171,20 @@ def _facts(found: Found, old: Command, new: Command) -> None:
 
 def _texts(found: Found, old: Command, new: Command) -> None:
     item, name = _item(old), old.group
-    one, other = ((c.entry.title if c.entry else c.title) for c in (old, new))
-    entry = Item("entry", f"{old.entry.table}.{old.entry.name}") if old.entry else item
-    at = tuple((*(c.entry.path if c.entry else c.path), "title") for c in (old, new))
-    found.text("title-changed", entry, (at[0], at[1]), old.entry.name if old.entry else name, one, other)
+    if old.entry and new.entry:
+        entry = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        places = ((*old.entry.path, "title"), (*new.entry.path, "title"))
+        found.title(entry, places, (old.entry.name, new.entry.name), old.entry.title, new.entry.title)
+    else:
+        places = ((*old.path, "title"), (*new.path, "title"))
+        found.title(item, places, (old.group, new.group), old.title, new.title)
     found.text("text-changed", item, ((*old.path, "about"), (*new.path, "about")), name, old.about, new.about)
     notes = [{lang: "\n".join(n[lang] for n in c.notes) for lang in c.title} for c in (old, new)]
     found.text("text-changed", item, ((*old.path, "notes"), (*new.path, "notes")), name, *notes)
     if old.manual != new.manual:
         paths = ((*old.path, "manual"), (*new.path, "manual"))
         facts = {"old": old.manual or "none", "new": new.manual or "none"}
-        found.add("section-changed", item, *paths, Impact.NONE, Use((), (old.group,)), **facts)
+        found.add("section-changed", item, *paths, Impact.SAFE, Use((), (old.group,)), **facts)
 
 
 def _reply(found: Found, old: Command, new: Command) -> None:
@@ -189,7 +192,7 @@ def _reply(found: Found, old: Command, new: Command) -> None:
     use = Use((Side.RECEIVING,), (old.group,))
     one, other = _form(old), _form(new)
     if one != other:
-        impact = Impact.LOUD if other == "none" else Impact.NONE if one == "none" else Impact.SILENT
+        impact = Impact.LOUD if other == "none" else Impact.SAFE if one == "none" else Impact.SILENT
         found.add("reply-form-changed", item, *where, impact, use, old=one, new=other)
     if old.from_each != new.from_each:
         facts = {"old": listed(old.from_each), "new": listed(new.from_each)}
@@ -197,7 +200,7 @@ def _reply(found: Found, old: Command, new: Command) -> None:
     if (old.request is None) != (new.request is None):
         told = ["none" if c.request is None else "fields" for c in (old, new)]
         paths = ((*old.path, "request"), (*new.path, "request"))
-        impact = Impact.LOUD if new.request is None else Impact.NONE
+        impact = Impact.LOUD if new.request is None else Impact.SAFE
         sending = Use((Side.SENDING,), (old.group,))
         found.add("request-changed", item, *paths, impact, sending, old=told[0], new=told[1])
 
@@ -220,9 +223,9 @@ def _message(found: Found, old: Command, new: Command, one: Message, other: Mess
     own = [m.keys[0].value if m.keys else None for m in (one, other)]
     if own != [old.code, new.code] and own[0] != own[1]:
         known = other.keys and other.keys[0].value in one.accept
-        add("reply-code-changed", Impact.NONE if known else Impact.LOUD, "code", code(own[0]), code(own[1]))
+        add("reply-code-changed", Impact.SAFE if known else Impact.LOUD, "code", code(own[0]), code(own[1]))
     if one.accept != other.accept:
-        add("accept-changed", Impact.NONE, "accept", *(listed(map(code, m.accept)) for m in (one, other)))
+        add("accept-changed", Impact.SAFE, "accept", *(listed(map(code, m.accept)) for m in (one, other)))
     if one.address != other.address and one.id != other.id:
         add("address-of-command-changed", Impact.LOUD, "address", one.address, other.address, direction=direction)
     if one.dlc != other.dlc:

@@ -25,11 +25,11 @@ class Editions:
 def compare(found: Found, both: Editions, command: str, old: Layout, new: Layout, use: Use) -> None:
     """All changes of one layout, as it is used by a message of `command`."""
     item = _item(command, old)
-    if old.shared and both.layouts.get(old.name) == new.name:
+    if item.kind == "layout" and both.layouts.get(old.name) == new.name:
         names = api.layout(old.name, new.name)
         found.renamed("layout-renamed", item, old.path, new.path, use, old=old.name, new=new.name, names=names)
-    if old.shared and new.shared:
-        found.text("title-changed", item, _at(old, new, "title"), old.name, old.title, new.title)
+    if item.kind == "layout" and new.shared:
+        found.title(item, _at(old, new, "title"), (old.name, new.name), old.title, new.title)
         found.text("text-changed", item, _at(old, new, "about"), old.name, old.about, new.about)
     matched = match.fields(old, new)
     for one, other in matched.pairs:
@@ -47,7 +47,7 @@ def compare(found: Found, both: Editions, command: str, old: Layout, new: Layout
         found.add("field-removed", item, gone.path, new.path, Impact.SILENT, use, **facts)
     for fresh in added:
         taken = any(match.overlap(fresh, f) for f in old.fields)
-        impact = Impact.SILENT if taken or Side.SENDING in use.sides else Impact.NONE
+        impact = Impact.SILENT if taken or Side.SENDING in use.sides else Impact.SAFE
         impact = Impact.LOUD if fresh.constant else impact
         facts = {"name": fresh.name, "place": places([fresh])}
         found.add("field-added", item, old.path, fresh.path, impact, use, **facts)
@@ -83,7 +83,8 @@ def _field(found: Found, both: Editions, item: Item, old: Field, new: Field, use
             "constant",
             *("none" if c is None else str(c) for c in _constants(old, new)),
         )
-    found.text("title-changed", item, _at(old, new, "title"), new.name, old.title, new.title)
+    if (old.title, new.title) != (old.type.title, new.type.title):
+        found.title(item, _at(old, new, "title"), (old.name, new.name), old.title, new.title)
     found.text("text-changed", item, _at(old, new, "about"), new.name, old.about, new.about)
     _type(found, both, item, old, new, use)
 
@@ -138,7 +139,7 @@ def _type(found: Found, both: Editions, item: Item, old: Field, new: Field, use:
         pair.add(found, rule, Impact.SILENT, "raw", old=one.encoding.value, new=other.encoding.value)
     _order(found, both, pair)
     if same:
-        found.text("title-changed", owner, _at(one, other, "title"), name, one.title, other.title)
+        found.title(owner, _at(one, other, "title"), (one.name, other.name), one.title, other.title)
         found.text("text-changed", owner, _at(one, other, "about"), name, one.about, other.about)
     quantities.compare(found, pair)
 

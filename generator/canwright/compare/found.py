@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
+from .. import words
 from ..model import Path, Text
 from .change import Change, Fact, Impact, Item, Side
 from .table import CHANGES
@@ -49,7 +50,12 @@ class Found:
     def text(self, rule: str, item: Item, places: tuple[Path, Path], name: str, old: Text, new: Text) -> None:
         """A change of a text, in any language that both have."""
         if any(old[language] != new[language] for language in old.keys() & new.keys()):
-            self.add(rule, item, *places, Impact.NONE, Use(), name=name, old=shortened(old), new=shortened(new))
+            self.add(rule, item, *places, Impact.SAFE, Use(), name=name, old=shortened(old), new=shortened(new))
+
+    def title(self, item: Item, places: tuple[Path, Path], names: tuple[str, str], old: Text, new: Text) -> None:
+        """A change of a title, unless both only say the names."""
+        if not all(set(t.values()) == {words.spoken(name)} for name, t in zip(names, (old, new), strict=True)):
+            self.text("title-changed", item, places, names[1], old, new)
 
     def __iter__(self) -> Iterator[Change]:
         return iter(self._changes.values())

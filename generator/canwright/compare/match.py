@@ -49,7 +49,10 @@ def by_name(old: Iterable[T], new: Iterable[T]) -> Matched[T]:
 
 
 def commands(old: Edition, new: Edition) -> Matched[Command]:
-    """Commands of one name, of the same frames under another name, or of one title and the same fields."""
+    """Commands of one name; of one code with the same bits, or fields of the same names; of one title and the same bits."""
+
+    def same_fields(one: Command, other: Command) -> bool:
+        return code_of(one) == code_of(other) and _names(one) == _names(other)
 
     def same_frames(one: Command, other: Command) -> bool:
         return code_of(one) == code_of(other) and _content(one) == _content(other)
@@ -57,7 +60,7 @@ def commands(old: Edition, new: Edition) -> Matched[Command]:
     def same_title(one: Command, other: Command) -> bool:
         return one.title == other.title and _content(one) == _content(other)
 
-    return by_name(old.commands, new.commands).also(same_frames, same_title)
+    return by_name(old.commands, new.commands).also(same_frames, same_fields, same_title)
 
 
 def fields(old: Layout, new: Layout) -> Matched[Field]:
@@ -91,6 +94,11 @@ def _bits(field: Field) -> set[int]:
 def _content(command: Command) -> tuple[object, ...]:
     echo = command.reply_form is ReplyForm.ECHO
     return (_fields(command.request), echo, None if echo else _fields(command.reply))
+
+
+def _names(command: Command) -> tuple[set[str], set[str]]:
+    request, reply = ({f.name for f in m.layout.fields} if m else set() for m in (command.request, command.reply))
+    return request, reply
 
 
 def _fields(message: Message | None) -> object:

@@ -59,16 +59,20 @@ def _scales(found: Found, pair: Pair) -> None:
         facts = {"when": when, "old": _worth(one, pair.old), "new": _worth(other, pair.new)}
         pair.add(found, "scale-changed", Impact.SILENT, "scale", **facts)
     for when, one, other in _cases(old, new, lambda a, b: step(a)[1] == step(b)[1]):
-        facts = {"when": when, "old": words.exact(step(one)[1]), "new": words.exact(step(other)[1])}
+        told = [words.exact(step(linear)[1]) + _unit(type_) for linear, type_ in ((one, pair.old), (other, pair.new))]
+        facts = {"when": when, "old": told[0], "new": told[1]}
         pair.add(found, "offset-changed", Impact.SILENT, "offset", **facts)
     for when, one, other in _cases(old, new, lambda a, b: a != b or not a or not b or a.printed == b.printed):
         facts = {"when": when, "old": _worth(one, pair.old), "new": _worth(other, pair.new)}
-        pair.add(found, "scale-rewritten", Impact.NONE, "scale", **facts)
+        pair.add(found, "scale-rewritten", Impact.SAFE, "scale", **facts)
 
 
 def _worth(linear: Linear | None, type_: Type) -> str:
-    unit = f" {type_.unit.symbol}" if type_.unit else ""
-    return "none" if linear is None else f"{linear.printed or words.exact(linear.scale)}{unit}"
+    return "none" if linear is None else f"{linear.printed or words.exact(linear.scale)}{_unit(type_)}"
+
+
+def _unit(type_: Type) -> str:
+    return f" {type_.unit.symbol}" if type_.unit else ""
 
 
 def _ranges(found: Found, pair: Pair) -> None:
@@ -83,7 +87,7 @@ def _ranges(found: Found, pair: Pair) -> None:
         hit = (Side.SENDING in pair.use.sides and not _within(old, new)) or (
             Side.RECEIVING in pair.use.sides and not _within(new, old)
         )
-        impact = Impact.SILENT if hit else Impact.NONE
+        impact = Impact.SILENT if hit else Impact.SAFE
         facts = {"when": when, "old": words.span(old), "new": words.span(new)}
         pair.add(found, "range-changed", impact, "raw_range", **facts)
 
@@ -131,15 +135,15 @@ def _members(found: Found, pair: Pair, key: str, old: tuple[Member, ...], new: t
         if one.value != other.value:
             facts = {"name": pair.name, "member": other.name, "old": str(one.value), "new": str(other.value)}
             found.add("member-renumbered", pair.item, *places, Impact.SILENT, pair.use, **facts)
-        found.text("title-changed", pair.item, places, f"{pair.name}.{other.name}", one.title, other.title)
+        found.title(pair.item, places, (one.name, other.name), one.title, other.title)
     for gone in matched.removed:
-        impact = Impact.SILENT if Side.SENDING in sides else Impact.NONE
+        impact = Impact.SILENT if Side.SENDING in sides else Impact.SAFE
         where = (*pair.old_path, key, gone.name), (*pair.new_path, key)
         facts = {"name": pair.name, "member": gone.name, "value": str(gone.value)}
         found.add("member-removed", pair.item, *where, impact, pair.use, **facts)
     for fresh in matched.added:
         unseen = Impact.SILENT if key == "flags" else Impact.LOUD
-        impact = unseen if Side.RECEIVING in sides else Impact.NONE
+        impact = unseen if Side.RECEIVING in sides else Impact.SAFE
         where = (*pair.old_path, key), (*pair.new_path, key, fresh.name)
         facts = {"name": pair.name, "member": fresh.name, "value": str(fresh.value)}
         found.add("member-added", pair.item, *where, impact, pair.use, **facts)
