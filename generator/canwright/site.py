@@ -13,7 +13,7 @@ from typing import Any
 import yaml
 
 LANGUAGES = {"en": "English", "zh": "中文"}
-_PAGES = ("bus", "types", "parameters", "errata")
+_PAGES = ("bus", "types", "parameters", "errata", "changes")
 _COMMANDS = {"en": "Commands", "zh": "命令"}
 _NEEDED = ("mkdocs", "material", "mkdocs_static_i18n")
 
@@ -108,11 +108,11 @@ def _toggle(icon: str) -> dict[str, str]:
 
 def _nav(folder: Path) -> list[Any]:
     """Every edition with its pages, its commands in the order of its overview."""
-    nav: list[Any] = ["index.md"]
+    nav: list[Any] = ["index.md", *(["support.md"] if (folder / "support.md").is_file() else [])]
     for overview in sorted(folder.glob("*/index.md")):
         edition = overview.parent.name
         names = _ROW.findall(overview.read_text("utf-8"))
-        pages = [f"{edition}/{name}.md" for name in _PAGES]
+        pages = [f"{edition}/{name}.md" for name in _PAGES if (folder / edition / f"{name}.md").is_file()]
         commands = [f"{edition}/commands/{name}.md" for name in names]
         nav.append({edition: [f"{edition}/index.md", {"Commands": commands}, *pages]})
     return nav

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
@@ -80,10 +80,15 @@ class Change:
     sides: tuple[Side, ...]
     used_by: tuple[str, ...]
 
-    def says(self, language: str = "en", sentence: str | None = None) -> str:
-        """The sentence of the rule, or another one in `language`, with the facts of this change."""
+    def says(
+        self, language: str = "en", sentence: str | None = None, escape: Callable[[str], str] = lambda text: text
+    ) -> str:
+        """The sentence of the rule, or another one in `language`, with the facts of this change.
+
+        `escape` makes texts of the spec safe where the sentence goes; names and numbers are safe everywhere.
+        """
         facts = {
-            name: fact if isinstance(fact, str) else fact.get(language) or next(iter(fact.values()), "")
+            name: fact if isinstance(fact, str) else escape(fact.get(language) or next(iter(fact.values()), ""))
             for name, fact in self.facts.items()
         }
         return (sentence or self.rule.says).format_map(facts)

@@ -183,8 +183,9 @@ def _texts(found: Found, old: Command, new: Command) -> None:
     found.text("text-changed", item, ((*old.path, "notes"), (*new.path, "notes")), name, *notes)
     if old.manual != new.manual:
         paths = ((*old.path, "manual"), (*new.path, "manual"))
-        facts = {"old": old.manual or "none", "new": new.manual or "none"}
-        found.add("section-changed", item, *paths, Impact.SAFE, Use((), (old.group,)), **facts)
+        sections = [{"en": command.manual or "none"} for command in (old, new)]
+        use = Use((), (old.group,))
+        found.add("section-changed", item, *paths, Impact.SAFE, use, old=sections[0], new=sections[1])
 
 
 def _reply(found: Found, old: Command, new: Command) -> None:

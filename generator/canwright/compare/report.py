@@ -14,6 +14,7 @@ from ..diagnostics import Position
 from ..load import Loaded
 from ..model import Path
 from ..printers import annotation
+from ..targets.docs.text import markdown as markdown_text
 from . import Category, Change, Impact, Item, by_impact, compare
 
 _COLOURS = {Impact.SILENT: "red", Impact.LOUD: "yellow", Impact.BUILD: "cyan", Impact.SAFE: "green"}
@@ -118,13 +119,8 @@ def _row(found: Comparison, change: Change) -> str:
     old, new = found.places(change)
     host = ", ".join(side.value for side in change.sides)
     kind = f"{change.rule.category.value} `{change.rule.id}`"
-    cells = (str(change.item), change.says(), kind, host, f"{old.file}:{old.line}", f"{new.file}:{new.line}")
-    return f"| {' | '.join(_cell(cell) for cell in cells)} |"
-
-
-def _cell(written: str) -> str:
-    """A text that stays text in a table; its quoted names stay code."""
-    return written.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;").replace("\n", " ")
+    places = [markdown_text(f"{at.file}:{at.line}") for at in (old, new)]
+    return f"| {' | '.join([str(change.item), change.says(escape=markdown_text), kind, host, *places])} |"
 
 
 def changelog(found: Comparison) -> str:
@@ -154,7 +150,7 @@ def _heading(change: Change) -> str:
 def _entry(change: Change) -> str:
     hit = f"**{change.impact.value}**, {_who(change)}: " if change.impact in (Impact.SILENT, Impact.LOUD) else ""
     named = "" if change.item.name and f"`{change.item.name}`" in change.says() else f"{change.item}: "
-    return f"- {hit}{named}{_cell(change.says())}"
+    return f"- {hit}{named}{change.says(escape=markdown_text)}"
 
 
 def as_json(found: Comparison) -> str:

@@ -11,6 +11,7 @@ from ... import resources, words
 from ...model import Assignment
 from ...render import environment
 from .. import Described, Output, header
+from . import editions
 from .pages import Pages
 from .text import code, markdown
 
@@ -19,7 +20,7 @@ _PAGES = ("types", "parameters", "errata", "bus")
 
 def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
     """A folder for each language, in it one for each edition."""
-    labels = yaml.safe_load((resources.TEMPLATES / "docs" / "labels.yaml").read_text("utf-8"))
+    labels, says = (_words(name) for name in ("labels", "changes"))
     env = environment(
         "docs",
         {"md": markdown, "code": code, "exact": words.exact, "raw_format": words.raw_format, "id_rule": words.id_rule},
@@ -31,10 +32,28 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
             id(d): d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}" for d in here
         }
         common = {"labels": labels[language], "lang": language}
-        editions = [(folders[id(d)], d.edition) for d in here]
-        yield Output(f"{language}/index.md", env.get_template("language.md.j2").render(common, editions=editions))
+        listed = [(folders[id(d)], d.edition) for d in here]
+        tables = list(editions.support(listed, labels[language], language))
+        front = env.get_template("language.md.j2").render(common, editions=listed, has_support=bool(tables))
+        yield Output(f"{language}/index.md", front)
+        if tables:
+            yield Output(f"{language}/support.md", env.get_template("support.md.j2").render(common, tables=tables))
         for item in here:
-            yield from _edition(env, item, common, f"{language}/{folders[id(item)]}")
+            old = editions.previous(item.edition, [edition for _, edition in listed])
+            folder = f"{language}/{folders[id(item)]}"
+            yield from _edition(env, item, {**common, "has_changes": old is not None}, folder)
+            if old is not None:
+                found = editions.changes(old, item.edition, language, labels[language], says.get(language, {}))
+                view = {**common, "edition": item.edition, "header": header(item.edition), "changes": found}
+                yield Output(f"{folder}/changes.md", env.get_template("changes.md.j2").render(view))
+
+
+def _words(name: str) -> dict[str, dict[str, str]]:
+    """A file of words of the documents, by language."""
+    found: dict[str, dict[str, str]] = yaml.safe_load(
+        (resources.TEMPLATES / "docs" / f"{name}.yaml").read_text("utf-8")
+    )
+    return found
 
 
 def _edition(env: jinja2.Environment, item: Described, common: Mapping[str, object], folder: str) -> Iterator[Output]:

@@ -1,0 +1,146 @@
+"""Pages about several editions: what changed from one to the next, and which command is in which."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from ... import words
+from ...compare import Category, Change, Impact, compare
+from ...model import Command, Edition
+from .text import code, markdown
+
+
+@dataclass(frozen=True)
+class ChangeLine:
+    """A row of the page of changes, its cells in Markdown."""
+
+    what: str
+    change: str
+    kind: str
+    host: str
+
+
+@dataclass(frozen=True)
+class Changes:
+    """What changed since the edition before, by impact; texts and errata apart."""
+
+    previous: Edition
+    sections: tuple[tuple[Impact, tuple[ChangeLine, ...]], ...]
+    documents: tuple[ChangeLine, ...]
+
+
+@dataclass(frozen=True)
+class SupportLine:
+    """A command or an entry, and what each edition has of it, in Markdown."""
+
+    name: str
+    title: str
+    cells: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Support:
+    """Which command is in which edition of a family."""
+
+    family: str
+    editions: tuple[tuple[str, Edition], ...]
+    commands: tuple[SupportLine, ...]
+    entries: tuple[SupportLine, ...]
+
+
+def in_order(editions: Iterable[Edition]) -> list[Edition]:
+    """The oldest edition first."""
+    return sorted(editions, key=lambda e: (e.family, e.date, e.name))
+
+
+def previous(edition: Edition, editions: Sequence[Edition]) -> Edition | None:
+    """The edition of the same family before this one."""
+    family = [e for e in in_order(editions) if e.family == edition.family]
+    at = family.index(edition)
+    return family[at - 1] if at else None
+
+
+def changes(old: Edition, new: Edition, language: str, labels: Mapping[str, str], says: Mapping[str, str]) -> Changes:
+    """What changed from one edition to the next; `says` are the sentences in this language."""
+    found = compare(old, new)
+
+    def line(change: Change) -> ChangeLine:
+        sentence = change.says(language, says.get(change.rule.id), markdown)
+        host = labels["comma"].join(labels[f"host_{side.value}"] for side in change.sides)
+        what = f"{labels[f'item_{change.item.kind}']} {code(change.item.name)}".rstrip()
+        return ChangeLine(what, sentence, labels[f"kind_{change.rule.category.value}"], host)
+
+    def is_document(change: Change) -> bool:
+        return change.rule.category is Category.DOC
+
+    sections = (
+        (impact, tuple(line(c) for c in found if c.impact is impact and not is_document(c))) for impact in Impact
+    )
+    return Changes(
+        old,
+        tuple((impact, lines) for impact, lines in sections if lines),
+        tuple(line(change) for change in found if is_document(change)),
+    )
+
+
+def support(editions: Sequence[tuple[str, Edition]], labels: Mapping[str, str], language: str) -> Iterator[Support]:
+    """A table for each family that has several editions. `editions` come with their folders."""
+    for family in dict.fromkeys(edition.family for _, edition in editions):
+        folders = {edition.name: folder for folder, edition in editions if edition.family == family}
+        own = in_order(edition for _, edition in editions if edition.family == family)
+        if len(own) > 1:
+            listed = tuple((folders[edition.name], edition) for edition in own)
+            yield Support(family, listed, _commands(listed, labels, language), _entries(listed, labels, language))
+
+
+def _commands(
+    editions: Sequence[tuple[str, Edition]], labels: Mapping[str, str], language: str
+) -> tuple[SupportLine, ...]:
+    rows: dict[tuple[bool, int, str], list[str]] = {}
+    titles: dict[str, str] = {}
+    for at, (folder, edition) in enumerate(editions):
+        for command in edition.commands:
+            key = (command.code is None, command.code or 0, command.group)
+            cells = rows.setdefault(key, ["—"] * len(editions))
+            if cells[at] == "—":
+                cells[at] = _cell(folder, command, labels)
+                titles.setdefault(command.group, _title(command, language))
+    return tuple(
+        SupportLine(code(name), markdown(titles[name]), tuple(cells)) for (_, _, name), cells in sorted(rows.items())
+    )
+
+
+def _title(command: Command, language: str) -> str:
+    title = command.title[language]
+    return title.removesuffix(f": {command.entry.title[language]}") if command.entry else title
+
+
+def _cell(folder: str, command: Command, labels: Mapping[str, str]) -> str:
+    shown = f"0x{command.code:02X}" if command.code is not None else "✓"
+    text = f"[{shown}]({folder}/commands/{command.name}.md)"
+    only = words.condition(command.only)
+    text += f" {code(only)}" if only else ""
+    return text if command.implemented else f"{text} {labels['unimplemented']}"
+
+
+def _entries(
+    editions: Sequence[tuple[str, Edition]], labels: Mapping[str, str], language: str
+) -> tuple[SupportLine, ...]:
+    rows: dict[tuple[str, tuple[int, ...], str], list[str]] = {}
+    titles: dict[tuple[str, str], str] = {}
+    for at, (folder, edition) in enumerate(editions):
+        for command in edition.commands:
+            message = command.request or command.reply
+            if command.entry is None or message is None:
+                continue
+            index = tuple(key.value for key in message.keys if key.name != "code")
+            cells = rows.setdefault((command.entry.table, index, command.entry.name), ["—"] * len(editions))
+            if cells[at] == "—":
+                shown = " ".join(f"0x{value:02X}" for value in index)
+                cells[at] = f"[{shown}]({folder}/commands/{command.name}.md)"
+                titles[command.entry.table, command.entry.name] = command.entry.title[language]
+    return tuple(
+        SupportLine(code(f"{table}.{name}"), markdown(titles[table, name]), tuple(cells))
+        for (table, _, name), cells in sorted(rows.items())
+    )
