@@ -171,6 +171,7 @@ class Type:
 
     `linear` is `Linear(1, 0)` where a spec gives no scale, and None where it says that there is none to be had.
     `raw_range` bounds the raw integer and is None where any bits are allowed; for floats, it bounds the value.
+    `plausible` are values that a working node reports, for guessing alone.
     """
 
     name: str
@@ -182,6 +183,7 @@ class Type:
     raw_range: Dependent[Range]
     enum: tuple[Member, ...]
     flags: tuple[Member, ...]
+    plausible: Range | None
     title: Text
     about: Text
     path: Path = field(compare=False)

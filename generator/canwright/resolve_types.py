@@ -127,7 +127,19 @@ def bare_type(context: Context, raw: tuple[Encoding, int], order: Order, path: P
     empty = context.text(path, None)
     always = Dependent.always
     return Type(
-        f"{letter}{width}", width, encoding, order, None, always(IDENTITY), always(None), (), (), empty, empty, path
+        f"{letter}{width}",
+        width,
+        encoding,
+        order,
+        None,
+        always(IDENTITY),
+        always(None),
+        (),
+        (),
+        None,
+        empty,
+        empty,
+        path,
     )
 
 
@@ -152,6 +164,7 @@ class _TypeResolver:
             self._raw_range(spec, linear),
             tuple(self._member(("enum", n), n, m.value, m.title) for n, m in (spec.enum or {}).items()),
             tuple(self._member(("flags", n), n, f.bit, f.title) for n, f in (spec.flags or {}).items()),
+            self._spans("plausible", spec.plausible).constant,
             self.context.title(self.path, spec.title, name),
             self.context.text((*self.path, "about"), spec.about),
             self.path,

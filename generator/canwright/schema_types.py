@@ -85,6 +85,14 @@ class Type(Titled):
     range: Annotated[SpanChoice | None, Field(description="Allowed values in the unit, when the manual says so.")] = (
         None
     )
+    plausible: Annotated[
+        Span | None,
+        Field(
+            description="Values in the unit that a working node reports. `canwright identify` reasons from it; nothing is "
+            "refused for it.",
+            examples=["6..100"],
+        ),
+    ] = None
     enum: Annotated[dict[Name, Member] | None, Field(description="The raw values that have a name.")] = None
     flags: Annotated[dict[Name, Flag] | None, Field(description="The bits that have a name.")] = None
     differs: Annotated[

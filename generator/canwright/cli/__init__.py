@@ -8,6 +8,7 @@ from .. import __version__
 from .diff import diff, editions
 from .explain import explain
 from .generate import check, generate
+from .identify import identify
 from .schema import schema
 from .show import show
 from .site import site
@@ -24,6 +25,7 @@ def main() -> None:
       canwright check                                 is generated/ what spec/ says?
       canwright explain RULE                          what a finding means
       canwright diff OLD NEW                          what changed between editions, and who is hit
+      canwright identify LOG                          which edition a recorded exchange fits
       canwright show COMMAND                          one command, in the terminal
       canwright generate --spec my.yaml --out out     your own protocol, in any folder
 
@@ -31,5 +33,5 @@ def main() -> None:
     """
 
 
-for command in (generate, check, diff, editions, explain, show, site, schema):
+for command in (generate, check, diff, editions, identify, explain, show, site, schema):
     main.add_command(command)

@@ -1,0 +1,123 @@
+"""`identify`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from ..identify import Candidate, Evidence, Finding, identify as look
+from ..interpret import CanFrame
+from ..logs import LogError, frames
+from ..model import Edition
+from .common import FINDINGS, FilePath, read, spec_option, stop
+
+SHOWN = 4
+"""How many reasons against an edition are printed."""
+
+
+@click.command()
+@click.argument("log", type=FilePath(exists=True, dir_okay=False))
+@spec_option
+@click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True)
+def identify(log: Path, specs: Sequence[Path], form: str) -> None:
+    """Say which editions a recorded exchange fits, node by node, and why.
+
+    LOG is what candump writes, or any format that python-can reads. No frame says its edition; this reasons from ids,
+    codes, reserved bits and plausible ranges, and says so when it cannot tell.
+
+    Exit status: 0 when every node is told, 1 when not, 2 when it could not run.
+    """
+    editions = [one.edition for one in read(specs)]
+    families = dict.fromkeys(edition.family for edition in editions)
+    try:
+        recorded = list(frames(log))
+    except (LogError, OSError) as error:
+        stop(str(error))
+    if not recorded:
+        stop(f"{log} has no frames")
+    results = [(family, *look(recorded, [e for e in editions if e.family == family])) for family in families]
+    family, findings, foreign = max(results, key=lambda result: sum(f.frames for f in result[1]))
+    if form == "json":
+        click.echo(_json(family, findings, foreign))
+    else:
+        _text(family, findings, foreign, len(recorded))
+    if not findings or any(len(finding.editions) != 1 for finding in findings):
+        sys.exit(FINDINGS)
+
+
+def _text(family: str, findings: Sequence[Finding], foreign: int, count: int) -> None:
+    if foreign:
+        click.echo(f"{foreign} of {count} frames have no id of {family} and are left out\n")
+    for finding in findings:
+        node = "no node" if finding.node is None else f"node {finding.node}"
+        plural = "" if finding.frames == 1 else "s"
+        click.echo(f"{family}, {node}, {finding.frames} frame{plural}: {_verdict(finding)}")
+        for candidate in finding.candidates:
+            click.echo(f"  {candidate.edition.name:<16} {_summary(candidate, finding.frames)}")
+            for evidence in candidate.against[:SHOWN]:
+                click.echo(f"    {_evidence(evidence)}")
+        if finding.tell:
+            click.echo(f"  replies to {', '.join(finding.tell[:SHOWN])} would tell more")
+        click.echo()
+    if not findings:
+        click.echo(f"cannot tell: no frame has an id of {family}")
+
+
+def _verdict(finding: Finding) -> str:
+    if len(finding.editions) == 1:
+        return f"fits {finding.editions[0].name}"
+    if not finding.editions:
+        return "cannot tell, no edition fits"
+    return f"cannot tell, {_listed(finding.editions)} fit alike"
+
+
+def _listed(editions: Sequence[Edition]) -> str:
+    names = [edition.name for edition in editions]
+    return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def _summary(candidate: Candidate, count: int) -> str:
+    if not candidate.against:
+        return "explains every frame"
+    return f"explains {candidate.explained} of {count} frames; {candidate.score} points against it"
+
+
+def _evidence(evidence: Evidence) -> str:
+    among = f"{evidence.count} of {evidence.among}"
+    return f"{evidence.reason.text} ({among}, as in {_frame(evidence.example)})"
+
+
+def _frame(frame: CanFrame) -> str:
+    id_ = f"{frame.id:08X}" if frame.extended else f"{frame.id:03X}"
+    return f"{id_}#{'R' if frame.remote else frame.data.hex().upper()}"
+
+
+def _json(family: str, findings: Sequence[Finding], foreign: int) -> str:
+    def candidate(one: Candidate) -> dict[str, object]:
+        against = [
+            {
+                "text": e.reason.text,
+                "weight": e.reason.weight.name.lower(),
+                "frames": e.count,
+                "among": e.among,
+                "example": _frame(e.example),
+            }
+            for e in one.against
+        ]
+        return {"edition": one.edition.name, "explained": one.explained, "score": one.score, "against": against}
+
+    nodes = [
+        {
+            "node": finding.node,
+            "frames": finding.frames,
+            "fits": [edition.name for edition in finding.editions],
+            "would_tell": list(finding.tell),
+            "editions": [candidate(one) for one in finding.candidates],
+        }
+        for finding in findings
+    ]
+    return json.dumps({"family": family, "foreign": foreign, "nodes": nodes}, indent=2, ensure_ascii=False)
