@@ -64,7 +64,12 @@ class DbcAdapter:
     ) -> Decoded | Refused:
         if frame.remote:
             return Refused(Refusal.UNKNOWN_ID)
-        result = _agreed(_agreed_values(self._read(direction, frame, parameters)))
+        read = self._read(direction, frame, parameters)
+        result = _agreed(_agreed_values(read))
+        if isinstance(result, Decoded) and Refused(Refusal.UNKNOWN_CODE) in read:
+            decides = message_of(self._edition.command(result.command), direction).layout.parameter
+            if decides is not None and decides not in parameters:
+                raise Cannot("other_value")
         unknown = result == Refused(Refusal.UNKNOWN_CODE)
         if unknown and any(isinstance(other, Decoded) for other in self._read(direction, frame, {})):
             raise Cannot("other_value")
