@@ -79,11 +79,14 @@ class Signals:
     def _undecided(self, parts: Sequence[Part], mux: str) -> Iterator[Signal]:
         """Messages that a second selector tells apart: that selector, and the bits it decides about as they are."""
         code, *_ = parts[0].code.split("_")
-        for i, (key, _) in enumerate(parts[0].selectors[1:], start=1):
-            names = {part.selectors[i][1]: part.command.name for part in parts}
+        shared = parts[0].selectors[: min(len(part.selectors) for part in parts)]
+        for i, (key, _) in enumerate(shared[1:], start=1):
+            named = [(part.selectors[i][1], part.command.name) for part in parts]
+            values = [value for value, _ in named]
+            names = [(value, command) for value, command in named if values.count(value) == 1]
             name = f"{self._letter}{code}_{key.name}"
-            yield self._selector(name, mux, key, names.items(), "Tells what the other bits mean.")
-        free = set(range(max(part.message.dlc for part in parts) * 8)) - selector_bits(parts[0])
+            yield self._selector(name, mux, key, names, "Tells what the other bits mean.")
+        free = set(range(max(part.message.dlc for part in parts) * 8)) - {b for key, _ in shared for b in bits(key)}
         for run in runs(free):
             place = _Place(f"{self._letter}{code}_data", mux, run)
             yield self._integer(place, "Bits whose meaning the other selector tells.")
