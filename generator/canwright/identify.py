@@ -6,28 +6,24 @@ and ranges. Where two editions explain a log alike, it says so.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 from fractions import Fraction
 
 from . import words
 from .compare import Impact, Side, compare
 from .interpret import CanFrame, has_id, is_message, node_of, raw_of, value_of, wrong_constants
-from .model import Assignment, Edition, Field, Message, Space, Type, Variant
+from .model import Assignment, Direction, Edition, Field, Message, Space, Type, Variant
 
-
-class Weight(IntEnum):
-    """How much a reason says against an edition."""
-
-    WEAK = 1
-    """Unusual: a reserved bit that is not 0, a raw integer beyond its printed range."""
-    MEDIUM = 2
-    """Hardly so: a value that no working node reports."""
-    STRONG = 4
-    """Not in this edition: an id, a code, a length, a name."""
-
-
+WEAK = 1
+"""Unusual: a reserved byte that is not 0, a raw integer beyond its printed range."""
+UNNAMED = 2
+"""Flags without a name: drives set more than manuals tell."""
+IMPLAUSIBLE = 3
+"""A value that no working node reports."""
+STRONG = 4
+"""Not in this edition: an id, a code, a length, a name."""
 LEAD = 3
 """How much more has to speak against every other edition before one is named."""
 SHARE = Fraction(1, 20)
@@ -38,7 +34,7 @@ SHARE = Fraction(1, 20)
 class Reason:
     """What speaks against an edition. `kind` are the frames among which it is counted."""
 
-    weight: Weight
+    points: int
     kind: str
     text: str
 
@@ -63,7 +59,7 @@ class Candidate:
 
     @property
     def score(self) -> int:
-        return sum(e.reason.weight for e in self.against if Fraction(e.count, e.among) >= SHARE)
+        return sum(e.reason.points for e in self.against if Fraction(e.count, e.among) >= SHARE)
 
 
 @dataclass(frozen=True)
@@ -98,7 +94,7 @@ def _finding(node: int | None, frames: Sequence[CanFrame], editions: Sequence[Ed
     candidates = sorted((_candidate(edition, frames) for edition in editions), key=lambda c: c.score)
     best = candidates[0].score
     fitting = tuple(c.edition for c in candidates if c.score < best + LEAD)
-    if best >= Weight.STRONG:
+    if best >= STRONG:
         fitting = ()
     return Finding(node, len(frames), tuple(candidates), fitting, _tell(fitting))
 
@@ -108,14 +104,14 @@ def _tell(fitting: Sequence[Edition]) -> tuple[str, ...]:
     if len(fitting) < 2:
         return ()
     changes = [change for other in fitting[1:] for change in compare(fitting[0], other)]
-    names = (
+    counts = Counter(
         name
         for change in changes
-        if Side.RECEIVING in change.sides and change.impact in (Impact.SILENT, Impact.LOUD)
+        if Side.RECEIVING in change.sides and change.impact is not Impact.SAFE and change.rule.id != "range-changed"
         for name in change.used_by
     )
     common = [{c.group for c in edition.commands} for edition in fitting]
-    return tuple(dict.fromkeys(name for name in names if all(name in known for known in common)))
+    return tuple(name for name, _ in counts.most_common() if all(name in known for known in common))
 
 
 def _candidate(edition: Edition, frames: Sequence[CanFrame]) -> Candidate:
@@ -129,7 +125,7 @@ def _candidate(edition: Edition, frames: Sequence[CanFrame]) -> Candidate:
         for reason in reasons:
             counts.setdefault(reason, []).append(frame)
     against = [Evidence(r, len(found), kinds[r.kind], found[0]) for r, found in counts.items()]
-    against.sort(key=lambda e: (-e.reason.weight, -e.count))
+    against.sort(key=lambda e: (-e.reason.points, -e.count))
     return Candidate(edition, tuple(against), explained)
 
 
@@ -138,28 +134,29 @@ def best_reading(edition: Edition, frame: CanFrame) -> tuple[str, list[Reason]]:
     of_id = [m for m in edition.all_messages() if has_id(m, frame)]
     if not of_id:
         kind = f"0x{frame.id:X}"
-        return kind, [Reason(Weight.STRONG, kind, f"{kind} is no id of this edition")]
+        return kind, [Reason(STRONG, kind, f"{kind} is no id of this edition")]
+    replies_first = sorted(of_id, key=lambda m: m.direction is Direction.REQUEST)
     readings = [
         (message.name, list(_against(message, variant, frame)))
-        for message in of_id
+        for message in replies_first
         if is_message(message, frame)
         for variant in message.layout.variants
     ]
     if readings:
-        return min(readings, key=lambda reading: sum(reason.weight for reason in reading[1]))
+        return min(readings, key=lambda reading: sum(reason.points for reason in reading[1]))
     kind = f"0x{frame.id:X} {frame.data[:1].hex().upper()}"
     code = f" that starts with {frame.data[:1].hex().upper()}" if frame.data else ""
-    return kind, [Reason(Weight.STRONG, kind, f"it has no frame of {len(frame.data)} bytes{code} on 0x{frame.id:X}")]
+    return kind, [Reason(STRONG, kind, f"it has no frame of {len(frame.data)} bytes{code} on 0x{frame.id:X}")]
 
 
 def _against(message: Message, variant: Variant, frame: CanFrame) -> Iterator[Reason]:
     where = f"{message.direction.value} of {message.command}"
     for field in wrong_constants(variant, frame):
-        yield Reason(Weight.STRONG, message.name, f"{where}: `{field.name}` is not {field.constant}")
+        yield Reason(STRONG, message.name, f"{where}: `{field.name}` is not {field.constant}")
     reserved = _reserved(message, variant, frame)
     if reserved:
         places = ", ".join(f"DATA[{byte}]" for byte in reserved)
-        yield Reason(Weight.WEAK, message.name, f"{where}: {places} should be 0")
+        yield Reason(min(WEAK * len(reserved), STRONG), message.name, f"{where}: {places} should be 0")
     for field in variant.fields:
         if field.constant is None:
             yield from _field(message, where, field, frame)
@@ -185,15 +182,15 @@ def _field(message: Message, where: str, field: Field, frame: CanFrame) -> Itera
     for raw in found if isinstance(found, list) else [found]:
         type_, named = field.type, f"{where}: `{field.name}`"
         if type_.enum and all(member.value != raw for member in type_.enum):
-            yield Reason(Weight.STRONG, message.name, f"{named} has a value without a name")
+            yield Reason(STRONG, message.name, f"{named} has a value without a name")
         elif type_.flags and raw & ~sum(1 << flag.value for flag in type_.flags):
-            yield Reason(Weight.MEDIUM, message.name, f"{named} has bits without a name")
+            yield Reason(UNNAMED, message.name, f"{named} has bits without a name")
         elif not _is_plausible(type_, raw):
             limits = words.span(type_.plausible) if type_.plausible else ""
             unit = f" {type_.unit.symbol}" if type_.unit else ""
-            yield Reason(Weight.MEDIUM, message.name, f"{named} is not within a plausible {limits}{unit}")
+            yield Reason(IMPLAUSIBLE, message.name, f"{named} is not within a plausible {limits}{unit}")
         elif not _is_in_range(type_, raw):
-            yield Reason(Weight.WEAK, message.name, f"{named} is beyond its range")
+            yield Reason(WEAK, message.name, f"{named} is beyond its range")
 
 
 def _assignments(parameter: str | None, cases: Iterable[str]) -> list[Assignment]:

@@ -68,5 +68,7 @@ def _by_python_can(file: Path) -> Iterator[CanFrame]:
                 yield CanFrame(
                     message.arbitration_id, bytes(message.data), message.is_extended_id, message.is_remote_frame
                 )
-    except (ValueError, LookupError, AttributeError) as error:
+    except OSError:
+        raise
+    except Exception as error:  # each of the readers raises its own
         raise LogError(f"{file} cannot be read as {file.suffix}: {error}") from None

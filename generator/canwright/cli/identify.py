@@ -83,7 +83,11 @@ def _listed(editions: Sequence[Edition]) -> str:
 def _summary(candidate: Candidate, count: int) -> str:
     if not candidate.against:
         return "explains every frame"
-    return f"explains {candidate.explained} of {count} frames; {candidate.score} points against it"
+    return f"explains {candidate.explained} of {count} frames; {_points(candidate.score)} against it"
+
+
+def _points(score: int) -> str:
+    return f"{score} point{'' if score == 1 else 's'}"
 
 
 def _evidence(evidence: Evidence) -> str:
@@ -101,7 +105,7 @@ def _json(family: str, findings: Sequence[Finding], foreign: int) -> str:
         against = [
             {
                 "text": e.reason.text,
-                "weight": e.reason.weight.name.lower(),
+                "points": e.reason.points,
                 "frames": e.count,
                 "among": e.among,
                 "example": _frame(e.example),
