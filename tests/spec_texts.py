@@ -5,10 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from canwright.diagnostics import Diagnostic, SpecError
-from canwright.load import described
+from canwright.load import described, spec_files
 from canwright.model import Edition
 
 ROOT = Path(__file__).parent.parent
+SPECS = [*spec_files(ROOT / "spec"), *spec_files(ROOT / "tests/specs")]
+"""Every whole spec there is: those that are published, and those that use what they do not."""
+
 
 MINIMAL = """\
 canwright: 1
@@ -25,6 +28,11 @@ commands:
     request: {level: {at: 2, type: level}}
     reply: echo
 """
+
+
+def called(file: Path) -> str:
+    """What a test calls a spec file."""
+    return f"{file.parent.name}/{file.stem}"
 
 
 def edition(folder: Path, text: str) -> Edition:

@@ -46,6 +46,15 @@ class LayoutResolver:
         """The layout of one message."""
         return self._layout(path, path, name, fields, title, self._context.text(path, None), manual, False)
 
+    def joined(self, path: Path, name: str, layout: Layout, more: schema.Fields) -> Layout:
+        """The layout of one message: the fields of another layout, and `more`, which stand at `path`."""
+        own = self._layout(path, path, name, more, layout.title, layout.about, layout.manual, False)
+        if None not in (own.parameter, layout.parameter) and own.parameter != layout.parameter:
+            text = f"these fields depend on {own.parameter}, those of `{layout.name}` on {layout.parameter}"
+            self._context.report(path, "two-parameters", text, "give the command a layout of its own")
+        fields, parameter = (*own.fields, *layout.fields), own.parameter or layout.parameter
+        return dataclasses.replace(own, fields=fields, parameter=parameter, variants=self._variants(fields, parameter))
+
     def _layout(
         self,
         path: Path,

@@ -52,6 +52,7 @@ class MessageSpec(Concept):
         Name | Fields | None,
         Field(description="A shared layout's name, fields, or `entry`, those of the table's entry."),
     ] = None
+    fields: Annotated[Fields | None, Field(description="Further fields, besides those of `layout`.")] = None
     of: Annotated[Name | None, Field(description="The command whose reply this one is.")] = None
     from_each: Annotated[
         Nodes | None, Field(description="The nodes that reply, one frame each, in this order.", examples=["1..4"])

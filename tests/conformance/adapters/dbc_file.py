@@ -111,7 +111,7 @@ def _checked(
     fields = {place.signal.name: f for f in message.layout.fields for place in cells(found, prefix, f)}
     infinite = [name for name, value in data.items() if isinstance(value, float) and value - value != 0]
     try:
-        encoded = Encoded(found.frame_id, found.encode(data, scaling=scaled, strict=True))
+        encoded = Encoded(found.frame_id, found.encode(data, scaling=scaled, strict=True), found.is_extended_frame)
     except (EncodeError, ValueError, OverflowError) as error:
         if infinite:
             return Refused(Refusal.NOT_FINITE, fields[infinite[0]].name)

@@ -167,7 +167,8 @@ class DocsAdapter:
             parts.append((row.bits, one))
         for bits, one in parts:
             can_id, word = (can_id | bits.write(one), word) if bits.in_id else (can_id, word | bits.write(one))
-        return Encoded(can_id, word.to_bytes(page.dlc, "little"))
+        data = b"" if page.remote else word.to_bytes(page.dlc, "little")
+        return Encoded(can_id, data, page.extended, page.remote)
 
     def _allowed(self, row: FieldRow, raw: int, parameters: Parameters) -> bool:
         width = int(row.raw[1:].split()[0])

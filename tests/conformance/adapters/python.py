@@ -96,8 +96,7 @@ class PythonAdapter:
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
     ) -> Encoded | Refused:
         try:
-            message = self.message(direction, command, node, raw, parameters)
-            return Encoded(message.can_id, message.encode())
+            return _encoded(self.message(direction, command, node, raw, parameters))
         except ValueError as error:
             return _refused(error)
 
@@ -121,8 +120,7 @@ class PythonAdapter:
             cls = self._class(direction, command)
             given = {attribute(n): self._given(cls, n, v) for n, v in values.items()}
             extra = {"parameters": self.parameters(parameters)} if self._takes_parameters(cls) else {}
-            message = cls(**self._node(cls, node), **given, **extra)
-            return Encoded(message.can_id, message.encode())
+            return _encoded(cls(**self._node(cls, node), **given, **extra))
         except ValueError as error:
             return _refused(error)
 
@@ -176,6 +174,10 @@ class PythonAdapter:
     def _flags(self, type_name: str, names: Sequence[str]) -> int:
         enum = getattr(self._module, class_name(type_name))
         return sum(int(enum[name.upper()]) for name in names)
+
+
+def _encoded(message: Any) -> Encoded:
+    return Encoded(message.can_id, message.encode(), message.EXTENDED, message.REMOTE)
 
 
 def _refused(error: ValueError) -> Refused:
