@@ -126,8 +126,13 @@ class LayoutResolver:
             self._context.report(
                 path, "field-type", "a field must have either `type` or `raw`", "raw: u8 is a bare number", key=True
             )
+        if written.type is not None and written.byte_order is not None:
+            hint = "move it into the type, or write `raw` in place of `type`"
+            self._context.report((*path, "byte_order"), "field-type", "the type says in which order its bytes are", hint)
         if written.raw is not None:
-            bare = bare_type(self._context, written.raw, self._order, path)
+            bare = bare_type(self._context, written.raw, written.byte_order or self._order, path)
+            if bare.order is not self._order:
+                bare = dataclasses.replace(bare, name=f"{bare.name}_{bare.order.value}")
             return self.bare_types.setdefault(bare.name, bare)
         found = self._context.find((*path, "type"), "type", written.type, self._types) if written.type else None
         return found or bare_type(self._context, schema.EMPTY_RAW, self._order, path)

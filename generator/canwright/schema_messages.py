@@ -23,6 +23,9 @@ class FieldSpec(Titled):
     ]
     type: Annotated[Name | None, Field(description="A type of this edition.")] = None
     raw: Annotated[Raw | None, Field(description="A bare number of this format, in place of a type.")] = None
+    byte_order: Annotated[
+        Order | None, Field(description="Of a bare number: overrides the edition's byte order.", strict=False)
+    ] = None
     array: Annotated[
         Nodes | None, Field(description="Indices of an array whose elements follow one another.", examples=["1..4"])
     ] = None

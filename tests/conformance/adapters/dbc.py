@@ -14,8 +14,10 @@ from pathlib import Path
 from typing import TypeVar
 
 from canwright.golden import Refusal
-from canwright.model import Assignment, Direction, Space
+from canwright.interpret import CanFrame as ModelFrame, is_message
+from canwright.model import Assignment, Direction
 from canwright.targets import Described, dbc
+from canwright.targets.dbc.frames import Scope, obstacle, overlaid
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
 from .dbc_file import KIND, DbcFile, message_of
@@ -41,7 +43,7 @@ class DbcAdapter:
         "constants": "no reader checks what a constant signal holds",
         "not_finite": "a float signal takes NaN and infinity",
         "rounding": "a reader works in doubles, rounds ties its own way, and compares with limits before it rounds",
-        "left_out": "an id that carries a field, and a remote frame, have no form in a DBC",
+        "left_out": "an id that carries a field, a remote frame, and fixed bytes above fields have no form in a DBC",
         "selectors_apart": "nested multiplexors break readers; selectors that stand apart cannot be read as one",
         "lengths": "all messages of one id have one length",
     }
@@ -51,6 +53,9 @@ class DbcAdapter:
         self._edition = described.edition
         self._texts: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
         self._loaded: dict[str, DbcFile] = {}
+        self._left_out = {m.name for m in self._edition.all_messages() if obstacle(m)}
+        for direction in Direction:
+            self._left_out |= set(overlaid(Scope(self._edition, direction, {}, {})))
         self._limiting = {
             bound.parameter
             for message in self._edition.messages(Direction.REQUEST)
@@ -62,6 +67,9 @@ class DbcAdapter:
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
     ) -> Decoded | Refused:
+        for message in self._edition.messages(direction):
+            if message.name in self._left_out and is_message(message, ModelFrame(**vars(frame))):
+                raise Cannot("left_out")
         if frame.remote:
             return Refused(Refusal.UNKNOWN_ID)
         result = _agreed(_agreed_values(self._read(direction, frame, parameters)))
@@ -143,7 +151,7 @@ class DbcAdapter:
         scaled: bool,
     ) -> Encoded | Refused:
         message = message_of(self._edition.command(command), direction)
-        if message.remote or any(f.space is Space.ID and f.constant is None for f in message.layout.fields):
+        if message.name in self._left_out:
             raise Cannot("left_out")
         written = []
         for name, fixed in self._names(direction, parameters):
