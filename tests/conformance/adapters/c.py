@@ -187,5 +187,5 @@ def _value(word: str) -> Value:
     if word.startswith("+"):
         return [name for name in word.split("+") if name]
     if word.startswith("'"):
-        return word[1:]
+        return word[1:] or None
     return None if word == f"?{Refusal.NO_SCALE.value}" else float(word)

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from canwright.golden import Refusal
-from canwright.interpret import CanFrame as ModelFrame, is_message
-from canwright.model import Assignment, Direction
+from canwright.interpret import CanFrame as ModelFrame, has_id, is_message, node, wrong_constants
+from canwright.model import Assignment, Direction, Message, Space, Variant
 from canwright.targets import Described, dbc
 from canwright.targets.dbc.frames import Scope, obstacle, overlaid
 
@@ -40,6 +40,7 @@ class DbcAdapter:
         "other_value": "the files of a parameter value leave out the commands that it lacks",
         "unnamed": "minimum and maximum leave out no single values, so an encoder takes those without a name",
         "reply_limits": "in a reply file minimum and maximum are all that the bits hold",
+        "codes_in_id": "a DBC has ids, and does not know which part of them is a code",
         "constants": "no reader checks what a constant signal holds",
         "not_finite": "a float signal takes NaN and infinity",
         "rounding": "a reader works in doubles, rounds ties its own way, and compares with limits before it rounds",
@@ -67,9 +68,14 @@ class DbcAdapter:
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
     ) -> Decoded | Refused:
-        for message in self._edition.messages(direction):
-            if message.name in self._left_out and is_message(message, ModelFrame(**vars(frame))):
-                raise Cannot("left_out")
+        known = [m for m in self._edition.messages(direction) if has_id(m, ModelFrame(**vars(frame)))]
+        overlaid_ = (m for m in known if m.name in self._left_out)
+        if any(obstacle(m) or is_message(m, ModelFrame(**vars(frame))) for m in overlaid_):
+            raise Cannot("left_out")
+        if not known and self._has_rule(direction, frame):
+            raise Cannot("codes_in_id")
+        if any(self._constant_in_id(m, frame) for m in known):
+            raise Cannot("constants")
         if frame.remote:
             return Refused(Refusal.UNKNOWN_ID)
         result = _agreed(_agreed_values(self._read(direction, frame, parameters)))
@@ -82,6 +88,24 @@ class DbcAdapter:
         if expected is None or expected.command != result.command:
             raise Cannot("shared_code")
         return Decoded(answering, result.node, result.raw, result.values)
+
+    def _has_rule(self, direction: Direction, frame: CanFrame) -> bool:
+        """Whether an id is one of an address, but for the code in it."""
+        rules = {(m.id, m.remote): 0 for m in self._edition.messages(direction)}
+        for message in self._edition.messages(direction):
+            rules[message.id, message.remote] |= message.id_mask
+        kind = (frame.extended, frame.remote)
+        there = (rest for rest in rules.items() if (rest[0][0].extended, rest[0][1]) == kind and rest[1])
+        return any(
+            frame.id & ~mask == rule.base if rule.nodes is None else node(rule, frame.id & ~mask) is not None
+            for (rule, _), mask in there
+        )
+
+    @staticmethod
+    def _constant_in_id(message: Message, frame: CanFrame) -> bool:
+        """Whether a constant in the id is another one."""
+        variant = Variant((), tuple(f for f in message.layout.fields if f.space is Space.ID))
+        return bool(wrong_constants(variant, ModelFrame(**vars(frame))))
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters

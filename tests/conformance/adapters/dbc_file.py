@@ -14,7 +14,7 @@ from canwright.golden import Refusal
 from canwright.model import Command, Direction, Edition, Encoding, Field, Message, Space
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
-from .dbc_fields import Data, Number, cells, values_of
+from .dbc_fields import Data, Number, cells, float_of, values_of
 
 KIND = {Direction.REQUEST: "command", Direction.REPLY: "reply"}
 _NUMBER = re.compile(r"\d+(\.\d+)?")
@@ -136,10 +136,12 @@ def _refuse_unchecked(direction: Direction, field: Field, raw: int, parameters: 
     if (named and raw not in named) or (bits and raw & ~bits):
         raise Cannot("unnamed")
     span = field.type.raw_range.at({name: str(value) for name, value in parameters.items()})
-    if direction is Direction.REPLY and span and field.type.encoding is not Encoding.FLOAT:
+    if direction is Direction.REPLY and span:
+        is_float = field.type.encoding is Encoding.FLOAT
+        number = Fraction(float_of(field.type.width, raw)) if is_float else Fraction(raw)
         numbers = {name: Fraction(str(value)) for name, value in parameters.items() if _NUMBER.fullmatch(str(value))}
         low, high = span.low.at(numbers), span.high.at(numbers)
-        if (low is not None and raw < low) or (high is not None and raw > high):
+        if (low is not None and number < low) or (high is not None and number > high):
             raise Cannot("reply_limits")
 
 
