@@ -9,8 +9,10 @@ from canwright.load import described, spec_files
 from canwright.model import Edition
 
 ROOT = Path(__file__).parent.parent
-SPECS = [*spec_files(ROOT / "spec"), *spec_files(ROOT / "tests/specs")]
-"""Every whole spec there is: those that are published, and those that use what they do not."""
+SMALL = spec_files(ROOT / "tests/specs")
+"""Small whole specs, which use what those of `spec/` do not."""
+SPECS = [*spec_files(ROOT / "spec"), *SMALL]
+"""Every whole spec there is."""
 
 
 MINIMAL = """\

@@ -128,7 +128,9 @@ class LayoutResolver:
             )
         if written.type is not None and written.byte_order is not None:
             hint = "move it into the type, or write `raw` in place of `type`"
-            self._context.report((*path, "byte_order"), "field-type", "the type says in which order its bytes are", hint)
+            self._context.report(
+                (*path, "byte_order"), "field-type", "the type says in which order its bytes are", hint
+            )
         if written.raw is not None:
             bare = bare_type(self._context, written.raw, written.byte_order or self._order, path)
             if bare.order is not self._order:

@@ -77,7 +77,8 @@ class DbcFile:
         of_node = {m.name.removeprefix(owner): m for m in self._database.messages if m.name.startswith(owner)}
         if not of_node:
             return Refused(Refusal.UNKNOWN_NODE)
-        found = of_node.get(KIND[message.direction]) or of_node.get(message.command)
+        in_id = [f"{key.value:0{-(-key.width // 4)}X}" for key in message.keys if key.space is Space.ID]
+        found = of_node.get("_".join((KIND[message.direction], *in_id))) or of_node.get(message.command)
         selector = _selector(found) if found else None
         code = _code(message, selector) if selector else None
         if found is None or (selector and code is None):

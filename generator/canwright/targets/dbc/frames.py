@@ -40,8 +40,16 @@ class Part:
     @property
     def code(self) -> str:
         """The values of the keys in hexadecimal, as a part of names."""
+        return "_".join(self._codes(Space.DATA, Space.ID))
+
+    @property
+    def codes_in_id(self) -> tuple[str, ...]:
+        """The values of the keys that stand in the id, in hexadecimal."""
+        return tuple(self._codes(Space.ID))
+
+    def _codes(self, *spaces: Space) -> Iterator[str]:
         keys = zip(self.message.keys, self.values, strict=True)
-        return "_".join(f"{value:0{(key.width + 3) // 4}X}" for key, value in keys)
+        return (f"{value:0{(key.width + 3) // 4}X}" for key, value in keys if key.space in spaces)
 
     @property
     def id_bits(self) -> int:
