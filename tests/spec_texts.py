@@ -5,10 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 from canwright.diagnostics import Diagnostic, SpecError
-from canwright.load import described
+from canwright.load import described, spec_files
 from canwright.model import Edition
 
 ROOT = Path(__file__).parent.parent
+SMALL = spec_files(ROOT / "tests/specs")
+"""Small whole specs, which use what those of `spec/` do not."""
+SPECS = [*spec_files(ROOT / "spec"), *SMALL]
+"""Every whole spec there is."""
+
 
 MINIMAL = """\
 canwright: 1
@@ -25,6 +30,11 @@ commands:
     request: {level: {at: 2, type: level}}
     reply: echo
 """
+
+
+def called(file: Path) -> str:
+    """What a test calls a spec file."""
+    return f"{file.parent.name}/{file.stem}"
 
 
 def edition(folder: Path, text: str) -> Edition:

@@ -106,8 +106,10 @@ class Frame(Sourced):
     request: Annotated[Name | None, Field(description="The command, when this is its request.")] = None
     reply: Annotated[Name | None, Field(description="The command, when this is its reply.")] = None
     id: Annotated[int, Field(ge=0, description="CAN id.")]
+    extended: Annotated[bool, Field(description="True when the id is a 29-bit one.")] = False
+    remote: Annotated[bool, Field(description="True for a remote frame.")] = False
     node: Annotated[int | None, Field(description="Node; left out when the address has none.")] = None
-    data: Annotated[Data, Field(description="Data bytes in hex, byte 0 first.")]
+    data: Annotated[Data, Field(description="Data bytes in hex, byte 0 first; none in a remote frame.")]
     raw: Annotated[dict[Name, RawValue], Field(description="Every field and its raw integer.")] = {}
     values: Annotated[
         dict[Name, Value],
@@ -158,6 +160,8 @@ class CheckedFrame(Concept):
     """One frame of an exchange."""
 
     id: Annotated[int, Field(ge=0, description="CAN id.")]
+    extended: Annotated[bool, Field(description="True when the id is a 29-bit one.")] = False
+    remote: Annotated[bool, Field(description="True for a remote frame.")] = False
     data: Annotated[Data, Field(description="Data bytes in hex, byte 0 first.")]
 
 

@@ -5,6 +5,7 @@ Every number is an int or a Fraction; nothing here is a float.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
@@ -126,6 +127,12 @@ class Linear:
     @property
     def is_identity(self) -> bool:
         return self.scale == 1 and self.offset == 0
+
+    @property
+    def as_quotient(self) -> tuple[int, int, int]:
+        """Factor, addend and divisor: value = (raw * factor + addend) / divisor, all of them integers."""
+        divisor = math.lcm(self.scale.denominator, self.offset.denominator)
+        return int(self.scale * divisor), int(self.offset * divisor), divisor
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from .model import (
     Setting,
 )
 from .notation import IdExpression
+from .resolve_keys import keyed_by_constants, with_claims
 from .resolve_layouts import LayoutResolver
 from .resolve_messages import Form, MessageResolver
 from .resolve_types import Context, read_units, resolve_parameters, resolve_types
@@ -98,7 +99,7 @@ def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition
         tuple(addresses.values()),
         tuple({**types, **layouts.bare_types}.values()),
         messages.layouts,
-        messages.with_claims(commands),
+        with_claims(keyed_by_constants(commands)),
         tuple(_erratum(context, i, written) for i, written in enumerate(spec.errata)),
     )
 

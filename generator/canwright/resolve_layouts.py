@@ -46,6 +46,15 @@ class LayoutResolver:
         """The layout of one message."""
         return self._layout(path, path, name, fields, title, self._context.text(path, None), manual, False)
 
+    def joined(self, path: Path, name: str, layout: Layout, more: schema.Fields) -> Layout:
+        """The layout of one message: the fields of another layout, and `more`, which stand at `path`."""
+        own = self._layout(path, path, name, more, layout.title, layout.about, layout.manual, False)
+        if None not in (own.parameter, layout.parameter) and own.parameter != layout.parameter:
+            text = f"these fields depend on {own.parameter}, those of `{layout.name}` on {layout.parameter}"
+            self._context.report(path, "two-parameters", text, "give the command a layout of its own")
+        fields, parameter = (*own.fields, *layout.fields), own.parameter or layout.parameter
+        return dataclasses.replace(own, fields=fields, parameter=parameter, variants=self._variants(fields, parameter))
+
     def _layout(
         self,
         path: Path,
@@ -117,8 +126,15 @@ class LayoutResolver:
             self._context.report(
                 path, "field-type", "a field must have either `type` or `raw`", "raw: u8 is a bare number", key=True
             )
+        if written.type is not None and written.byte_order is not None:
+            hint = "move it into the type, or write `raw` in place of `type`"
+            self._context.report(
+                (*path, "byte_order"), "field-type", "the type says in which order its bytes are", hint
+            )
         if written.raw is not None:
-            bare = bare_type(self._context, written.raw, self._order, path)
+            bare = bare_type(self._context, written.raw, written.byte_order or self._order, path)
+            if bare.order is not self._order:
+                bare = dataclasses.replace(bare, name=f"{bare.name}_{bare.order.value}")
             return self.bare_types.setdefault(bare.name, bare)
         found = self._context.find((*path, "type"), "type", written.type, self._types) if written.type else None
         return found or bare_type(self._context, schema.EMPTY_RAW, self._order, path)

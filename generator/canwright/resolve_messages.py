@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from . import schema
 from .model import (
     Address,
-    Command,
     Direction,
     Key,
     Layout,
@@ -183,6 +182,8 @@ class MessageResolver:
             fields = spec.layout if isinstance(spec.layout, dict) else {}
             at = (*path, "layout") if isinstance(written, schema.MessageSpec) else path
             layout = self._own(at, layout_name, fields, command)
+        if spec.fields:
+            layout = self._resolver.joined((*path, "fields"), layout_name, layout, spec.fields)
         code = spec.code if spec.code is not None else self._spec.commands[command].code
         return Message(
             f"{form.name}_{direction.value}",
@@ -190,7 +191,7 @@ class MessageResolver:
             direction,
             address.name,
             address.request if direction is Direction.REQUEST else address.reply,
-            (*self._keys(command, code), *form.keys),
+            (*self._keys(command, code, address.name, direction), *form.keys),
             tuple(spec.accept or ()),
             (),
             self._spec.bus.dlc if spec.dlc is None else spec.dlc,
@@ -204,11 +205,14 @@ class MessageResolver:
         title = self._context.title(("commands", command), written.title, name)
         return self._resolver.own(path, name, fields, title, written.manual or "")
 
-    def _keys(self, command: str, code: int | None) -> tuple[Key, ...]:
+    def _keys(self, command: str, code: int | None, address: str, direction: Direction) -> tuple[Key, ...]:
         if code is None:
             return ()
         path: Path = ("commands", command, "code")
-        if self._spec.selector is None:
+        here = self._spec.addresses[address]
+        of_reply = here.reply_selector if direction is Direction.REPLY else None
+        selector = of_reply or here.selector or self._spec.selector
+        if selector is None:
             self._context.report(
                 path,
                 "no-selector",
@@ -216,7 +220,7 @@ class MessageResolver:
                 "selector: {at: 0, raw: u8}",
             )
             return ()
-        return (self._key("code", self._spec.selector, code, path),)
+        return (self._key("code", selector, code, path),)
 
     def _key(self, name: str, selector: schema.Selector, value: int, path: Path) -> Key:
         order = selector.byte_order or self._spec.byte_order
@@ -253,24 +257,3 @@ class MessageResolver:
         manual = entry.manual or table.manual
         written = schema.LayoutSpec(title=entry.title, about=entry.about, fields=entry.layout, manual=manual)
         return self._resolver.shared(path, name, written, (*path, "layout"))
-
-    def with_claims(self, commands: Sequence[Command]) -> tuple[Command, ...]:
-        """The commands with `claims` filled in: which codes stand for which message when nothing else is known."""
-        claims: dict[str, list[int]] = {}
-        for direction in Direction:
-            messages = [(c, c.request if direction is Direction.REQUEST else c.reply) for c in commands]
-            own = [(c.code, m) for c, m in messages if m is not None and m.command == c.name and m.keys]
-            taken: set[tuple[object, ...]] = set()
-            by_right = [(m.keys[0].value, m) for code, m in own if code == m.keys[0].value]
-            by_sending = [(m.keys[0].value, m) for _, m in own]
-            by_accepting = [(value, m) for _, m in own for value in m.accept]
-            for value, message in by_right + by_sending + by_accepting:
-                place = (message.id, message.remote, tuple((k.segments, k.value) for k in message.keys[1:]), value)
-                if place not in taken:
-                    taken.add(place)
-                    claims.setdefault(message.name, []).append(value)
-
-        def claimed(message: Message | None) -> Message | None:
-            return message and dataclasses.replace(message, claims=tuple(claims.get(message.name, ())))
-
-        return tuple(dataclasses.replace(c, request=claimed(c.request), reply=claimed(c.reply)) for c in commands)

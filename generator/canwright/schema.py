@@ -42,6 +42,10 @@ class Address(Titled):
     request: Annotated[IdText | None, Field(description="Id of requests, when replies have another.")] = None
     reply: Annotated[IdText | None, Field(description="Id of replies, when requests have another.")] = None
     nodes: Annotated[Nodes | None, Field(description="The nodes there can be.", examples=["1..32"])] = None
+    selector: Annotated[Selector | None, Field(description="What tells commands here, when not the edition's.")] = None
+    reply_selector: Annotated[
+        Selector | None, Field(description="What tells replies, when it stands elsewhere than in requests.")
+    ] = None
     extended: Annotated[bool, Field(description="True for 29-bit ids.")] = False
     manual: Annotated[Section | None, Field(description="Section of the manual.")] = None
 

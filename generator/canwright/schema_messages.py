@@ -23,6 +23,9 @@ class FieldSpec(Titled):
     ]
     type: Annotated[Name | None, Field(description="A type of this edition.")] = None
     raw: Annotated[Raw | None, Field(description="A bare number of this format, in place of a type.")] = None
+    byte_order: Annotated[
+        Order | None, Field(description="Of a bare number: overrides the edition's byte order.", strict=False)
+    ] = None
     array: Annotated[
         Nodes | None, Field(description="Indices of an array whose elements follow one another.", examples=["1..4"])
     ] = None
@@ -52,6 +55,7 @@ class MessageSpec(Concept):
         Name | Fields | None,
         Field(description="A shared layout's name, fields, or `entry`, those of the table's entry."),
     ] = None
+    fields: Annotated[Fields | None, Field(description="Further fields, besides those of `layout`.")] = None
     of: Annotated[Name | None, Field(description="The command whose reply this one is.")] = None
     from_each: Annotated[
         Nodes | None, Field(description="The nodes that reply, one frame each, in this order.", examples=["1..4"])

@@ -48,10 +48,11 @@ def in_unit(limits: Range, linear: Linear) -> Range:
     return Range(low, high) if linear.scale > 0 else Range(high, low)
 
 
-def raw_format(type_: Type) -> str:
-    """`i16`, or `i16 big-endian` when it spans bytes in that order."""
+def raw_format(type_: Type, segments: tuple[Segment, ...] = ()) -> str:
+    """`i16`, or `i16 big-endian` when it spans bytes in that order, as more than eight bits do and fewer can."""
     letter = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}[type_.encoding]
-    return f"{letter}{type_.width}" + (" big-endian" if type_.order is Order.BIG and type_.width > 8 else "")
+    spans = len(segments) > 1 or type_.width > 8
+    return f"{letter}{type_.width}" + (" big-endian" if type_.order is Order.BIG and spans else "")
 
 
 def place(space: Space, segments: tuple[Segment, ...]) -> str:

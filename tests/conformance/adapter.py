@@ -33,6 +33,8 @@ class Encoded:
 
     id: int
     data: bytes
+    extended: bool = False
+    remote: bool = False
 
 
 @dataclass(frozen=True)

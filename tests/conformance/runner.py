@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
 
-from canwright.golden import Exchange, Frame, GoldenFrames, RefusedFrame, RefusedValues
+from canwright.golden import CheckedFrame, Exchange, Frame, GoldenFrames, RefusedFrame, RefusedValues
 from canwright.model import Direction, Edition
 
 from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused
@@ -79,7 +79,7 @@ class Runner:
 
     def _decode(self, frame: Frame) -> str:
         answering = frame.command if frame.direction is Direction.REPLY else None
-        found = self._adapter.decode(frame.direction, CanFrame(frame.id, frame.data), frame.parameters, answering)
+        found = self._adapter.decode(frame.direction, _can(frame), frame.parameters, answering)
         if not isinstance(found, Decoded):
             return f"refused: {found}"
         if found.command != frame.command:
@@ -88,7 +88,7 @@ class Runner:
 
     def _decode_alone(self, frame: Frame) -> str:
         """A reply read by itself means the same, whichever of the commands it may answer is named."""
-        found = self._adapter.decode(frame.direction, CanFrame(frame.id, frame.data), frame.parameters, None)
+        found = self._adapter.decode(frame.direction, _can(frame), frame.parameters, None)
         return self._compare(frame, found) if isinstance(found, Decoded) else f"refused: {found}"
 
     def _compare(self, frame: Frame, found: Decoded) -> str:
@@ -131,13 +131,12 @@ class Runner:
         )
 
     def _encoded(self, frame: Frame, found: Encoded | Refused) -> str:
-        if isinstance(found, Encoded) and (found.id, found.data) == (frame.id, frame.data):
+        if found == Encoded(frame.id, frame.data, frame.extended, frame.remote):
             return ""
         return f"wrote {found}, not 0x{frame.id:X} {frame.data.hex(' ')}"
 
     def _refused_frame(self, entry: RefusedFrame) -> str:
-        frame = CanFrame(entry.id, entry.data, entry.extended, entry.remote)
-        found = self._adapter.decode(entry.decode, frame, entry.parameters, None)
+        found = self._adapter.decode(entry.decode, _can(entry), entry.parameters, None)
         return "" if isinstance(found, Refused) and found.says is entry.says else f"{found}, not {entry.says.value}"
 
     def _refused_values(self, entry: RefusedValues) -> str:
@@ -152,11 +151,13 @@ class Runner:
         return ""
 
     def _exchange(self, entry: Exchange) -> str:
-        found = self._adapter.answers(
-            CanFrame(entry.request.id, entry.request.data), CanFrame(entry.reply.id, entry.reply.data)
-        )
+        found = self._adapter.answers(_can(entry.request), _can(entry.reply))
         says = found.says if found else None
         return "" if says is entry.says else f"{says}, not {entry.says}"
+
+
+def _can(entry: Frame | RefusedFrame | CheckedFrame) -> CanFrame:
+    return CanFrame(entry.id, entry.data, entry.extended, entry.remote)
 
 
 def _beyond_double(frame: Frame) -> bool:

@@ -9,14 +9,12 @@ from pathlib import Path
 import can
 import pytest
 from canwright.golden import Frame
-from canwright.load import described, spec_files
+from canwright.load import described
 from canwright.model import Direction
 from canwright.targets import python as target
 
-from ..spec_texts import ROOT
+from ..spec_texts import ROOT, SPECS, called
 from .adapters.python import PythonAdapter
-
-SPECS = spec_files(ROOT / "spec")
 
 
 @pytest.fixture
@@ -29,7 +27,7 @@ def buses(request: pytest.FixtureRequest) -> Iterator[tuple[can.BusABC, can.BusA
     node.shutdown()
 
 
-@pytest.mark.parametrize("spec", SPECS, ids=lambda file: file.stem)
+@pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_frames_cross_a_bus(
     spec: Path, buses: tuple[can.BusABC, can.BusABC], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -52,7 +50,7 @@ def test_frames_cross_a_bus(
         decode = module.decode_request if frame.direction is Direction.REQUEST else module.decode_reply
         parameters = adapter.parameters(frame.parameters)
         if frame.decode_only:
-            sender.send(can.Message(arbitration_id=frame.id, data=frame.data, is_extended_id=False))
+            sender.send(can.Message(arbitration_id=frame.id, data=frame.data, is_extended_id=frame.extended))
         else:
             sender.send(python_can.to_message(_message(adapter, frame)))
         received = receiver.recv(timeout=1)

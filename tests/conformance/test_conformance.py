@@ -5,18 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from canwright.load import described, spec_files
+from canwright.load import described
 
-from ..spec_texts import ROOT
+from ..spec_texts import SPECS, called
 from .adapters import ADAPTERS
 from .runner import Runner
 from .summary import REPORTS
 
-SPECS = spec_files(ROOT / "spec")
-
 
 @pytest.mark.parametrize("target", ADAPTERS)
-@pytest.mark.parametrize("spec", SPECS, ids=lambda file: file.stem)
+@pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_golden_frames(spec: Path, target: str, tmp_path: Path) -> None:
     item = described(spec)
     assert item.frames is not None, f"{spec.name} has no golden frames beside it"
@@ -25,7 +23,7 @@ def test_golden_frames(spec: Path, target: str, tmp_path: Path) -> None:
     assert not report.failures, f"{len(report.failures)} failures\n" + "\n".join(report.failures[:40])
 
 
-@pytest.mark.parametrize("spec", SPECS, ids=lambda file: file.stem)
+@pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_every_message_has_a_golden_frame(spec: Path) -> None:
     item = described(spec)
     assert item.frames is not None

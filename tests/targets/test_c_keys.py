@@ -94,7 +94,7 @@ FRAMES = [
 @pytest.mark.parametrize(("command", "raw", "id_", "data"), FRAMES, ids=[f[0] for f in FRAMES])
 def test_there_and_back(command: str, raw: dict[str, int], id_: int, data: str, target: CAdapter) -> None:
     frame = CanFrame(id_, bytes.fromhex(data), extended=True)
-    assert target.encode_raw(Direction.REQUEST, command, 2, raw, {}) == Encoded(frame.id, frame.data)
+    assert target.encode_raw(Direction.REQUEST, command, 2, raw, {}) == Encoded(frame.id, frame.data, extended=True)
     decoded = target.decode(Direction.REQUEST, frame, {}, None)
     assert decoded == Decoded(command, 2, raw, {name: float(value) for name, value in raw.items()})
 

@@ -15,6 +15,8 @@ from canwright.golden import Frame, GoldenFrames
 from canwright.load import described
 from canwright.targets import Described, dbc
 
+from ..spec_texts import SMALL, called
+
 ROOT = Path(__file__).parents[2]
 CASES = Path(__file__).parent / "dbc"
 MAIN = ROOT / "spec" / "mwd_motor" / "v2.35.yaml"
@@ -44,7 +46,7 @@ def files(spec: Path, **set_parameters: str) -> dict[str, str]:
     return {path: text for path, text in made(spec, **set_parameters).items() if path.endswith(".dbc")}
 
 
-@pytest.fixture(scope="module", params=SPECS, ids=lambda spec: spec.stem)
+@pytest.fixture(scope="module", params=[*SPECS, *SMALL], ids=called)
 def texts(request: pytest.FixtureRequest) -> Mapping[str, str]:
     return files(request.param)
 

@@ -35,6 +35,7 @@ from hypothesis import given, settings, strategies as st
 
 from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
 from ..conformance.adapters.dbc import DbcAdapter
+from ..spec_texts import SMALL, called
 from .test_dbc import CASES, SPECS, files
 
 
@@ -51,7 +52,7 @@ def loaded_by_canmatrix(text: str) -> Any:
     return matrix
 
 
-@pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
+@pytest.mark.parametrize("spec", [*SPECS, *SMALL], ids=called)
 def test_cantools_and_canmatrix_agree_on_every_signal(spec: Path) -> None:
     for path, text in files(spec).items():
         first, second = loaded(text), loaded_by_canmatrix(text)
@@ -163,7 +164,7 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
     frame = CanFrame(id_, packed(message, raw), message.id.extended)
 
     written = adapter(spec).encode_raw(message.direction, message.command, node, flat, assignment)
-    assert written == Encoded(frame.id, frame.data)
+    assert written == Encoded(frame.id, frame.data, frame.extended)
     for code in message.claims or [None]:
         if code is not None and message.keys[0].space is Space.DATA:
             key = dataclasses.replace(message.keys[0], value=code)

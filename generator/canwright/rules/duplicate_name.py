@@ -18,3 +18,10 @@ def check(subject: Subject) -> Found:
                 text = f"there is another {what} `{name}`, {'.'.join(map(str, first[name]))}"
                 yield Finding(path, text, "rename one of them", key=what != "erratum")
             first.setdefault(name, path)
+    for message in edition.all_messages():
+        seen: set[str] = set()
+        for field in message.layout.fields:
+            if field.name in seen:
+                text = f"the request or reply has another field `{field.name}`, of its layout"
+                yield Finding(message.path, text, "rename one of them", key=True)
+            seen.add(field.name)

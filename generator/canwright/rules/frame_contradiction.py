@@ -35,7 +35,7 @@ def _frame(edition: Edition, frame: Frame) -> list[Problem]:
     message = messages.get(frame.command)
     if message is None:
         return [((direction,), f"no command `{frame.command}` has a {direction}", nearest(frame.command, messages))]
-    can = CanFrame(frame.id, frame.data, message.id.extended, message.remote)
+    can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
     problem = _header(message, frame, can)
     if problem:
         return [problem]
@@ -49,9 +49,13 @@ def _frame(edition: Edition, frame: Frame) -> list[Problem]:
 
 
 def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
+    for key, wanted in (("extended", message.id.extended), ("remote", message.remote)):
+        if getattr(frame, key) is not wanted:
+            text = f"{message.name} is {'' if wanted else 'no '}{'frame with a 29-bit id' if key == 'extended' else 'remote frame'}"
+            return (), text, f"{key}: {str(wanted).lower()}"
     if not has_id(message, can):
         return ("id",), f"0x{frame.id:X} is no id of {message.name}", "check the id, and the address in the spec"
-    if len(frame.data) != message.dlc:
+    if len(frame.data) != (0 if message.remote else message.dlc):
         return ("data",), f"{len(frame.data)} bytes, but {message.name} has {message.dlc}", "check `data` and `dlc`"
     if not is_message(message, can):
         return ("data",), f"these bytes do not select {message.name}", "check the code"

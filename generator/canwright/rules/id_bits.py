@@ -14,7 +14,7 @@ def check(subject: Subject) -> Found:
     seen: set[Path] = set()
     for message in subject.edition.all_messages():
         taken = _bits(message.id)
-        for name, path, segments in _in_id(message):
+        for name, path, segments in _in_id(subject, message):
             clash = [bit for s in segments for bit in range(s.low, s.low + s.width) if taken >> bit & 1]
             if clash and path not in seen:
                 seen.add(path)
@@ -22,10 +22,12 @@ def check(subject: Subject) -> Found:
                 yield Finding(path, text, "move it, or check `id` and `nodes` of the address")
 
 
-def _in_id(message: Message) -> Iterator[tuple[str, Path, tuple[Segment, ...]]]:
+def _in_id(subject: Subject, message: Message) -> Iterator[tuple[str, Path, tuple[Segment, ...]]]:
+    address = subject.spec.addresses[message.address]
     for key in message.keys:
         if key.space is Space.ID:
-            yield "the selector", ("selector",) if key.name == "code" else message.path, key.segments
+            of_edition = key.name == "code" and not (address.selector or address.reply_selector)
+            yield "the selector", ("selector",) if of_edition else message.path, key.segments
     for field in message.layout.fields:
         for element in field.elements if field.space is Space.ID else ():
             yield f"`{field.name}`", field.path, element.segments

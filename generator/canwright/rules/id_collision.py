@@ -1,10 +1,10 @@
-"""No id belongs to two addresses of one direction."""
+"""No id belongs to two addresses of one direction, unless all their ids are the same."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..model import Address, Direction, Edition, Space
+from ..model import Address, Direction, Edition, IdRule, Space
 from . import ids
 from .rule import Finding, Found, Subject
 
@@ -15,7 +15,7 @@ def check(subject: Subject) -> Found:
         for i, address in enumerate(edition.addresses):
             for other in edition.addresses[:i]:
                 shared = _shared(edition, direction, address, other)
-                if shared is not None:
+                if shared is not None and _rule(address, direction) != _rule(other, direction):
                     text = f"the {direction.value} id 0x{shared:X} belongs to `{other.name}` as well"
                     yield Finding(address.path, text, "check `id` and `nodes` of both")
 
@@ -35,5 +35,9 @@ def _ids(edition: Edition, direction: Direction, address: Address) -> Sequence[r
     """The ids of an address; where the selector is in the id, those of its messages."""
     of_address = [m for m in edition.messages(direction) if m.address == address.name]
     selected = [ids.of_message(m) for m in of_address if any(k.space is Space.ID for k in m.keys)]
-    rule = address.request if direction is Direction.REQUEST else address.reply
+    rule = _rule(address, direction)
     return list(dict.fromkeys(selected)) or [ids.of_rule(rule)]
+
+
+def _rule(address: Address, direction: Direction) -> IdRule:
+    return address.request if direction is Direction.REQUEST else address.reply

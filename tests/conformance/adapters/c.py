@@ -118,7 +118,9 @@ class CAdapter:
         answer = self._ask("encode", message.name, *start, *words)
         if isinstance(answer, Refused):
             return answer
-        return Encoded(int(answer[0], 16) & 0x1FFFFFFF, bytes.fromhex(answer[1] if len(answer) > 1 else ""))
+        id_, data = int(answer[0], 16), bytes.fromhex(answer[1] if len(answer) > 1 else "")
+        is_remote = bool(id_ & REMOTE)
+        return Encoded(id_ & 0x1FFFFFFF, b"" if is_remote else data, bool(id_ & EXTENDED), is_remote)
 
     def _known(self, parameters: Parameters) -> Iterator[str]:
         """For each parameter of the edition the place of its value, or numerator and denominator; 0 is not known."""
@@ -185,5 +187,5 @@ def _value(word: str) -> Value:
     if word.startswith("+"):
         return [name for name in word.split("+") if name]
     if word.startswith("'"):
-        return word[1:]
+        return word[1:] or None
     return None if word == f"?{Refusal.NO_SCALE.value}" else float(word)

@@ -14,8 +14,10 @@ from pathlib import Path
 from typing import TypeVar
 
 from canwright.golden import Refusal
-from canwright.model import Assignment, Direction, Space
+from canwright.interpret import CanFrame as ModelFrame, has_id, is_message, node, wrong_constants
+from canwright.model import Assignment, Direction, Message, Space, Variant
 from canwright.targets import Described, dbc
+from canwright.targets.dbc.frames import Scope, obstacle, overlaid
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
 from .dbc_file import KIND, DbcFile, message_of
@@ -38,10 +40,11 @@ class DbcAdapter:
         "other_value": "the files of a parameter value leave out the commands that it lacks",
         "unnamed": "minimum and maximum leave out no single values, so an encoder takes those without a name",
         "reply_limits": "in a reply file minimum and maximum are all that the bits hold",
+        "codes_in_id": "a DBC has ids, and does not know which part of them is a code",
         "constants": "no reader checks what a constant signal holds",
         "not_finite": "a float signal takes NaN and infinity",
         "rounding": "a reader works in doubles, rounds ties its own way, and compares with limits before it rounds",
-        "left_out": "an id that carries a field, and a remote frame, have no form in a DBC",
+        "left_out": "an id that carries a field, a remote frame, and fixed bytes above fields have no form in a DBC",
         "selectors_apart": "nested multiplexors break readers; selectors that stand apart cannot be read as one",
         "lengths": "all messages of one id have one length",
     }
@@ -51,6 +54,9 @@ class DbcAdapter:
         self._edition = described.edition
         self._texts: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
         self._loaded: dict[str, DbcFile] = {}
+        self._left_out = {m.name for m in self._edition.all_messages() if obstacle(m)}
+        for direction in Direction:
+            self._left_out |= set(overlaid(Scope(self._edition, direction, {}, {})))
         self._limiting = {
             bound.parameter
             for message in self._edition.messages(Direction.REQUEST)
@@ -62,6 +68,14 @@ class DbcAdapter:
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
     ) -> Decoded | Refused:
+        known = [m for m in self._edition.messages(direction) if has_id(m, ModelFrame(**vars(frame)))]
+        overlaid_ = (m for m in known if m.name in self._left_out)
+        if any(obstacle(m) or is_message(m, ModelFrame(**vars(frame))) for m in overlaid_):
+            raise Cannot("left_out")
+        if not known and self._has_rule(direction, frame):
+            raise Cannot("codes_in_id")
+        if any(self._constant_in_id(m, frame) for m in known):
+            raise Cannot("constants")
         if frame.remote:
             return Refused(Refusal.UNKNOWN_ID)
         read = self._read(direction, frame, parameters)
@@ -79,6 +93,24 @@ class DbcAdapter:
         if expected is None or expected.command != result.command:
             raise Cannot("shared_code")
         return Decoded(answering, result.node, result.raw, result.values)
+
+    def _has_rule(self, direction: Direction, frame: CanFrame) -> bool:
+        """Whether an id is one of an address, but for the code in it."""
+        rules = {(m.id, m.remote): 0 for m in self._edition.messages(direction)}
+        for message in self._edition.messages(direction):
+            rules[message.id, message.remote] |= message.id_mask
+        kind = (frame.extended, frame.remote)
+        there = (rest for rest in rules.items() if (rest[0][0].extended, rest[0][1]) == kind and rest[1])
+        return any(
+            frame.id & ~mask == rule.base if rule.nodes is None else node(rule, frame.id & ~mask) is not None
+            for (rule, _), mask in there
+        )
+
+    @staticmethod
+    def _constant_in_id(message: Message, frame: CanFrame) -> bool:
+        """Whether a constant in the id is another one."""
+        variant = Variant((), tuple(f for f in message.layout.fields if f.space is Space.ID))
+        return bool(wrong_constants(variant, ModelFrame(**vars(frame))))
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
@@ -148,7 +180,7 @@ class DbcAdapter:
         scaled: bool,
     ) -> Encoded | Refused:
         message = message_of(self._edition.command(command), direction)
-        if message.remote or any(f.space is Space.ID and f.constant is None for f in message.layout.fields):
+        if message.name in self._left_out:
             raise Cannot("left_out")
         written = []
         for name, fixed in self._names(direction, parameters):

@@ -26,6 +26,12 @@ NAME_LENGTH = 32
 _FLOATS = {32: (">I", ">f"), 64: (">Q", ">d")}
 
 
+def float_of(width: int, raw: int) -> float:
+    """The number that bits are."""
+    as_int, as_float = _FLOATS[width]
+    return float(struct.unpack(as_float, struct.pack(as_int, raw))[0])
+
+
 @dataclass(frozen=True)
 class Cell:
     """A field, or one element of an array."""
@@ -54,8 +60,7 @@ class Cell:
 
     def put_raw(self, data: Data, raw: int, parameters: Mapping[str, object]) -> Refused | None:
         if self.field.type.encoding is Encoding.FLOAT:
-            as_int, as_float = _FLOATS[self.field.type.width]
-            data[self.signal.name] = struct.unpack(as_float, struct.pack(as_int, raw))[0]
+            data[self.signal.name] = float_of(self.field.type.width, raw)
             return None
         for signal, low, _ in self.signals:
             mask = (1 << signal.length) - 1

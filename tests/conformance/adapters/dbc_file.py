@@ -14,7 +14,7 @@ from canwright.golden import Refusal
 from canwright.model import Command, Direction, Edition, Encoding, Field, Message, Space
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
-from .dbc_fields import Data, Number, cells, values_of
+from .dbc_fields import Data, Number, cells, float_of, values_of
 
 KIND = {Direction.REQUEST: "command", Direction.REPLY: "reply"}
 _NUMBER = re.compile(r"\d+(\.\d+)?")
@@ -77,7 +77,8 @@ class DbcFile:
         of_node = {m.name.removeprefix(owner): m for m in self._database.messages if m.name.startswith(owner)}
         if not of_node:
             return Refused(Refusal.UNKNOWN_NODE)
-        found = of_node.get(KIND[message.direction]) or of_node.get(message.command)
+        in_id = [f"{key.value:0{-(-key.width // 4)}X}" for key in message.keys if key.space is Space.ID]
+        found = of_node.get("_".join((KIND[message.direction], *in_id))) or of_node.get(message.command)
         selector = _selector(found) if found else None
         code = _code(message, selector) if selector else None
         if found is None or (selector and code is None):
@@ -111,7 +112,7 @@ def _checked(
     fields = {place.signal.name: f for f in message.layout.fields for place in cells(found, prefix, f)}
     infinite = [name for name, value in data.items() if isinstance(value, float) and value - value != 0]
     try:
-        encoded = Encoded(found.frame_id, found.encode(data, scaling=scaled, strict=True))
+        encoded = Encoded(found.frame_id, found.encode(data, scaling=scaled, strict=True), found.is_extended_frame)
     except (EncodeError, ValueError, OverflowError) as error:
         if infinite:
             return Refused(Refusal.NOT_FINITE, fields[infinite[0]].name)
@@ -136,10 +137,12 @@ def _refuse_unchecked(direction: Direction, field: Field, raw: int, parameters: 
     if (named and raw not in named) or (bits and raw & ~bits):
         raise Cannot("unnamed")
     span = field.type.raw_range.at({name: str(value) for name, value in parameters.items()})
-    if direction is Direction.REPLY and span and field.type.encoding is not Encoding.FLOAT:
+    if direction is Direction.REPLY and span:
+        is_float = field.type.encoding is Encoding.FLOAT
+        number = Fraction(float_of(field.type.width, raw)) if is_float else Fraction(raw)
         numbers = {name: Fraction(str(value)) for name, value in parameters.items() if _NUMBER.fullmatch(str(value))}
         low, high = span.low.at(numbers), span.high.at(numbers)
-        if (low is not None and raw < low) or (high is not None and raw > high):
+        if (low is not None and number < low) or (high is not None and number > high):
             raise Cannot("reply_limits")
 
 

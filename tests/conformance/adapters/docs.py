@@ -54,26 +54,29 @@ class DocsAdapter:
         found = [(heading, rows) for heading, rows in tables(text) if heading in ("Request", "Reply")]
         for direction in Direction:
             here = [rows for heading, rows in found if heading.lower() == direction.value]
-            if len(here) == 2:
-                self._messages[direction, name] = message(*here)
+            if here and "Id" in here[0][0]:
+                self._messages[direction, name] = message(here[0], here[1] if len(here) > 1 else [[]])
 
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
     ) -> Decoded | Refused:
-        ours = [(n, m, self._node(m, frame)) for (d, n), m in self._messages.items() if d is direction]
+        pages = [(n, m) for (d, n), m in self._messages.items() if d is direction]
+        ours = [(n, m, self._node(m, frame, [p for _, p in pages])) for n, m in pages]
         ours = [(name, page, node) for name, page, node in ours if node != ()]
         if not ours:
             return Refused(Refusal.UNKNOWN_ID)
-        if all(len(frame.data) != page.dlc for _, page, _ in ours):
+        if all(len(frame.data) != page.dlc for _, page, _ in ours) and not frame.remote:
             return Refused(Refusal.WRONG_LENGTH)
         if answering is not None:
             ours = [entry for entry in ours if entry[0] == answering]
         rank = {"sent": 0, "accepted": 1}
-        fits = [(rank[fit], i) for i, (_, page, _) in enumerate(ours) if (fit := _fit(page, frame))]
+        fits = [(rank[fit], -len(page.keys), i) for i, (_, page, _) in enumerate(ours) if (fit := _fit(page, frame))]
         if not fits:
             return Refused(Refusal.UNKNOWN_CODE)
-        name, page, node = ours[min(fits)[1]]
-        if len(frame.data) != page.dlc:
+        name, page, node = ours[min(fits)[-1]]
+        if self._node(page, frame) == ():
+            return Refused(Refusal.UNKNOWN_ID)
+        if len(frame.data) != page.dlc and not frame.remote:
             return Refused(Refusal.WRONG_LENGTH)
         rows = self._rows(page, parameters)
         if isinstance(rows, Refused):
@@ -111,8 +114,7 @@ class DocsAdapter:
         found = self._scale(row, parameters)
         if isinstance(found, Refused):
             return None if found.says is Refusal.NO_SCALE else found
-        value = raw * found.step.numerator / found.step.denominator
-        return value + float(found.offset) if found.offset else value
+        return float(raw * found.step + found.offset)
 
     def _scale(self, row: FieldRow, parameters: Parameters) -> Scale | Refused:
         case = self._case(row.scales, parameters)
@@ -134,12 +136,13 @@ class DocsAdapter:
         return [row for row in page.rows if not row.only[0] or str(parameters[row.only[0]]) in row.only[1]]
 
     @staticmethod
-    def _node(page: MessagePage, frame: CanFrame) -> tuple[int | None, ...]:
-        """The node of a frame, in a tuple; an empty one when the id is not of this page."""
+    def _node(page: MessagePage, frame: CanFrame, others: Sequence[MessagePage] = ()) -> tuple[int | None, ...]:
+        """The node of a frame, in a tuple; an empty one when the id is not of this page, nor of others with its rule."""
         if (page.extended, page.remote) != (frame.extended, frame.remote):
             return ()
-        places = [*(key.bits for key in page.keys), *(row.bits for row in page.rows)]
-        free = sum(1 << bit for place in places if place.in_id for bit in place.numbers)
+        alike = [page, *(other for other in others if other.rule == page.rule)]
+        places = [place for p in alike for place in (*(k.bits for k in p.keys), *(row.bits for row in p.rows))]
+        free = sum(1 << bit for bit in {bit for place in places if place.in_id for bit in place.numbers})
         rest = (frame.id & ~free) - page.base
         if page.nodes is None:
             return (None,) if rest == 0 else ()
@@ -167,7 +170,8 @@ class DocsAdapter:
             parts.append((row.bits, one))
         for bits, one in parts:
             can_id, word = (can_id | bits.write(one), word) if bits.in_id else (can_id, word | bits.write(one))
-        return Encoded(can_id, word.to_bytes(page.dlc, "little"))
+        data = b"" if page.remote else word.to_bytes(page.dlc, "little")
+        return Encoded(can_id, data, page.extended, page.remote)
 
     def _allowed(self, row: FieldRow, raw: int, parameters: Parameters) -> bool:
         width = int(row.raw[1:].split()[0])
@@ -233,14 +237,18 @@ class DocsAdapter:
         if page is None:
             return Refused(Refusal.NOT_ANSWER)
         from_node = self._node(page, reply)
-        if from_node == () or from_node[0] not in (page.from_each or (node,)) or not _fit(page, reply):
+        if from_node == () or not _fit(page, reply) or len(reply.data) != page.dlc:
+            return Refused(Refusal.NOT_ANSWER)
+        expected = page.from_each or ((node,) if node is not None else ())
+        if from_node[0] is not None and expected and from_node[0] not in expected:
             return Refused(Refusal.NOT_ANSWER)
         if page.form == "echo" and request.data != reply.data:
             return Refused(Refusal.NOT_ANSWER)
         return None
 
     def _sent(self, frame: CanFrame) -> tuple[str, int | None] | Refused:
-        for (direction, name), page in self._messages.items():
+        pages = sorted(self._messages.items(), key=lambda entry: -len(entry[1].keys))
+        for (direction, name), page in pages:
             if direction is Direction.REQUEST and (node := self._node(page, frame)) != () and _fit(page, frame):
                 return name, node[0]
         return Refused(Refusal.UNKNOWN_CODE)

@@ -163,6 +163,11 @@ class MessagePage:
     keys: tuple[Key, ...]
     rows: tuple[FieldRow, ...]
 
+    @property
+    def rule(self) -> tuple[object, ...]:
+        """What tells the node from the id; pages with the same rule share their ids."""
+        return self.base, self.shift, self.nodes, self.extended, self.remote
+
 
 def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> MessagePage:
     """A direction of a command page from its two tables."""

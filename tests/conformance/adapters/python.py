@@ -65,7 +65,7 @@ class PythonAdapter:
             known = self.parameters(parameters)
             if direction is Direction.REQUEST:
                 message = module.decode_request(frame.id, frame.data, known, **flags)
-            elif answering is None:
+            elif answering is None or self._edition.command(answering).request is None:
                 message = module.decode_reply(frame.id, frame.data, known, **flags)
             else:
                 request = getattr(module, class_name(f"{answering}_request"))
@@ -83,21 +83,27 @@ class PythonAdapter:
         return {f.name for m in self._edition.all_messages() for f in m.layout.fields}
 
     def _values(self, message: Any, names: Mapping[str, str]) -> list[tuple[str, Value]]:
-        found = []
+        found: list[tuple[str, Value]] = []
         for name in message.fields():
             try:
-                found.append((names[name], _value(getattr(message, name))))
+                value = getattr(message, name)
+                unnamed = not isinstance(value, IntEnum) and names[name] in self._enums(message)
+                found.append((names[name], None if unnamed else _value(value)))
             except ValueError as error:
                 if _refused(error).says is not Refusal.MISSING_PARAMETER:
                     found.append((names[name], None))
         return found
 
+    def _enums(self, message: Any) -> set[str]:
+        """The fields whose values have names."""
+        same = (m for m in self._edition.all_messages() if class_name(m.name) == type(message).__name__)
+        return {f.name for m in same for f in m.layout.fields if f.type.enum}
+
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
     ) -> Encoded | Refused:
         try:
-            message = self.message(direction, command, node, raw, parameters)
-            return Encoded(message.can_id, message.encode())
+            return _encoded(self.message(direction, command, node, raw, parameters))
         except ValueError as error:
             return _refused(error)
 
@@ -121,14 +127,19 @@ class PythonAdapter:
             cls = self._class(direction, command)
             given = {attribute(n): self._given(cls, n, v) for n, v in values.items()}
             extra = {"parameters": self.parameters(parameters)} if self._takes_parameters(cls) else {}
-            message = cls(**self._node(cls, node), **given, **extra)
-            return Encoded(message.can_id, message.encode())
+            return _encoded(cls(**self._node(cls, node), **given, **extra))
         except ValueError as error:
             return _refused(error)
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         try:
-            self._module.check_reply(request.id, request.data, reply.id, reply.data)
+            self._module.check_reply(
+                *(request.id, request.data, reply.id, reply.data),
+                extended=request.extended,
+                remote=request.remote,
+                reply_extended=reply.extended,
+                reply_remote=reply.remote,
+            )
         except ValueError as error:
             return _refused(error)
         return None
@@ -176,6 +187,10 @@ class PythonAdapter:
     def _flags(self, type_name: str, names: Sequence[str]) -> int:
         enum = getattr(self._module, class_name(type_name))
         return sum(int(enum[name.upper()]) for name in names)
+
+
+def _encoded(message: Any) -> Encoded:
+    return Encoded(message.can_id, message.encode(), message.EXTENDED, message.REMOTE)
 
 
 def _refused(error: ValueError) -> Refused:

@@ -224,6 +224,12 @@ def _value(linear: Linear, type_: Type) -> str:
     """The value, one operation a step; a factor of 1 and an offset of 0 are no step."""
     factor, divisor = linear.scale.numerator, linear.scale.denominator
     is_float = type_.encoding is Encoding.FLOAT
+    if linear.offset and not is_float:
+        times, addend, below = linear.as_quotient
+        if max(map(abs, type_.raw_limits)) * abs(times) + abs(addend) <= EXACT:
+            product = "(double)raw" + (f" * {_literal(times)}" if times != 1 else "")
+            dividend = f"{product} {'+' if addend > 0 else '-'} {_literal(abs(addend))}"
+            return dividend if below == 1 else f"({dividend}) / {_literal(below)}"
     raw = f"canwright_number{type_.width}(raw)" if is_float else "(double)raw"
     above = f" * {_literal(factor)}" if factor != 1 else ""
     scaled = raw + above + (f" / {_literal(divisor)}" if divisor != 1 else "")

@@ -76,7 +76,7 @@ def entries(names: Names, edition: Edition, forms: Forms, direction: Direction) 
         Entry(
             forms.rule(edition.address(messages[0].address), direction),
             frame_id(messages[0]),
-            " && ".join(_other_length(dlc) for dlc in dict.fromkeys(m.dlc for m in messages)),
+            " && ".join(_other_length(dlc) for dlc in dict.fromkeys(m.dlc for m in messages if not m.remote)),
             _Tree(names, edition, messages).from_key(messages, 0),
         )
         for messages in grouped.values()
@@ -92,7 +92,7 @@ class _Tree:
 
     def __init__(self, names: Names, edition: Edition, messages: Sequence[Message]) -> None:
         self._names, self._edition = names, edition
-        self._one_length = len({m.dlc for m in messages}) == 1
+        self._any_length = messages[0].remote or len({m.dlc for m in messages}) == 1
 
     def from_key(self, messages: Sequence[Message], depth: int) -> Node:
         """Tells messages apart by their keys from `depth` on; one without a further key is what is left."""
@@ -125,7 +125,7 @@ class _Tree:
         unused = address_mask(self._edition, message.address, message.direction) & ~message.id_mask
         refusals = (
             (f"(frame->id & 0x{unused:X}u) != 0u" if unused else "", "UNKNOWN_ID"),
-            ("" if self._one_length else _other_length(message.dlc), "WRONG_LENGTH"),
+            ("" if self._any_length else _other_length(message.dlc), "WRONG_LENGTH"),
             (constant_mismatch(message), "WRONG_CONSTANT"),
         )
         command = self._names.upper("command", message.command)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 
 from ...model import Direction, Edition, Message, Segment, Space
 
@@ -40,7 +42,6 @@ def named_forms(edition: Edition) -> dict[Form, tuple[str, ...]]:
 
 def address_mask(edition: Edition, address: str, direction: Direction) -> int:
     """Bits of the id that keys and fields fill in some message of this direction."""
-    mask = 0
-    for message in edition.messages(direction):
-        mask |= message.id_mask if message.address == address else 0
-    return mask
+    here = edition.address(address)
+    rule = here.request if direction is Direction.REQUEST else here.reply
+    return reduce(or_, (m.id_mask for m in edition.messages(direction) if m.id == rule), 0)

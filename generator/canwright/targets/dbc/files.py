@@ -23,7 +23,11 @@ _NOBODY = "Vector__XXX"
 
 
 def files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
-    """All files of an edition, those for every node before those for the first one alone."""
+    """All files of an edition, those for every node before those for the first one alone; none without a frame."""
+    return (file for file in _files(edition, set_parameters) if file.messages)
+
+
+def _files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
     for scope in scopes(edition, set_parameters):
         yield from _variants(scope, ())
         nodes = next((m.id.nodes for m in edition.messages(scope.direction) if m.id.nodes), None)
@@ -104,12 +108,13 @@ def _message(
     comment: str,
     taken: Collection[str],
 ) -> Message:
-    """A frame of one node; it is called after the direction, or after the command where the id alone tells it."""
+    """A frame of one node; it is called after the direction and a code in the id, or after the command where that is all."""
     first = frame.parts[0]
     address = first.message.address
     ends = [(address, node)] if node is not None else [end for part in frame.parts for end in partners(scope, part)]
     nodes = tuple(dict.fromkeys(node_name(*end) for end in ends)) or (_NOBODY,)
-    name = f"{node_name(address, node)}_{KIND[scope.direction] if first.selectors else first.command.name}"
+    kind = "_".join((KIND[scope.direction], *first.codes_in_id))
+    name = f"{node_name(address, node)}_{kind if first.selectors else first.command.name}"
     return Message(
         frame.id(node) | (EXTENDED if frame.rule.extended else 0),
         fitting(name, taken),

@@ -40,8 +40,16 @@ class Part:
     @property
     def code(self) -> str:
         """The values of the keys in hexadecimal, as a part of names."""
+        return "_".join(self._codes(Space.DATA, Space.ID))
+
+    @property
+    def codes_in_id(self) -> tuple[str, ...]:
+        """The values of the keys that stand in the id, in hexadecimal."""
+        return tuple(self._codes(Space.ID))
+
+    def _codes(self, *spaces: Space) -> Iterator[str]:
         keys = zip(self.message.keys, self.values, strict=True)
-        return "_".join(f"{value:0{(key.width + 3) // 4}X}" for key, value in keys)
+        return (f"{value:0{(key.width + 3) // 4}X}" for key, value in keys if key.space in spaces)
 
     @property
     def id_bits(self) -> int:
@@ -76,6 +84,16 @@ def obstacle(message: Message) -> str:
     return f"the id carries {', '.join(varying)}, and a DBC has fixed ids only" if varying else ""
 
 
+def overlaid(scope: Scope) -> dict[str, str]:
+    """The messages of an id that one multiplexor does not tell apart from the others there, each with the reason."""
+    return {
+        part.message.name: "fixed bytes tell it from the other messages of its id, which no multiplexor can say"
+        for parts in _by_id(scope).values()
+        for part in parts
+        if part not in _shown(parts)
+    }
+
+
 def messages(scope: Scope) -> Iterator[Message]:
     """The messages of the commands that there are under the assignment, in spec order."""
     available = [c for c in scope.edition.commands if c.available(scope.assignment)]
@@ -85,6 +103,17 @@ def messages(scope: Scope) -> Iterator[Message]:
 
 def frames(scope: Scope) -> list[Frame]:
     """The frames of a file, in the order their first messages have in the spec."""
+    return [Frame(rule, id_bits, _shown(parts)) for (rule, id_bits), parts in _by_id(scope).items()]
+
+
+def _shown(parts: Sequence[Part]) -> tuple[Part, ...]:
+    """What is left where no selector is, otherwise the messages whose selectors start in one place."""
+    places = [part.selectors[0][0].segments if part.selectors else () for part in parts]
+    shown = () if () in places else places[0]
+    return tuple(part for part, place in zip(parts, places, strict=True) if place == shown)
+
+
+def _by_id(scope: Scope) -> dict[tuple[IdRule, int], list[Part]]:
     found: dict[tuple[IdRule, int], list[Part]] = {}
     for message in (m for m in messages(scope) if not obstacle(m)):
         command = scope.edition.command(message.command)
@@ -92,7 +121,7 @@ def frames(scope: Scope) -> list[Frame]:
         for values in [(code, *rest) for code in message.claims] if message.keys else [()]:
             part = Part(command, message, values)
             found.setdefault((message.id, part.id_bits), []).append(part)
-    return [Frame(rule, id_bits, tuple(parts)) for (rule, id_bits), parts in found.items()]
+    return found
 
 
 def partners(scope: Scope, part: Part) -> Sequence[tuple[str, int | None]]:

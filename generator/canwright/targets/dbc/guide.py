@@ -10,7 +10,7 @@ from ...golden import Frame as GoldenFrame
 from ...model import Direction, Edition
 from .. import Described, header
 from .files import KIND
-from .frames import Part, Scope, frames, obstacle
+from .frames import Part, Scope, frames, obstacle, overlaid
 from .selectors import joined_span
 from .signals import LETTER
 from .text import number
@@ -106,7 +106,12 @@ def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
             reason = obstacle(message)
             if reason:
                 yield kind, message.command, f"left out: {reason}"
-        for frame in frames(Scope(edition, direction, {}, {})):
+        scope = Scope(edition, direction, {}, {})
+        reasons = overlaid(scope)
+        for message in edition.messages(direction):
+            if message.name in reasons:
+                yield kind, message.command, f"left out: {reasons[message.name]}"
+        for frame in frames(scope):
             length = max(part.message.dlc for part in frame.parts)
             for part in frame.parts:
                 if len(part.selectors) > 1 and joined_span(part) is None:

@@ -32,7 +32,7 @@ def rows(message: Message, command: Command, labels: Labels, language: str) -> I
     for i, key in enumerate(message.keys):
         accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept) if i == 0 else ""
         note = f"{labels['selector']}; {labels['accepted']} {accepted}" if accepted else labels["selector"]
-        order = " big-endian" if key.order is Order.BIG and key.width > 8 else ""
+        order = " big-endian" if key.order is Order.BIG and len(key.segments) > 1 else ""
         raw, value = code(f"u{key.width}{order}"), code(f"0x{key.value:02X}")
         yield Row(code(words.place(key.space, key.segments)), "", "", raw, "", value, "", "", note)
     for field in message.layout.fields:
@@ -45,7 +45,7 @@ def rows(message: Message, command: Command, labels: Labels, language: str) -> I
                 f"[{markdown(field.type.name)}](../types.md#{field.type.name})"
                 if field.type.path[0] == "types"
                 else "",
-                code(words.raw_format(field.type)),
+                code(words.raw_format(field.type, segments)),
                 *_numbers(field, message.layout, command, labels),
                 _only(message.layout, field),
                 markdown(field.title[language]) + _sentence(field.about[language]),

@@ -87,6 +87,22 @@ def read(p: Place, dlc: int) -> str:
     return _signed(shifted, p)
 
 
+def read_key(key: Key, shortest: int) -> str:
+    """The same for a selector in data of any length, at least `shortest`; bytes that are not there are left out."""
+    p = key_place(key)
+    if p.space is Space.ID:
+        return read(p, 0)
+    first, last = p.first_byte, max(s.byte for s in p.segments)
+    low = p.segments[0].low
+    word = f'int.from_bytes(data[{first}:{last + 1}], "{p.order.value}")'
+    if first == last < shortest:
+        word = f"data[{first}]"
+    if p.whole_bytes:
+        return word
+    mask = f"0x{(1 << p.width) - 1:X}"
+    return f"{word} >> {low} & {mask}" if low else f"{word} & {mask}"
+
+
 def _signed(expression: str, p: Place) -> str:
     sign = f"0x{1 << (p.width - 1):X}"
     return f"(({expression}) ^ {sign}) - {sign}" if p.signed else expression

@@ -3,6 +3,7 @@
 NAMES = (
     *("Bound", "CodecError", "Float", "Message", "Number", "Real", "Refusal", "Reply", "Request"),
     *(
+        "Reader",
         "Route",
         "Router",
         "ToAll",

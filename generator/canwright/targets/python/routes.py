@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import reduce
+from operator import or_
 
 from ...model import Direction, Edition, Key, Message, ReplyForm
 from . import bits, text
@@ -10,43 +12,55 @@ from . import bits, text
 
 def routes(edition: Edition, direction: Direction) -> Iterator[str]:
     """One `Route(...)` expression for every rule from node to id."""
-    groups: dict[tuple[object, bool, int], list[Message]] = {}
+    groups: dict[tuple[object, bool], list[Message]] = {}
     for message in edition.messages(direction):
-        groups.setdefault((message.id, message.remote, message.id_mask), []).append(message)
+        groups.setdefault((message.id, message.remote), []).append(message)
     for messages in groups.values():
         yield _route(messages)
 
 
 def _route(messages: list[Message]) -> str:
-    rule = messages[0].id
+    rule, mask = messages[0].id, reduce(or_, (m.id_mask for m in messages))
     nodes = f"range({rule.nodes[0]}, {rule.nodes[-1] + 1})" if rule.nodes is not None else "None"
     arguments = [f"0x{rule.base:X}", str(rule.node_shift), nodes]
-    if messages[0].id_mask:
-        arguments.append(f"mask=0x{messages[0].id_mask:X}")
+    if mask:
+        arguments.append(f"mask=0x{mask:X}")
     if rule.extended:
         arguments.append("extended=True")
     if messages[0].remote:
         arguments.append("remote=True")
-    keyed = [m for m in messages if m.keys]
-    if keyed:
-        arguments.append(f"selector=lambda can_id, data: {_read(keyed[0].keys[0], keyed[0].dlc)}")
-        arguments.append(f"messages={{{', '.join(_entries(keyed))}}}")
-    arguments += [f"single={text.class_name(m.name)}" for m in messages if not m.keys]
+    by_place: dict[object, list[Message]] = {}
+    for message in messages:
+        if message.keys:
+            by_place.setdefault((message.keys[0].space, message.keys[0].segments), []).append(message)
+    shortest = min(0 if m.remote else m.dlc for m in messages)
+    selectors = [
+        (_reader(keyed[0].keys[0], shortest), f"{{{', '.join(_entries(keyed, shortest))}}}")
+        for keyed in by_place.values()
+    ]
+    if selectors:
+        arguments += [f"selector={selectors[0][0]}", f"messages={selectors[0][1]}"]
+    if len(selectors) > 1:
+        arguments.append(f"more=({', '.join(f'({read}, {codes})' for read, codes in selectors[1:])},)")
+    arguments += [f"single={text.class_name(m.name)}" for m in messages if not m.keys][:1]
+    unused = {text.class_name(m.name): mask & ~m.id_mask for m in messages if mask & ~m.id_mask}
+    if unused:
+        arguments.append(f"unused={{{', '.join(f'{name}: 0x{bits_:X}' for name, bits_ in unused.items())}}}")
     return f"Route({', '.join(arguments)})"
 
 
-def _entries(messages: list[Message]) -> Iterator[str]:
+def _entries(messages: list[Message], shortest: int) -> Iterator[str]:
     found: dict[int, list[str]] = {}
-    for message in messages:
-        more = "".join(f"(lambda can_id, data: {_read(k, message.dlc)}, 0x{k.value:X})," for k in message.keys[1:])
+    for message in sorted(messages, key=lambda m: -len(m.keys)):
+        more = "".join(f"({_reader(k, shortest)}, 0x{k.value:X})," for k in message.keys[1:])
         for value in message.claims:
             found.setdefault(value, []).append(f"({text.class_name(message.name)}, ({more}))")
     for value, entries in found.items():
         yield f"0x{value:02X}: ({', '.join(entries)},)"
 
 
-def _read(key: Key, dlc: int) -> str:
-    return bits.read(bits.key_place(key), dlc)
+def _reader(key: Key, shortest: int) -> str:
+    return f"lambda can_id, data: {bits.read_key(key, shortest)}"
 
 
 def answers(edition: Edition) -> Iterator[str]:
@@ -55,9 +69,12 @@ def answers(edition: Edition) -> Iterator[str]:
         if command.request is None or command.reply is None:
             continue
         reply = command.reply
-        selectors = "None"
-        if reply.keys:
-            selectors = f"({''.join(f'0x{v:02X}, ' for v in (reply.keys[0].value, *reply.accept))})"
+        length = 0 if reply.remote else reply.dlc
+        selectors = "".join(
+            f"({_reader(k, length)}, ({''.join(f'0x{v:02X}, ' for v in (k.value, *(reply.accept if i == 0 else ())))})), "
+            for i, k in enumerate(reply.keys)
+        )
         nodes = "".join(f"{node}, " for node in command.from_each)
         echo = command.reply_form is ReplyForm.ECHO
-        yield f"{text.class_name(command.request.name)}: _Answer({text.class_name(reply.name)}, {selectors}, ({nodes}), {echo})"
+        names = text.class_name(command.request.name), text.class_name(reply.name)
+        yield f"{names[0]}: _Answer({names[1]}, ({selectors}), ({nodes}), {echo})"

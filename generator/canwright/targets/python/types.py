@@ -108,7 +108,7 @@ def _number_arguments(type_: Type, parameters: Mapping[str, Parameter]) -> list[
 def _scale(linear: Linear | None) -> str:
     if linear is None:
         return "None"
-    return f"({linear.scale.numerator}, {linear.scale.denominator}, {float(linear.offset)!r})"
+    return f"({linear.scale.numerator}, {linear.scale.denominator}, {_exact(linear.offset)})"
 
 
 def _limits(span: Range | None) -> str:
@@ -147,7 +147,9 @@ def inline_value(type_: Type, raw: str) -> str | None:
         return None
     if linear.is_identity:
         return raw
-    numerator, denominator = linear.scale.numerator, linear.scale.denominator
-    product = raw if numerator == 1 else f"{raw} * {numerator}"
-    offset = f" + {float(linear.offset)!r}" if linear.offset else ""
-    return f"{product} / {denominator}{offset}"
+    factor, addend, divisor = linear.as_quotient
+    dividend = raw if factor == 1 else f"{raw} * {factor}"
+    if addend:
+        dividend = f"{dividend} {'+' if addend > 0 else '-'} {abs(addend)}"
+        return f"float({dividend})" if divisor == 1 else f"({dividend}) / {divisor}"
+    return f"{dividend} / {divisor}"

@@ -1,0 +1,100 @@
+"""What tells messages apart once all of them are known: constants that are keys, and codes that are claimed."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+
+from .model import Command, Direction, Field, Key, Layout, Message, ReplyForm, Segment, Space, Variant
+
+Place = tuple[Space, tuple[Segment, ...]]
+Deciding = dict[str, frozenset[str]]
+"""Message to the names of the constants that tell it from others."""
+
+
+def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
+    """The commands with a key in place of each constant that tells a message from others of the same id and code.
+
+    A layout with a name of its own keeps its constants: it is the same in all its messages.
+    """
+    deciding: Deciding = {}
+    for direction in Direction:
+        alike: dict[object, list[Message]] = {}
+        for message in _distinct(commands, direction):
+            selected = tuple((k.space, k.segments, k.value) for k in message.keys)
+            alike.setdefault((message.id, message.remote, selected), []).append(message)
+        for together in alike.values():
+            found = [_constants(message) for message in together]
+            for message, mine in zip(together, found, strict=True):
+                if not message.layout.shared:
+                    names = (f.name for at, f in mine.items() if any(_holds(o.get(at)) != f.constant for o in found))
+                    deciding[message.name] = frozenset(names)
+    for command in commands:
+        if command.reply_form is ReplyForm.ECHO and command.request and command.reply:
+            both = deciding.get(command.request.name, frozenset()) | deciding.get(command.reply.name, frozenset())
+            deciding |= {command.request.name: both, command.reply.name: both}
+    return tuple(
+        dataclasses.replace(c, request=_keyed(c.request, deciding), reply=_keyed(c.reply, deciding)) for c in commands
+    )
+
+
+def _distinct(commands: Sequence[Command], direction: Direction) -> Iterator[Message]:
+    for command in commands:
+        message = command.request if direction is Direction.REQUEST else command.reply
+        if message is not None and message.command == command.name:
+            yield message
+
+
+def _constants(message: Message) -> dict[Place, Field]:
+    """The constants that are always there, by place."""
+    fields = (f for f in message.layout.fields if f.constant is not None and not f.only and not f.is_array)
+    return {(field.space, field.elements[0].segments): field for field in fields}
+
+
+def _holds(field: Field | None) -> int | None:
+    return field.constant if field else None
+
+
+def _keyed(message: Message | None, deciding: Deciding) -> Message | None:
+    names = deciding.get(message.name) if message else None
+    if message is None or not names:
+        return message
+    keys = tuple(_key(f) for f in message.layout.fields if f.name in names)
+    return dataclasses.replace(message, keys=(*message.keys, *keys), layout=_without(message.layout, names))
+
+
+def _key(field: Field) -> Key:
+    value = (field.constant or 0) & ((1 << field.type.width) - 1)
+    return Key(field.name, field.space, field.type.order, field.type.width, field.elements[0].segments, value)
+
+
+def _without(layout: Layout, names: frozenset[str]) -> Layout:
+    def rest(fields: Sequence[Field]) -> tuple[Field, ...]:
+        return tuple(f for f in fields if f.name not in names)
+
+    variants = tuple(Variant(v.values, rest(v.fields)) for v in layout.variants)
+    return dataclasses.replace(layout, fields=rest(layout.fields), variants=variants)
+
+
+def with_claims(commands: Sequence[Command]) -> tuple[Command, ...]:
+    """The commands with `claims` filled in: which codes stand for which message when nothing else is known."""
+    claims: dict[str, list[int]] = {}
+    for direction in Direction:
+        messages = [(c, c.request if direction is Direction.REQUEST else c.reply) for c in commands]
+        own = [(c.code, m) for c, m in messages if m is not None and m.command == c.name and m.keys]
+        taken: set[tuple[object, ...]] = set()
+        by_right = [(m.keys[0].value, m) for code, m in own if code == m.keys[0].value]
+        by_sending = [(m.keys[0].value, m) for _, m in own]
+        by_accepting = [(value, m) for _, m in own for value in m.accept]
+        for value, message in by_right + by_sending + by_accepting:
+            first, *others = message.keys
+            rest = tuple((k.segments, k.value) for k in others)
+            place = (message.id, message.remote, first.space, first.segments, rest, value)
+            if place not in taken:
+                taken.add(place)
+                claims.setdefault(message.name, []).append(value)
+
+    def claimed(message: Message | None) -> Message | None:
+        return message and dataclasses.replace(message, claims=tuple(claims.get(message.name, ())))
+
+    return tuple(dataclasses.replace(c, request=claimed(c.request), reply=claimed(c.reply)) for c in commands)
