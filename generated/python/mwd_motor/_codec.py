@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from enum import Enum, IntEnum
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, Union
@@ -85,7 +85,7 @@ class Bound:
         return None if value is None else self.factor * Fraction(str(value)) + self.number
 
 
-Scale = tuple[int, int, float]
+Scale = tuple[int, int, Union[int, Fraction]]
 """Numerator, denominator and offset: value = raw * numerator / denominator + offset."""
 
 
@@ -104,7 +104,7 @@ class Number:
         high: int,
         unit: str = "",
         *,
-        scale: Scale | None | Mapping[Any, Scale | None] = (1, 1, 0.0),
+        scale: Scale | None | Mapping[Any, Scale | None] = (1, 1, 0),
         scale_by: str = "",
         limits: tuple[Bound, Bound] | None | Mapping[Any, tuple[Bound, Bound] | None] = None,
         limits_by: str = "",
@@ -129,8 +129,7 @@ class Number:
     def value(self, raw: int, parameters: object, field: str) -> float:
         """The value of a raw integer."""
         numerator, denominator, offset = self._scale(parameters, field)
-        value = raw * numerator / denominator
-        return value + offset if offset else value
+        return float(Fraction(raw * numerator, denominator) + offset) if offset else raw * numerator / denominator
 
     def raw(self, value: Real, parameters: object, field: str) -> int:
         """The raw integer nearest to a value, ties away from zero. Raises CodecError when it is refused."""
@@ -139,7 +138,7 @@ class Number:
             value = float(value)
             if not math.isfinite(value):
                 raise CodecError(Refusal.NOT_FINITE, f"{field}={value!r} is not a finite number", field)
-        quotient: Real = value - offset if offset else value
+        quotient: Real = value - float(offset) if offset else value
         if denominator != 1:
             quotient = quotient * denominator
         if numerator != 1:
@@ -378,12 +377,18 @@ class Reply(Message):
     __slots__ = ()
 
 
-Key = tuple[Callable[[int, bytes], int], int]
-"""How to read a selector from id and data, and what it must be."""
+Reader = Callable[[int, bytes], int]
+"""How to read a selector from id and data."""
+
+Candidates = Mapping[int, tuple[tuple[type[Message], tuple[tuple[Reader, int], ...]], ...]]
+"""The messages of a selector's value, each with further selectors and what these must be; most of them first."""
 
 
 class Route:
-    """The messages behind one rule from node to id, told apart by a selector."""
+    """The messages behind one rule from node to id, told apart by a selector, or by `more` of them in other places.
+
+    `single` is what is left. `unused` are bits of the id that a message lacks and others of the rule have.
+    """
 
     def __init__(
         self,
@@ -394,9 +399,11 @@ class Route:
         mask: int = 0,
         extended: bool = False,
         remote: bool = False,
-        selector: Callable[[int, bytes], int] | None = None,
-        messages: Mapping[int, tuple[tuple[type[Message], tuple[Key, ...]], ...]] | None = None,
+        selector: Reader | None = None,
+        messages: Candidates | None = None,
+        more: tuple[tuple[Reader, Candidates], ...] = (),
         single: type[Message] | None = None,
+        unused: Mapping[type[Message], int] | None = None,
     ) -> None:
         self.base = base
         self.shift = shift
@@ -407,11 +414,14 @@ class Route:
         self.selector = selector
         self.messages = messages or {}
         self.single = single
-        found = [entry[0] for entries in self.messages.values() for entry in entries] + ([single] if single else [])
-        self.lengths = frozenset(message.DLC for message in found)
+        self.unused = unused or {}
+        self.selectors = (*([(selector, self.messages)] if selector else []), *more)
+        found = {entry[0] for _, codes in self.selectors for entries in codes.values() for entry in entries}
+        self.classes = found | {single} if single else found
+        self.lengths = frozenset(message.DLC for message in self.classes)
         self.length = next(iter(self.lengths)) if len(self.lengths) == 1 and not remote else -1
         alone = {code: entries[0] for code, entries in self.messages.items() if len(entries) == 1}
-        self.by_code = {code: message for code, (message, keys) in alone.items() if not keys}
+        self.by_code = {code: cls for code, (cls, keys) in alone.items() if not keys and cls not in self.unused}
 
     def node(self, can_id: int) -> tuple[bool, int | None]:
         """Whether an id is of this route, and its node."""
@@ -430,19 +440,26 @@ class Route:
         if len(data) not in self.lengths and not self.remote:
             wanted = " or ".join(map(str, sorted(self.lengths)))
             raise CodecError(Refusal.WRONG_LENGTH, f"0x{can_id:X} has {len(data)} data bytes, not {wanted}")
-        found = self.single
-        code = None
-        if self.selector is not None:
-            code = self.selector(can_id, data)
-            for candidate, keys in self.messages.get(code, ()):
-                if all(read(can_id, data) == value for read, value in keys):
-                    found = candidate
-                    break
+        found = next(self._candidates(can_id, data), self.single)
         if found is None:
-            raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} has the unknown code 0x{code or 0:02X}")
-        if len(data) != found.DLC and not self.remote:
-            raise CodecError(Refusal.WRONG_LENGTH, f"0x{can_id:X} has {len(data)} data bytes, not {found.DLC}")
+            codes = " or ".join(f"0x{read(can_id, data):02X}" for read, _ in self.selectors)
+            raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} has the unknown code {codes}")
+        self.check(found, can_id, data)
         return found
+
+    def _candidates(self, can_id: int, data: bytes) -> Iterator[type[Message]]:
+        """The messages whose selectors are those of a frame."""
+        for selector, messages in self.selectors:
+            for candidate, keys in messages.get(selector(can_id, data), ()):
+                if all(read(can_id, data) == value for read, value in keys):
+                    yield candidate
+
+    def check(self, message: type[Message], can_id: int, data: bytes) -> None:
+        """Raises CodecError when a frame has bits in its id (unknown_id) or a length that the message has not."""
+        if can_id & self.unused.get(message, 0):
+            raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} has bits that are 0 in every {message.__name__}")
+        if len(data) != message.DLC and not self.remote:
+            raise CodecError(Refusal.WRONG_LENGTH, f"0x{can_id:X} has {len(data)} data bytes, not {message.DLC}")
 
 
 class Router:
@@ -480,8 +497,8 @@ class Bare(Message):
     DATA: ClassVar[bytes]
 
     def encode(self) -> bytes:
-        """The data bytes of this frame."""
-        return self.DATA
+        """The data bytes of this frame; a remote frame has none."""
+        return b"" if self.REMOTE else self.DATA
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Any) -> Self:

@@ -23,6 +23,7 @@ from ._codec import (
     Refusal,
     Reply,
     Request,
+    Reader,
     Route,
     Router,
     ToNode,
@@ -99,20 +100,20 @@ class ErrorFlags(IntFlag):
 
 
 TEMPERATURE = Number(-128, 127, "degC")
-VOLTAGE = Number(0, 65535, "V", scale=(1, 10, 0.0))
+VOLTAGE = Number(0, 65535, "V", scale=(1, 10, 0))
 POWER = Number(-32768, 32767, limits=(Bound(-850), Bound(850)))
-TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0.0), Series.MH: None, Series.MG: (33, 2048, 0.0)}, scale_by="series", limits=(Bound(-2048), Bound(2048)))
-BROADCAST_CURRENT = Number(-32768, 32767, "A", scale=(2, 125, 0.0), limits=(Bound(-2000), Bound(2000)))
-PHASE_CURRENT = Number(-32768, 32767, "A", scale=(1, 64, 0.0))
+TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series", limits=(Bound(-2048), Bound(2048)))
+BROADCAST_CURRENT = Number(-32768, 32767, "A", scale=(2, 125, 0), limits=(Bound(-2000), Bound(2000)))
+PHASE_CURRENT = Number(-32768, 32767, "A", scale=(1, 64, 0))
 SPEED = Number(-32768, 32767, "deg/s")
-SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0.0))
+SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0))
 SPEED_LIMIT = Number(0, 65535, "deg/s")
 ACCELERATION = Number(-2147483648, 2147483647, "deg/s^2")
-ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0.0))
-SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0.0))
-SINGLE_TURN_POSITION = Number(0, 4294967295, "deg", scale=(1, 100, 0.0), limits=(Bound(0), Bound(-1, 36000, "gear_ratio")))
-MULTI_TURN_ANGLE = Number(-36028797018963968, 36028797018963967, "deg", scale=(1, 100, 0.0))
-ENCODER_POSITION = Number(0, 65535, "deg", scale={14: (45, 2048, 0.0), 15: (45, 4096, 0.0), 18: (45, 8192, 0.0)}, scale_by="encoder_bits", limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 18: (Bound(0), Bound(65535))}, limits_by="encoder_bits")
+ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0))
+SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0))
+SINGLE_TURN_POSITION = Number(0, 4294967295, "deg", scale=(1, 100, 0), limits=(Bound(0), Bound(-1, 36000, "gear_ratio")))
+MULTI_TURN_ANGLE = Number(-36028797018963968, 36028797018963967, "deg", scale=(1, 100, 0))
+ENCODER_POSITION = Number(0, 65535, "deg", scale={14: (45, 2048, 0), 15: (45, 4096, 0), 18: (45, 8192, 0)}, scale_by="encoder_bits", limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 18: (Bound(0), Bound(65535))}, limits_by="encoder_bits")
 GAIN = Number(0, 255)
 _UNPACK_1 = Struct("<2xBBBBBB").unpack
 _UNPACK_2 = Struct("<xbhhH").unpack
@@ -2202,43 +2203,56 @@ R = TypeVar("R", bound=Message)
 
 @dataclass(frozen=True)
 class _Answer:
-    """What answers a request: the class, the codes it is taken under, the nodes it comes from, whether it is an echo."""
+    """What answers a request: the class, its selectors with what they may be, where it comes from, whether it is an echo.
+
+    It comes from one of `nodes`, or from the node of the request where there are none.
+    """
 
     reply: type[Message]
-    selectors: tuple[int, ...] | None
+    selectors: tuple[tuple[Reader, tuple[int, ...]], ...]
     nodes: tuple[int, ...]
     echo: bool
 
+    def node(self, can_id: int, data: bytes, extended: bool, remote: bool) -> int | None:
+        """The node of a frame that is this reply. Raises CodecError when it is not."""
+        route, node = _REPLIES.find(can_id, extended, remote)
+        if self.reply not in route.classes:
+            raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} is no id of {self.reply.__name__}")
+        route.check(self.reply, can_id, data)
+        if not all(read(can_id, data) in codes for read, codes in self.selectors):
+            raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not have the code of {self.reply.__name__}")
+        return node
+
 
 _ANSWERS: dict[type[Message], _Answer] = {
-    MotorOffRequest: _Answer(MotorOffReply, (0x80, ), (), True),
-    MotorOnRequest: _Answer(MotorOnReply, (0x88, ), (), True),
-    MotorStopRequest: _Answer(MotorStopReply, (0x81, ), (), True),
-    SetPowerRequest: _Answer(SetPowerReply, (0xA0, ), (), False),
-    SetTorqueRequest: _Answer(SetTorqueReply, (0xA1, ), (), False),
-    SetSpeedRequest: _Answer(SetSpeedReply, (0xA2, ), (), False),
-    MoveToAngleRequest: _Answer(MoveToAngleReply, (0xA3, ), (), False),
-    MoveToAngleAtSpeedRequest: _Answer(MoveToAngleAtSpeedReply, (0xA4, ), (), False),
-    TurnToAngleRequest: _Answer(TurnToAngleReply, (0xA5, ), (), False),
-    TurnToAngleAtSpeedRequest: _Answer(TurnToAngleAtSpeedReply, (0xA6, ), (), False),
-    MoveByAngleRequest: _Answer(MoveByAngleReply, (0xA7, ), (), False),
-    MoveByAngleAtSpeedRequest: _Answer(MoveByAngleAtSpeedReply, (0xA8, ), (), False),
-    ReadPidRequest: _Answer(ReadPidReply, (0x30, ), (), False),
-    WritePidRamRequest: _Answer(WritePidRamReply, (0x31, ), (), True),
-    WritePidRomRequest: _Answer(WritePidRomReply, (0x32, ), (), True),
-    ReadAccelerationRequest: _Answer(ReadAccelerationReply, (0x33, ), (), False),
-    WriteAccelerationRamRequest: _Answer(WriteAccelerationRamReply, (0x34, ), (), True),
-    ReadEncoderRequest: _Answer(ReadEncoderReply, (0x90, ), (), False),
-    WriteEncoderOffsetRomRequest: _Answer(WriteEncoderOffsetRomReply, (0x91, ), (), True),
-    WritePositionAsZeroRomRequest: _Answer(WritePositionAsZeroRomReply, (0x19, ), (), False),
-    ReadMultiTurnAngleRequest: _Answer(ReadMultiTurnAngleReply, (0x92, ), (), False),
-    ReadSingleTurnAngleRequest: _Answer(ReadSingleTurnAngleReply, (0x94, ), (), False),
-    ClearAngleRequest: _Answer(ClearAngleReply, (0x95, ), (), True),
-    ReadStatus1Request: _Answer(ReadStatus1Reply, (0x9A, ), (), False),
-    ClearErrorsRequest: _Answer(ClearErrorsReply, (0x9A, 0x9B, ), (), False),
-    ReadStatus2Request: _Answer(ReadStatus2Reply, (0x9C, ), (), False),
-    ReadStatus3Request: _Answer(ReadStatus3Reply, (0x9D, ), (), False),
-    BroadcastTorqueRequest: _Answer(SetTorqueReply, (0xA1, ), (1, 2, 3, 4, ), False),
+    MotorOffRequest: _Answer(MotorOffReply, ((lambda can_id, data: data[0], (0x80, )), ), (), True),
+    MotorOnRequest: _Answer(MotorOnReply, ((lambda can_id, data: data[0], (0x88, )), ), (), True),
+    MotorStopRequest: _Answer(MotorStopReply, ((lambda can_id, data: data[0], (0x81, )), ), (), True),
+    SetPowerRequest: _Answer(SetPowerReply, ((lambda can_id, data: data[0], (0xA0, )), ), (), False),
+    SetTorqueRequest: _Answer(SetTorqueReply, ((lambda can_id, data: data[0], (0xA1, )), ), (), False),
+    SetSpeedRequest: _Answer(SetSpeedReply, ((lambda can_id, data: data[0], (0xA2, )), ), (), False),
+    MoveToAngleRequest: _Answer(MoveToAngleReply, ((lambda can_id, data: data[0], (0xA3, )), ), (), False),
+    MoveToAngleAtSpeedRequest: _Answer(MoveToAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA4, )), ), (), False),
+    TurnToAngleRequest: _Answer(TurnToAngleReply, ((lambda can_id, data: data[0], (0xA5, )), ), (), False),
+    TurnToAngleAtSpeedRequest: _Answer(TurnToAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA6, )), ), (), False),
+    MoveByAngleRequest: _Answer(MoveByAngleReply, ((lambda can_id, data: data[0], (0xA7, )), ), (), False),
+    MoveByAngleAtSpeedRequest: _Answer(MoveByAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA8, )), ), (), False),
+    ReadPidRequest: _Answer(ReadPidReply, ((lambda can_id, data: data[0], (0x30, )), ), (), False),
+    WritePidRamRequest: _Answer(WritePidRamReply, ((lambda can_id, data: data[0], (0x31, )), ), (), True),
+    WritePidRomRequest: _Answer(WritePidRomReply, ((lambda can_id, data: data[0], (0x32, )), ), (), True),
+    ReadAccelerationRequest: _Answer(ReadAccelerationReply, ((lambda can_id, data: data[0], (0x33, )), ), (), False),
+    WriteAccelerationRamRequest: _Answer(WriteAccelerationRamReply, ((lambda can_id, data: data[0], (0x34, )), ), (), True),
+    ReadEncoderRequest: _Answer(ReadEncoderReply, ((lambda can_id, data: data[0], (0x90, )), ), (), False),
+    WriteEncoderOffsetRomRequest: _Answer(WriteEncoderOffsetRomReply, ((lambda can_id, data: data[0], (0x91, )), ), (), True),
+    WritePositionAsZeroRomRequest: _Answer(WritePositionAsZeroRomReply, ((lambda can_id, data: data[0], (0x19, )), ), (), False),
+    ReadMultiTurnAngleRequest: _Answer(ReadMultiTurnAngleReply, ((lambda can_id, data: data[0], (0x92, )), ), (), False),
+    ReadSingleTurnAngleRequest: _Answer(ReadSingleTurnAngleReply, ((lambda can_id, data: data[0], (0x94, )), ), (), False),
+    ClearAngleRequest: _Answer(ClearAngleReply, ((lambda can_id, data: data[0], (0x95, )), ), (), True),
+    ReadStatus1Request: _Answer(ReadStatus1Reply, ((lambda can_id, data: data[0], (0x9A, )), ), (), False),
+    ClearErrorsRequest: _Answer(ClearErrorsReply, ((lambda can_id, data: data[0], (0x9A, 0x9B, )), ), (), False),
+    ReadStatus2Request: _Answer(ReadStatus2Reply, ((lambda can_id, data: data[0], (0x9C, )), ), (), False),
+    ReadStatus3Request: _Answer(ReadStatus3Reply, ((lambda can_id, data: data[0], (0x9D, )), ), (), False),
+    BroadcastTorqueRequest: _Answer(SetTorqueReply, ((lambda can_id, data: data[0], (0xA1, )), ), (1, 2, 3, 4, ), False),
 }
 
 
@@ -2271,33 +2285,36 @@ def decode_answer(
     answer = _ANSWERS.get(request)
     if answer is None:
         raise not_answer(f"{request.__name__} has no reply")
-    route, node = _REPLIES.find(can_id, extended, remote)
-    if len(data) != answer.reply.DLC and not remote:
-        raise CodecError(
-            Refusal.WRONG_LENGTH, f"0x{can_id:X} has {len(data)} data bytes, not {answer.reply.DLC}"
-        )
-    if answer.selectors is None:
-        route.message(can_id, data)
-    elif route.selector is None or route.selector(can_id, data) not in answer.selectors:
-        raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not answer {request.__name__}")
+    node = answer.node(can_id, data, extended, remote)
     return cast(R, answer.reply.unpack(node, can_id, data, parameters))
 
 
-def check_reply(request_id: int, request: bytes, reply_id: int, reply: bytes) -> None:
-    """Checks that a frame answers a request. Raises CodecError (not_answer, or why a frame cannot be read)."""
-    route, node = _REQUESTS.find(request_id, False, False)
+def check_reply(
+    request_id: int,
+    request: bytes,
+    reply_id: int,
+    reply: bytes,
+    *,
+    extended: bool = False,
+    remote: bool = False,
+    reply_extended: bool | None = None,
+    reply_remote: bool = False,
+) -> None:
+    """Checks that a frame answers a request. Raises CodecError (not_answer, or why the request cannot be read).
+
+    `extended` and `remote` are those of the request; the reply has the same kind of id unless `reply_extended` says.
+    """
+    route, node = _REQUESTS.find(request_id, extended, remote)
     sent = route.message(request_id, request)
     answer = _ANSWERS.get(sent)
     if answer is None:
         raise not_answer(f"{sent.__name__} has no reply")
-    reply_route, reply_node = _REPLIES.find(reply_id, False, False)
-    if reply_node not in (answer.nodes or (node,)):
-        raise not_answer(f"{sent.__name__} went to node {node}, this came from node {reply_node}")
-    if len(reply) != answer.reply.DLC:
-        raise CodecError(Refusal.WRONG_LENGTH, f"0x{reply_id:X} has {len(reply)} data bytes, not {answer.reply.DLC}")
-    if answer.selectors is not None and (
-        reply_route.selector is None or reply_route.selector(reply_id, reply) not in answer.selectors
-    ):
-        raise not_answer(f"0x{reply_id:X} does not answer {sent.__name__}, its code is another one")
+    try:
+        from_node = answer.node(reply_id, reply, extended if reply_extended is None else reply_extended, reply_remote)
+    except CodecError as error:
+        raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
+    expected = answer.nodes or (() if node is None else (node,))
+    if from_node is not None and expected and from_node not in expected:
+        raise not_answer(f"{sent.__name__} went to node {node}, this came from node {from_node}")
     if answer.echo and reply != request:
         raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")

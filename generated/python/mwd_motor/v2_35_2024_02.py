@@ -21,6 +21,7 @@ from ._codec import (
     Refusal,
     Reply,
     Request,
+    Reader,
     Route,
     Router,
     ToNode,
@@ -123,21 +124,21 @@ class ErrorFlags(IntFlag):
 
 
 TEMPERATURE = Number(-128, 127, "degC")
-VOLTAGE = Number(-32768, 32767, "V", scale=(1, 100, 0.0))
-BUS_CURRENT = Number(-32768, 32767, "A", scale=(1, 100, 0.0))
+VOLTAGE = Number(-32768, 32767, "V", scale=(1, 100, 0))
+BUS_CURRENT = Number(-32768, 32767, "A", scale=(1, 100, 0))
 POWER = Number(-32768, 32767, limits=(Bound(-850), Bound(850)))
 OUTPUT_POWER = Number(-32768, 32767, limits=(Bound(-1000), Bound(1000)))
-TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0.0), Series.MH: None, Series.MG: (33, 2048, 0.0)}, scale_by="series", limits=(Bound(-2048), Bound(2048)))
-MEASURED_TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0.0), Series.MH: None, Series.MG: (33, 2048, 0.0)}, scale_by="series")
-PHASE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0.0), Series.MH: None, Series.MG: (33, 2048, 0.0)}, scale_by="series")
+TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series", limits=(Bound(-2048), Bound(2048)))
+MEASURED_TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series")
+PHASE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series")
 SPEED = Number(-32768, 32767, "deg/s")
-SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0.0))
+SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0))
 SPEED_LIMIT = Number(0, 65535, "deg/s")
-ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0.0))
-SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0.0))
-SINGLE_TURN_POSITION = Number(0, 4294967295, "deg", scale=(1, 100, 0.0), limits=(Bound(0), Bound(-1, 36000, "gear_ratio")))
-MULTI_TURN_ANGLE = Number(-36028797018963968, 36028797018963967, "deg", scale=(1, 100, 0.0))
-ENCODER_POSITION = Number(0, 65535, "deg", scale={14: (45, 2048, 0.0), 15: (45, 4096, 0.0), 16: (45, 8192, 0.0)}, scale_by="encoder_bits", limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))}, limits_by="encoder_bits")
+ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0))
+SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0))
+SINGLE_TURN_POSITION = Number(0, 4294967295, "deg", scale=(1, 100, 0), limits=(Bound(0), Bound(-1, 36000, "gear_ratio")))
+MULTI_TURN_ANGLE = Number(-36028797018963968, 36028797018963967, "deg", scale=(1, 100, 0))
+ENCODER_POSITION = Number(0, 65535, "deg", scale={14: (45, 2048, 0), 15: (45, 4096, 0), 16: (45, 8192, 0)}, scale_by="encoder_bits", limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))}, limits_by="encoder_bits")
 I16 = Number(-32768, 32767)
 I32 = Number(-2147483648, 2147483647)
 _UNPACK_1 = Struct("<xbhhH").unpack
@@ -2432,10 +2433,10 @@ class ReadStatus3Reply(Reply):
 
 
 _REQUESTS = Router("request", (
-    Route(0x140, 0, range(1, 33), selector=lambda can_id, data: data[0], messages={0x80: ((MotorOffRequest, ()),), 0x88: ((MotorOnRequest, ()),), 0x81: ((MotorStopRequest, ()),), 0x8C: ((BrakeRequest, ()),), 0xA0: ((SetPowerRequest, ()),), 0xA1: ((SetTorqueRequest, ()),), 0xA2: ((SetSpeedRequest, ()),), 0xAD: ((SetSpeedLimitedRequest, ()),), 0xA3: ((MoveToAngleRequest, ()),), 0xA4: ((MoveToAngleAtSpeedRequest, ()),), 0xA5: ((TurnToAngleRequest, ()),), 0xA6: ((TurnToAngleAtSpeedRequest, ()),), 0xA7: ((MoveByAngleRequest, ()),), 0xA8: ((MoveByAngleAtSpeedRequest, ()),), 0xB0: ((ReadControlParameterTorqueLimitRequest, ((lambda can_id, data: data[1], 0xA),)), (ReadControlParameterAccelerationLimitRequest, ((lambda can_id, data: data[1], 0xC),)), (ReadControlParameterSpeedLimitRequest, ((lambda can_id, data: data[1], 0xE),)),), 0xB1: ((WriteControlParameterRamTorqueLimitRequest, ((lambda can_id, data: data[1], 0xA),)), (WriteControlParameterRamAccelerationLimitRequest, ((lambda can_id, data: data[1], 0xC),)), (WriteControlParameterRamSpeedLimitRequest, ((lambda can_id, data: data[1], 0xE),)),), 0x90: ((ReadEncoderRequest, ()),), 0x91: ((WriteEncoderOffsetRomRequest, ()),), 0x19: ((WritePositionAsZeroRomRequest, ()),), 0x92: ((ReadMultiTurnAngleRequest, ()),), 0x94: ((ReadSingleTurnAngleRequest, ()),), 0x95: ((SetAngleRequest, ()),), 0x9A: ((ReadStatus1Request, ()),), 0x9B: ((ClearErrorsRequest, ()),), 0x9C: ((ReadStatus2Request, ()),), 0x9D: ((ReadStatus3Request, ()),)}),
+    Route(0x140, 0, range(1, 33), selector=lambda can_id, data: data[0], messages={0xB0: ((ReadControlParameterTorqueLimitRequest, ((lambda can_id, data: data[1], 0xA),)), (ReadControlParameterAccelerationLimitRequest, ((lambda can_id, data: data[1], 0xC),)), (ReadControlParameterSpeedLimitRequest, ((lambda can_id, data: data[1], 0xE),)),), 0xB1: ((WriteControlParameterRamTorqueLimitRequest, ((lambda can_id, data: data[1], 0xA),)), (WriteControlParameterRamAccelerationLimitRequest, ((lambda can_id, data: data[1], 0xC),)), (WriteControlParameterRamSpeedLimitRequest, ((lambda can_id, data: data[1], 0xE),)),), 0x80: ((MotorOffRequest, ()),), 0x88: ((MotorOnRequest, ()),), 0x81: ((MotorStopRequest, ()),), 0x8C: ((BrakeRequest, ()),), 0xA0: ((SetPowerRequest, ()),), 0xA1: ((SetTorqueRequest, ()),), 0xA2: ((SetSpeedRequest, ()),), 0xAD: ((SetSpeedLimitedRequest, ()),), 0xA3: ((MoveToAngleRequest, ()),), 0xA4: ((MoveToAngleAtSpeedRequest, ()),), 0xA5: ((TurnToAngleRequest, ()),), 0xA6: ((TurnToAngleAtSpeedRequest, ()),), 0xA7: ((MoveByAngleRequest, ()),), 0xA8: ((MoveByAngleAtSpeedRequest, ()),), 0x90: ((ReadEncoderRequest, ()),), 0x91: ((WriteEncoderOffsetRomRequest, ()),), 0x19: ((WritePositionAsZeroRomRequest, ()),), 0x92: ((ReadMultiTurnAngleRequest, ()),), 0x94: ((ReadSingleTurnAngleRequest, ()),), 0x95: ((SetAngleRequest, ()),), 0x9A: ((ReadStatus1Request, ()),), 0x9B: ((ClearErrorsRequest, ()),), 0x9C: ((ReadStatus2Request, ()),), 0x9D: ((ReadStatus3Request, ()),)}),
 ))
 _REPLIES = Router("reply", (
-    Route(0x140, 0, range(1, 33), selector=lambda can_id, data: data[0], messages={0x80: ((MotorOffReply, ()),), 0x88: ((MotorOnReply, ()),), 0x81: ((MotorStopReply, ()),), 0x8C: ((BrakeReply, ()),), 0xA0: ((SetPowerReply, ()),), 0xA1: ((SetTorqueReply, ()),), 0xA2: ((SetSpeedReply, ()),), 0xAD: ((SetSpeedLimitedReply, ()),), 0xA3: ((MoveToAngleReply, ()),), 0xA4: ((MoveToAngleAtSpeedReply, ()),), 0xA5: ((TurnToAngleReply, ()),), 0xA6: ((TurnToAngleAtSpeedReply, ()),), 0xA7: ((MoveByAngleReply, ()),), 0xA8: ((MoveByAngleAtSpeedReply, ()),), 0xB0: ((ReadControlParameterTorqueLimitReply, ((lambda can_id, data: data[1], 0xA),)), (ReadControlParameterAccelerationLimitReply, ((lambda can_id, data: data[1], 0xC),)), (ReadControlParameterSpeedLimitReply, ((lambda can_id, data: data[1], 0xE),)),), 0xB1: ((WriteControlParameterRamTorqueLimitReply, ((lambda can_id, data: data[1], 0xA),)), (WriteControlParameterRamAccelerationLimitReply, ((lambda can_id, data: data[1], 0xC),)), (WriteControlParameterRamSpeedLimitReply, ((lambda can_id, data: data[1], 0xE),)),), 0x90: ((ReadEncoderReply, ()),), 0x91: ((WriteEncoderOffsetRomReply, ()),), 0x19: ((WritePositionAsZeroRomReply, ()),), 0x92: ((ReadMultiTurnAngleReply, ()),), 0x94: ((ReadSingleTurnAngleReply, ()),), 0x95: ((SetAngleReply, ()),), 0x9A: ((ReadStatus1Reply, ()),), 0x9B: ((ClearErrorsReply, ()),), 0x9C: ((ReadStatus2Reply, ()),), 0x9D: ((ReadStatus3Reply, ()),)}),
+    Route(0x140, 0, range(1, 33), selector=lambda can_id, data: data[0], messages={0xB0: ((ReadControlParameterTorqueLimitReply, ((lambda can_id, data: data[1], 0xA),)), (ReadControlParameterAccelerationLimitReply, ((lambda can_id, data: data[1], 0xC),)), (ReadControlParameterSpeedLimitReply, ((lambda can_id, data: data[1], 0xE),)),), 0xB1: ((WriteControlParameterRamTorqueLimitReply, ((lambda can_id, data: data[1], 0xA),)), (WriteControlParameterRamAccelerationLimitReply, ((lambda can_id, data: data[1], 0xC),)), (WriteControlParameterRamSpeedLimitReply, ((lambda can_id, data: data[1], 0xE),)),), 0x80: ((MotorOffReply, ()),), 0x88: ((MotorOnReply, ()),), 0x81: ((MotorStopReply, ()),), 0x8C: ((BrakeReply, ()),), 0xA0: ((SetPowerReply, ()),), 0xA1: ((SetTorqueReply, ()),), 0xA2: ((SetSpeedReply, ()),), 0xAD: ((SetSpeedLimitedReply, ()),), 0xA3: ((MoveToAngleReply, ()),), 0xA4: ((MoveToAngleAtSpeedReply, ()),), 0xA5: ((TurnToAngleReply, ()),), 0xA6: ((TurnToAngleAtSpeedReply, ()),), 0xA7: ((MoveByAngleReply, ()),), 0xA8: ((MoveByAngleAtSpeedReply, ()),), 0x90: ((ReadEncoderReply, ()),), 0x91: ((WriteEncoderOffsetRomReply, ()),), 0x19: ((WritePositionAsZeroRomReply, ()),), 0x92: ((ReadMultiTurnAngleReply, ()),), 0x94: ((ReadSingleTurnAngleReply, ()),), 0x95: ((SetAngleReply, ()),), 0x9A: ((ReadStatus1Reply, ()),), 0x9B: ((ClearErrorsReply, ()),), 0x9C: ((ReadStatus2Reply, ()),), 0x9D: ((ReadStatus3Reply, ()),)}),
 ))
 
 R = TypeVar("R", bound=Message)
@@ -2443,45 +2444,58 @@ R = TypeVar("R", bound=Message)
 
 @dataclass(frozen=True)
 class _Answer:
-    """What answers a request: the class, the codes it is taken under, the nodes it comes from, whether it is an echo."""
+    """What answers a request: the class, its selectors with what they may be, where it comes from, whether it is an echo.
+
+    It comes from one of `nodes`, or from the node of the request where there are none.
+    """
 
     reply: type[Message]
-    selectors: tuple[int, ...] | None
+    selectors: tuple[tuple[Reader, tuple[int, ...]], ...]
     nodes: tuple[int, ...]
     echo: bool
 
+    def node(self, can_id: int, data: bytes, extended: bool, remote: bool) -> int | None:
+        """The node of a frame that is this reply. Raises CodecError when it is not."""
+        route, node = _REPLIES.find(can_id, extended, remote)
+        if self.reply not in route.classes:
+            raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} is no id of {self.reply.__name__}")
+        route.check(self.reply, can_id, data)
+        if not all(read(can_id, data) in codes for read, codes in self.selectors):
+            raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not have the code of {self.reply.__name__}")
+        return node
+
 
 _ANSWERS: dict[type[Message], _Answer] = {
-    MotorOffRequest: _Answer(MotorOffReply, (0x80, ), (), True),
-    MotorOnRequest: _Answer(MotorOnReply, (0x88, ), (), True),
-    MotorStopRequest: _Answer(MotorStopReply, (0x81, ), (), True),
-    BrakeRequest: _Answer(BrakeReply, (0x8C, ), (), False),
-    SetPowerRequest: _Answer(SetPowerReply, (0xA0, ), (), False),
-    SetTorqueRequest: _Answer(SetTorqueReply, (0xA1, ), (), False),
-    SetSpeedRequest: _Answer(SetSpeedReply, (0xA2, ), (), False),
-    SetSpeedLimitedRequest: _Answer(SetSpeedLimitedReply, (0xAD, ), (), False),
-    MoveToAngleRequest: _Answer(MoveToAngleReply, (0xA3, ), (), False),
-    MoveToAngleAtSpeedRequest: _Answer(MoveToAngleAtSpeedReply, (0xA4, ), (), False),
-    TurnToAngleRequest: _Answer(TurnToAngleReply, (0xA5, ), (), False),
-    TurnToAngleAtSpeedRequest: _Answer(TurnToAngleAtSpeedReply, (0xA6, ), (), False),
-    MoveByAngleRequest: _Answer(MoveByAngleReply, (0xA7, ), (), False),
-    MoveByAngleAtSpeedRequest: _Answer(MoveByAngleAtSpeedReply, (0xA8, ), (), False),
-    ReadControlParameterTorqueLimitRequest: _Answer(ReadControlParameterTorqueLimitReply, (0xB0, ), (), False),
-    ReadControlParameterAccelerationLimitRequest: _Answer(ReadControlParameterAccelerationLimitReply, (0xB0, ), (), False),
-    ReadControlParameterSpeedLimitRequest: _Answer(ReadControlParameterSpeedLimitReply, (0xB0, ), (), False),
-    WriteControlParameterRamTorqueLimitRequest: _Answer(WriteControlParameterRamTorqueLimitReply, (0xB1, ), (), False),
-    WriteControlParameterRamAccelerationLimitRequest: _Answer(WriteControlParameterRamAccelerationLimitReply, (0xB1, ), (), False),
-    WriteControlParameterRamSpeedLimitRequest: _Answer(WriteControlParameterRamSpeedLimitReply, (0xB1, ), (), False),
-    ReadEncoderRequest: _Answer(ReadEncoderReply, (0x90, ), (), False),
-    WriteEncoderOffsetRomRequest: _Answer(WriteEncoderOffsetRomReply, (0x91, ), (), True),
-    WritePositionAsZeroRomRequest: _Answer(WritePositionAsZeroRomReply, (0x19, ), (), False),
-    ReadMultiTurnAngleRequest: _Answer(ReadMultiTurnAngleReply, (0x92, ), (), False),
-    ReadSingleTurnAngleRequest: _Answer(ReadSingleTurnAngleReply, (0x94, ), (), False),
-    SetAngleRequest: _Answer(SetAngleReply, (0x95, ), (), True),
-    ReadStatus1Request: _Answer(ReadStatus1Reply, (0x9A, ), (), False),
-    ClearErrorsRequest: _Answer(ClearErrorsReply, (0x9B, ), (), False),
-    ReadStatus2Request: _Answer(ReadStatus2Reply, (0x9C, ), (), False),
-    ReadStatus3Request: _Answer(ReadStatus3Reply, (0x9D, ), (), False),
+    MotorOffRequest: _Answer(MotorOffReply, ((lambda can_id, data: data[0], (0x80, )), ), (), True),
+    MotorOnRequest: _Answer(MotorOnReply, ((lambda can_id, data: data[0], (0x88, )), ), (), True),
+    MotorStopRequest: _Answer(MotorStopReply, ((lambda can_id, data: data[0], (0x81, )), ), (), True),
+    BrakeRequest: _Answer(BrakeReply, ((lambda can_id, data: data[0], (0x8C, )), ), (), False),
+    SetPowerRequest: _Answer(SetPowerReply, ((lambda can_id, data: data[0], (0xA0, )), ), (), False),
+    SetTorqueRequest: _Answer(SetTorqueReply, ((lambda can_id, data: data[0], (0xA1, )), ), (), False),
+    SetSpeedRequest: _Answer(SetSpeedReply, ((lambda can_id, data: data[0], (0xA2, )), ), (), False),
+    SetSpeedLimitedRequest: _Answer(SetSpeedLimitedReply, ((lambda can_id, data: data[0], (0xAD, )), ), (), False),
+    MoveToAngleRequest: _Answer(MoveToAngleReply, ((lambda can_id, data: data[0], (0xA3, )), ), (), False),
+    MoveToAngleAtSpeedRequest: _Answer(MoveToAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA4, )), ), (), False),
+    TurnToAngleRequest: _Answer(TurnToAngleReply, ((lambda can_id, data: data[0], (0xA5, )), ), (), False),
+    TurnToAngleAtSpeedRequest: _Answer(TurnToAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA6, )), ), (), False),
+    MoveByAngleRequest: _Answer(MoveByAngleReply, ((lambda can_id, data: data[0], (0xA7, )), ), (), False),
+    MoveByAngleAtSpeedRequest: _Answer(MoveByAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA8, )), ), (), False),
+    ReadControlParameterTorqueLimitRequest: _Answer(ReadControlParameterTorqueLimitReply, ((lambda can_id, data: data[0], (0xB0, )), (lambda can_id, data: data[1], (0x0A, )), ), (), False),
+    ReadControlParameterAccelerationLimitRequest: _Answer(ReadControlParameterAccelerationLimitReply, ((lambda can_id, data: data[0], (0xB0, )), (lambda can_id, data: data[1], (0x0C, )), ), (), False),
+    ReadControlParameterSpeedLimitRequest: _Answer(ReadControlParameterSpeedLimitReply, ((lambda can_id, data: data[0], (0xB0, )), (lambda can_id, data: data[1], (0x0E, )), ), (), False),
+    WriteControlParameterRamTorqueLimitRequest: _Answer(WriteControlParameterRamTorqueLimitReply, ((lambda can_id, data: data[0], (0xB1, )), (lambda can_id, data: data[1], (0x0A, )), ), (), False),
+    WriteControlParameterRamAccelerationLimitRequest: _Answer(WriteControlParameterRamAccelerationLimitReply, ((lambda can_id, data: data[0], (0xB1, )), (lambda can_id, data: data[1], (0x0C, )), ), (), False),
+    WriteControlParameterRamSpeedLimitRequest: _Answer(WriteControlParameterRamSpeedLimitReply, ((lambda can_id, data: data[0], (0xB1, )), (lambda can_id, data: data[1], (0x0E, )), ), (), False),
+    ReadEncoderRequest: _Answer(ReadEncoderReply, ((lambda can_id, data: data[0], (0x90, )), ), (), False),
+    WriteEncoderOffsetRomRequest: _Answer(WriteEncoderOffsetRomReply, ((lambda can_id, data: data[0], (0x91, )), ), (), True),
+    WritePositionAsZeroRomRequest: _Answer(WritePositionAsZeroRomReply, ((lambda can_id, data: data[0], (0x19, )), ), (), False),
+    ReadMultiTurnAngleRequest: _Answer(ReadMultiTurnAngleReply, ((lambda can_id, data: data[0], (0x92, )), ), (), False),
+    ReadSingleTurnAngleRequest: _Answer(ReadSingleTurnAngleReply, ((lambda can_id, data: data[0], (0x94, )), ), (), False),
+    SetAngleRequest: _Answer(SetAngleReply, ((lambda can_id, data: data[0], (0x95, )), ), (), True),
+    ReadStatus1Request: _Answer(ReadStatus1Reply, ((lambda can_id, data: data[0], (0x9A, )), ), (), False),
+    ClearErrorsRequest: _Answer(ClearErrorsReply, ((lambda can_id, data: data[0], (0x9B, )), ), (), False),
+    ReadStatus2Request: _Answer(ReadStatus2Reply, ((lambda can_id, data: data[0], (0x9C, )), ), (), False),
+    ReadStatus3Request: _Answer(ReadStatus3Reply, ((lambda can_id, data: data[0], (0x9D, )), ), (), False),
 }
 
 
@@ -2514,33 +2528,36 @@ def decode_answer(
     answer = _ANSWERS.get(request)
     if answer is None:
         raise not_answer(f"{request.__name__} has no reply")
-    route, node = _REPLIES.find(can_id, extended, remote)
-    if len(data) != answer.reply.DLC and not remote:
-        raise CodecError(
-            Refusal.WRONG_LENGTH, f"0x{can_id:X} has {len(data)} data bytes, not {answer.reply.DLC}"
-        )
-    if answer.selectors is None:
-        route.message(can_id, data)
-    elif route.selector is None or route.selector(can_id, data) not in answer.selectors:
-        raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not answer {request.__name__}")
+    node = answer.node(can_id, data, extended, remote)
     return cast(R, answer.reply.unpack(node, can_id, data, parameters))
 
 
-def check_reply(request_id: int, request: bytes, reply_id: int, reply: bytes) -> None:
-    """Checks that a frame answers a request. Raises CodecError (not_answer, or why a frame cannot be read)."""
-    route, node = _REQUESTS.find(request_id, False, False)
+def check_reply(
+    request_id: int,
+    request: bytes,
+    reply_id: int,
+    reply: bytes,
+    *,
+    extended: bool = False,
+    remote: bool = False,
+    reply_extended: bool | None = None,
+    reply_remote: bool = False,
+) -> None:
+    """Checks that a frame answers a request. Raises CodecError (not_answer, or why the request cannot be read).
+
+    `extended` and `remote` are those of the request; the reply has the same kind of id unless `reply_extended` says.
+    """
+    route, node = _REQUESTS.find(request_id, extended, remote)
     sent = route.message(request_id, request)
     answer = _ANSWERS.get(sent)
     if answer is None:
         raise not_answer(f"{sent.__name__} has no reply")
-    reply_route, reply_node = _REPLIES.find(reply_id, False, False)
-    if reply_node not in (answer.nodes or (node,)):
-        raise not_answer(f"{sent.__name__} went to node {node}, this came from node {reply_node}")
-    if len(reply) != answer.reply.DLC:
-        raise CodecError(Refusal.WRONG_LENGTH, f"0x{reply_id:X} has {len(reply)} data bytes, not {answer.reply.DLC}")
-    if answer.selectors is not None and (
-        reply_route.selector is None or reply_route.selector(reply_id, reply) not in answer.selectors
-    ):
-        raise not_answer(f"0x{reply_id:X} does not answer {sent.__name__}, its code is another one")
+    try:
+        from_node = answer.node(reply_id, reply, extended if reply_extended is None else reply_extended, reply_remote)
+    except CodecError as error:
+        raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
+    expected = answer.nodes or (() if node is None else (node,))
+    if from_node is not None and expected and from_node not in expected:
+        raise not_answer(f"{sent.__name__} went to node {node}, this came from node {from_node}")
     if answer.echo and reply != request:
         raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")

@@ -22,6 +22,7 @@ from ._codec import (
     Refusal,
     Reply,
     Request,
+    Reader,
     Route,
     Router,
     ToNode,
@@ -208,21 +209,21 @@ class SaveResult(IntEnum):
 
 
 TEMPERATURE = Number(-128, 127, "degC")
-VOLTAGE = Number(-32768, 32767, "V", scale=(1, 100, 0.0))
-BUS_CURRENT = Number(-32768, 32767, "A", scale=(1, 100, 0.0))
+VOLTAGE = Number(-32768, 32767, "V", scale=(1, 100, 0))
+BUS_CURRENT = Number(-32768, 32767, "A", scale=(1, 100, 0))
 POWER = Number(-32768, 32767, limits=(Bound(-850), Bound(850)))
 OUTPUT_POWER = Number(-32768, 32767, limits=(Bound(-1000), Bound(1000)))
-TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0.0), Series.MH: None, Series.MG: (33, 2048, 0.0)}, scale_by="series", limits=(Bound(-2048), Bound(2048)))
-MEASURED_TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0.0), Series.MH: None, Series.MG: (33, 2048, 0.0)}, scale_by="series")
-PHASE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0.0), Series.MH: None, Series.MG: (33, 2048, 0.0)}, scale_by="series")
+TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series", limits=(Bound(-2048), Bound(2048)))
+MEASURED_TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series")
+PHASE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series")
 SPEED = Number(-32768, 32767, "deg/s")
-SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0.0))
+SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0))
 SPEED_LIMIT = Number(0, 65535, "deg/s")
-ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0.0))
-SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0.0))
-SINGLE_TURN_POSITION = Number(0, 4294967295, "deg", scale=(1, 100, 0.0), limits=(Bound(0), Bound(-1, 36000, "gear_ratio")))
-MULTI_TURN_ANGLE = Number(-36028797018963968, 36028797018963967, "deg", scale=(1, 100, 0.0))
-ENCODER_POSITION = Number(0, 65535, "deg", scale={14: (45, 2048, 0.0), 15: (45, 4096, 0.0), 16: (45, 8192, 0.0)}, scale_by="encoder_bits", limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))}, limits_by="encoder_bits")
+ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0))
+SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0))
+SINGLE_TURN_POSITION = Number(0, 4294967295, "deg", scale=(1, 100, 0), limits=(Bound(0), Bound(-1, 36000, "gear_ratio")))
+MULTI_TURN_ANGLE = Number(-36028797018963968, 36028797018963967, "deg", scale=(1, 100, 0))
+ENCODER_POSITION = Number(0, 65535, "deg", scale={14: (45, 2048, 0), 15: (45, 4096, 0), 16: (45, 8192, 0)}, scale_by="encoder_bits", limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))}, limits_by="encoder_bits")
 GAIN = Number(0, 65535, limits=(Bound(0), Bound(2000)))
 OUTPUT_LIMIT = Number(-32768, 32767, limits={Series.MS: (Bound(0), Bound(850)), Series.MF: (Bound(0), Bound(2000)), Series.MH: (Bound(0), Bound(2000)), Series.MG: (Bound(0), Bound(2000))}, limits_by="series")
 SPEED_BOUND = Number(-2147483648, 2147483647, limits=(Bound(0), Bound(600000)))
@@ -4453,10 +4454,10 @@ class SaveStoredSettingsReply(Reply):
 
 
 _REQUESTS = Router("request", (
-    Route(0x140, 0, range(1, 33), selector=lambda can_id, data: data[0], messages={0x80: ((MotorOffRequest, ()),), 0x88: ((MotorOnRequest, ()),), 0x81: ((MotorStopRequest, ()),), 0x8C: ((BrakeRequest, ()),), 0xA0: ((SetPowerRequest, ()),), 0xA1: ((SetTorqueRequest, ()),), 0xA2: ((SetSpeedRequest, ()),), 0xA3: ((MoveToAngleRequest, ()),), 0xA4: ((MoveToAngleAtSpeedRequest, ()),), 0xA5: ((TurnToAngleRequest, ()),), 0xA6: ((TurnToAngleAtSpeedRequest, ()),), 0xA7: ((MoveByAngleRequest, ()),), 0xA8: ((MoveByAngleAtSpeedRequest, ()),), 0xC0: ((ReadControlParameterAnglePidRequest, ((lambda can_id, data: data[1], 0xA),)), (ReadControlParameterSpeedPidRequest, ((lambda can_id, data: data[1], 0xB),)), (ReadControlParameterCurrentPidRequest, ((lambda can_id, data: data[1], 0xC),)), (ReadControlParameterMaxTorqueCurrentRequest, ((lambda can_id, data: data[1], 0x1E),)), (ReadControlParameterMaxSpeedRequest, ((lambda can_id, data: data[1], 0x20),)), (ReadControlParameterUpperAngleRequest, ((lambda can_id, data: data[1], 0x22),)), (ReadControlParameterLowerAngleRequest, ((lambda can_id, data: data[1], 0x23),)), (ReadControlParameterSpeedRampRequest, ((lambda can_id, data: data[1], 0x26),)),), 0xC1: ((WriteControlParameterRamAnglePidRequest, ((lambda can_id, data: data[1], 0xA),)), (WriteControlParameterRamSpeedPidRequest, ((lambda can_id, data: data[1], 0xB),)), (WriteControlParameterRamCurrentPidRequest, ((lambda can_id, data: data[1], 0xC),)), (WriteControlParameterRamMaxTorqueCurrentRequest, ((lambda can_id, data: data[1], 0x1E),)), (WriteControlParameterRamMaxSpeedRequest, ((lambda can_id, data: data[1], 0x20),)), (WriteControlParameterRamUpperAngleRequest, ((lambda can_id, data: data[1], 0x22),)), (WriteControlParameterRamLowerAngleRequest, ((lambda can_id, data: data[1], 0x23),)), (WriteControlParameterRamSpeedRampRequest, ((lambda can_id, data: data[1], 0x26),)),), 0x90: ((ReadEncoderRequest, ()),), 0x18: ((CalibrateEncoderRequest, ()),), 0x19: ((WritePositionAsZeroRomRequest, ()),), 0x92: ((ReadMultiTurnAngleRequest, ()),), 0x94: ((ReadSingleTurnAngleRequest, ()),), 0x95: ((SetZeroRamRequest, ()),), 0x9A: ((ReadStatus1Request, ()),), 0x9B: ((ClearErrorsRequest, ()),), 0x9C: ((ReadStatus2Request, ()),), 0x9D: ((ReadStatus3Request, ()),), 0x40: ((ReadStoredSettingDriverIdRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xA),)), (ReadStoredSettingBusTypeRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB),)), (ReadStoredSettingRs485BaudRateRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xC),)), (ReadStoredSettingCanBaudRateRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xD),)), (ReadStoredSettingMaxPowerRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB0),)), (ReadStoredSettingMaxSpeedRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB2),)), (ReadStoredSettingMaxAngleRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB4),)), (ReadStoredSettingCurrentRampRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBA),)), (ReadStoredSettingSpeedRampRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBC),)), (ReadStoredSettingAnglePidRequest, ((lambda can_id, data: data[1], 0xA0),)), (ReadStoredSettingSpeedPidRequest, ((lambda can_id, data: data[1], 0xA4),)), (ReadStoredSettingCurrentPidRequest, ((lambda can_id, data: data[1], 0xA8),)),), 0x42: ((StageStoredSettingDriverIdRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xA),)), (StageStoredSettingBusTypeRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB),)), (StageStoredSettingRs485BaudRateRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xC),)), (StageStoredSettingCanBaudRateRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xD),)), (StageStoredSettingMaxPowerRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB0),)), (StageStoredSettingMaxSpeedRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB2),)), (StageStoredSettingMaxAngleRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB4),)), (StageStoredSettingCurrentRampRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBA),)), (StageStoredSettingSpeedRampRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBC),)), (StageStoredSettingAnglePidRequest, ((lambda can_id, data: data[1], 0xA0),)), (StageStoredSettingSpeedPidRequest, ((lambda can_id, data: data[1], 0xA4),)), (StageStoredSettingCurrentPidRequest, ((lambda can_id, data: data[1], 0xA8),)),), 0x44: ((SaveStoredSettingsRequest, ()),)}),
+    Route(0x140, 0, range(1, 33), selector=lambda can_id, data: data[0], messages={0x40: ((ReadStoredSettingDriverIdRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xA),)), (ReadStoredSettingBusTypeRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB),)), (ReadStoredSettingRs485BaudRateRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xC),)), (ReadStoredSettingCanBaudRateRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xD),)), (ReadStoredSettingMaxPowerRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB0),)), (ReadStoredSettingMaxSpeedRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB2),)), (ReadStoredSettingMaxAngleRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB4),)), (ReadStoredSettingCurrentRampRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBA),)), (ReadStoredSettingSpeedRampRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBC),)), (ReadStoredSettingAnglePidRequest, ((lambda can_id, data: data[1], 0xA0),)), (ReadStoredSettingSpeedPidRequest, ((lambda can_id, data: data[1], 0xA4),)), (ReadStoredSettingCurrentPidRequest, ((lambda can_id, data: data[1], 0xA8),)),), 0x42: ((StageStoredSettingDriverIdRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xA),)), (StageStoredSettingBusTypeRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB),)), (StageStoredSettingRs485BaudRateRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xC),)), (StageStoredSettingCanBaudRateRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xD),)), (StageStoredSettingMaxPowerRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB0),)), (StageStoredSettingMaxSpeedRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB2),)), (StageStoredSettingMaxAngleRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB4),)), (StageStoredSettingCurrentRampRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBA),)), (StageStoredSettingSpeedRampRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBC),)), (StageStoredSettingAnglePidRequest, ((lambda can_id, data: data[1], 0xA0),)), (StageStoredSettingSpeedPidRequest, ((lambda can_id, data: data[1], 0xA4),)), (StageStoredSettingCurrentPidRequest, ((lambda can_id, data: data[1], 0xA8),)),), 0xC0: ((ReadControlParameterAnglePidRequest, ((lambda can_id, data: data[1], 0xA),)), (ReadControlParameterSpeedPidRequest, ((lambda can_id, data: data[1], 0xB),)), (ReadControlParameterCurrentPidRequest, ((lambda can_id, data: data[1], 0xC),)), (ReadControlParameterMaxTorqueCurrentRequest, ((lambda can_id, data: data[1], 0x1E),)), (ReadControlParameterMaxSpeedRequest, ((lambda can_id, data: data[1], 0x20),)), (ReadControlParameterUpperAngleRequest, ((lambda can_id, data: data[1], 0x22),)), (ReadControlParameterLowerAngleRequest, ((lambda can_id, data: data[1], 0x23),)), (ReadControlParameterSpeedRampRequest, ((lambda can_id, data: data[1], 0x26),)),), 0xC1: ((WriteControlParameterRamAnglePidRequest, ((lambda can_id, data: data[1], 0xA),)), (WriteControlParameterRamSpeedPidRequest, ((lambda can_id, data: data[1], 0xB),)), (WriteControlParameterRamCurrentPidRequest, ((lambda can_id, data: data[1], 0xC),)), (WriteControlParameterRamMaxTorqueCurrentRequest, ((lambda can_id, data: data[1], 0x1E),)), (WriteControlParameterRamMaxSpeedRequest, ((lambda can_id, data: data[1], 0x20),)), (WriteControlParameterRamUpperAngleRequest, ((lambda can_id, data: data[1], 0x22),)), (WriteControlParameterRamLowerAngleRequest, ((lambda can_id, data: data[1], 0x23),)), (WriteControlParameterRamSpeedRampRequest, ((lambda can_id, data: data[1], 0x26),)),), 0x80: ((MotorOffRequest, ()),), 0x88: ((MotorOnRequest, ()),), 0x81: ((MotorStopRequest, ()),), 0x8C: ((BrakeRequest, ()),), 0xA0: ((SetPowerRequest, ()),), 0xA1: ((SetTorqueRequest, ()),), 0xA2: ((SetSpeedRequest, ()),), 0xA3: ((MoveToAngleRequest, ()),), 0xA4: ((MoveToAngleAtSpeedRequest, ()),), 0xA5: ((TurnToAngleRequest, ()),), 0xA6: ((TurnToAngleAtSpeedRequest, ()),), 0xA7: ((MoveByAngleRequest, ()),), 0xA8: ((MoveByAngleAtSpeedRequest, ()),), 0x90: ((ReadEncoderRequest, ()),), 0x18: ((CalibrateEncoderRequest, ()),), 0x19: ((WritePositionAsZeroRomRequest, ()),), 0x92: ((ReadMultiTurnAngleRequest, ()),), 0x94: ((ReadSingleTurnAngleRequest, ()),), 0x95: ((SetZeroRamRequest, ()),), 0x9A: ((ReadStatus1Request, ()),), 0x9B: ((ClearErrorsRequest, ()),), 0x9C: ((ReadStatus2Request, ()),), 0x9D: ((ReadStatus3Request, ()),), 0x44: ((SaveStoredSettingsRequest, ()),)}),
 ))
 _REPLIES = Router("reply", (
-    Route(0x180, 0, range(1, 33), selector=lambda can_id, data: data[0], messages={0x80: ((MotorOffReply, ()),), 0x88: ((MotorOnReply, ()),), 0x81: ((MotorStopReply, ()),), 0x8C: ((BrakeReply, ()),), 0xA0: ((SetPowerReply, ()),), 0xA1: ((SetTorqueReply, ()),), 0xA2: ((SetSpeedReply, ()),), 0xA3: ((MoveToAngleReply, ()),), 0xA4: ((MoveToAngleAtSpeedReply, ()),), 0xA5: ((TurnToAngleReply, ()),), 0xA6: ((TurnToAngleAtSpeedReply, ()),), 0xA7: ((MoveByAngleReply, ()),), 0xA8: ((MoveByAngleAtSpeedReply, ()),), 0xC0: ((ReadControlParameterAnglePidReply, ((lambda can_id, data: data[1], 0xA),)), (ReadControlParameterSpeedPidReply, ((lambda can_id, data: data[1], 0xB),)), (ReadControlParameterCurrentPidReply, ((lambda can_id, data: data[1], 0xC),)), (ReadControlParameterMaxTorqueCurrentReply, ((lambda can_id, data: data[1], 0x1E),)), (ReadControlParameterMaxSpeedReply, ((lambda can_id, data: data[1], 0x20),)), (ReadControlParameterUpperAngleReply, ((lambda can_id, data: data[1], 0x22),)), (ReadControlParameterLowerAngleReply, ((lambda can_id, data: data[1], 0x23),)), (ReadControlParameterSpeedRampReply, ((lambda can_id, data: data[1], 0x26),)),), 0xC1: ((WriteControlParameterRamAnglePidReply, ((lambda can_id, data: data[1], 0xA),)), (WriteControlParameterRamSpeedPidReply, ((lambda can_id, data: data[1], 0xB),)), (WriteControlParameterRamCurrentPidReply, ((lambda can_id, data: data[1], 0xC),)), (WriteControlParameterRamMaxTorqueCurrentReply, ((lambda can_id, data: data[1], 0x1E),)), (WriteControlParameterRamMaxSpeedReply, ((lambda can_id, data: data[1], 0x20),)), (WriteControlParameterRamUpperAngleReply, ((lambda can_id, data: data[1], 0x22),)), (WriteControlParameterRamLowerAngleReply, ((lambda can_id, data: data[1], 0x23),)), (WriteControlParameterRamSpeedRampReply, ((lambda can_id, data: data[1], 0x26),)),), 0x90: ((ReadEncoderReply, ()),), 0x18: ((CalibrateEncoderReply, ()),), 0x19: ((WritePositionAsZeroRomReply, ()),), 0x92: ((ReadMultiTurnAngleReply, ()),), 0x94: ((ReadSingleTurnAngleReply, ()),), 0x95: ((SetZeroRamReply, ()),), 0x9A: ((ReadStatus1Reply, ()),), 0x9B: ((ClearErrorsReply, ()),), 0x9C: ((ReadStatus2Reply, ()),), 0x9D: ((ReadStatus3Reply, ()),), 0x40: ((ReadStoredSettingDriverIdReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xA),)), (ReadStoredSettingBusTypeReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB),)), (ReadStoredSettingRs485BaudRateReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xC),)), (ReadStoredSettingCanBaudRateReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xD),)), (ReadStoredSettingMaxPowerReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB0),)), (ReadStoredSettingMaxSpeedReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB2),)), (ReadStoredSettingMaxAngleReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB4),)), (ReadStoredSettingCurrentRampReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBA),)), (ReadStoredSettingSpeedRampReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBC),)), (ReadStoredSettingAnglePidReply, ((lambda can_id, data: data[1], 0xA0),)), (ReadStoredSettingSpeedPidReply, ((lambda can_id, data: data[1], 0xA4),)), (ReadStoredSettingCurrentPidReply, ((lambda can_id, data: data[1], 0xA8),)),), 0x42: ((StageStoredSettingDriverIdReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xA),)), (StageStoredSettingBusTypeReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB),)), (StageStoredSettingRs485BaudRateReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xC),)), (StageStoredSettingCanBaudRateReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xD),)), (StageStoredSettingMaxPowerReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB0),)), (StageStoredSettingMaxSpeedReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB2),)), (StageStoredSettingMaxAngleReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB4),)), (StageStoredSettingCurrentRampReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBA),)), (StageStoredSettingSpeedRampReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBC),)), (StageStoredSettingAnglePidReply, ((lambda can_id, data: data[1], 0xA0),)), (StageStoredSettingSpeedPidReply, ((lambda can_id, data: data[1], 0xA4),)), (StageStoredSettingCurrentPidReply, ((lambda can_id, data: data[1], 0xA8),)),), 0x44: ((SaveStoredSettingsReply, ()),)}),
+    Route(0x180, 0, range(1, 33), selector=lambda can_id, data: data[0], messages={0x40: ((ReadStoredSettingDriverIdReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xA),)), (ReadStoredSettingBusTypeReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB),)), (ReadStoredSettingRs485BaudRateReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xC),)), (ReadStoredSettingCanBaudRateReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xD),)), (ReadStoredSettingMaxPowerReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB0),)), (ReadStoredSettingMaxSpeedReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB2),)), (ReadStoredSettingMaxAngleReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB4),)), (ReadStoredSettingCurrentRampReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBA),)), (ReadStoredSettingSpeedRampReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBC),)), (ReadStoredSettingAnglePidReply, ((lambda can_id, data: data[1], 0xA0),)), (ReadStoredSettingSpeedPidReply, ((lambda can_id, data: data[1], 0xA4),)), (ReadStoredSettingCurrentPidReply, ((lambda can_id, data: data[1], 0xA8),)),), 0x42: ((StageStoredSettingDriverIdReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xA),)), (StageStoredSettingBusTypeReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB),)), (StageStoredSettingRs485BaudRateReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xC),)), (StageStoredSettingCanBaudRateReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xD),)), (StageStoredSettingMaxPowerReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB0),)), (StageStoredSettingMaxSpeedReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB2),)), (StageStoredSettingMaxAngleReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB4),)), (StageStoredSettingCurrentRampReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBA),)), (StageStoredSettingSpeedRampReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBC),)), (StageStoredSettingAnglePidReply, ((lambda can_id, data: data[1], 0xA0),)), (StageStoredSettingSpeedPidReply, ((lambda can_id, data: data[1], 0xA4),)), (StageStoredSettingCurrentPidReply, ((lambda can_id, data: data[1], 0xA8),)),), 0xC0: ((ReadControlParameterAnglePidReply, ((lambda can_id, data: data[1], 0xA),)), (ReadControlParameterSpeedPidReply, ((lambda can_id, data: data[1], 0xB),)), (ReadControlParameterCurrentPidReply, ((lambda can_id, data: data[1], 0xC),)), (ReadControlParameterMaxTorqueCurrentReply, ((lambda can_id, data: data[1], 0x1E),)), (ReadControlParameterMaxSpeedReply, ((lambda can_id, data: data[1], 0x20),)), (ReadControlParameterUpperAngleReply, ((lambda can_id, data: data[1], 0x22),)), (ReadControlParameterLowerAngleReply, ((lambda can_id, data: data[1], 0x23),)), (ReadControlParameterSpeedRampReply, ((lambda can_id, data: data[1], 0x26),)),), 0xC1: ((WriteControlParameterRamAnglePidReply, ((lambda can_id, data: data[1], 0xA),)), (WriteControlParameterRamSpeedPidReply, ((lambda can_id, data: data[1], 0xB),)), (WriteControlParameterRamCurrentPidReply, ((lambda can_id, data: data[1], 0xC),)), (WriteControlParameterRamMaxTorqueCurrentReply, ((lambda can_id, data: data[1], 0x1E),)), (WriteControlParameterRamMaxSpeedReply, ((lambda can_id, data: data[1], 0x20),)), (WriteControlParameterRamUpperAngleReply, ((lambda can_id, data: data[1], 0x22),)), (WriteControlParameterRamLowerAngleReply, ((lambda can_id, data: data[1], 0x23),)), (WriteControlParameterRamSpeedRampReply, ((lambda can_id, data: data[1], 0x26),)),), 0x80: ((MotorOffReply, ()),), 0x88: ((MotorOnReply, ()),), 0x81: ((MotorStopReply, ()),), 0x8C: ((BrakeReply, ()),), 0xA0: ((SetPowerReply, ()),), 0xA1: ((SetTorqueReply, ()),), 0xA2: ((SetSpeedReply, ()),), 0xA3: ((MoveToAngleReply, ()),), 0xA4: ((MoveToAngleAtSpeedReply, ()),), 0xA5: ((TurnToAngleReply, ()),), 0xA6: ((TurnToAngleAtSpeedReply, ()),), 0xA7: ((MoveByAngleReply, ()),), 0xA8: ((MoveByAngleAtSpeedReply, ()),), 0x90: ((ReadEncoderReply, ()),), 0x18: ((CalibrateEncoderReply, ()),), 0x19: ((WritePositionAsZeroRomReply, ()),), 0x92: ((ReadMultiTurnAngleReply, ()),), 0x94: ((ReadSingleTurnAngleReply, ()),), 0x95: ((SetZeroRamReply, ()),), 0x9A: ((ReadStatus1Reply, ()),), 0x9B: ((ClearErrorsReply, ()),), 0x9C: ((ReadStatus2Reply, ()),), 0x9D: ((ReadStatus3Reply, ()),), 0x44: ((SaveStoredSettingsReply, ()),)}),
 ))
 
 R = TypeVar("R", bound=Message)
@@ -4464,79 +4465,92 @@ R = TypeVar("R", bound=Message)
 
 @dataclass(frozen=True)
 class _Answer:
-    """What answers a request: the class, the codes it is taken under, the nodes it comes from, whether it is an echo."""
+    """What answers a request: the class, its selectors with what they may be, where it comes from, whether it is an echo.
+
+    It comes from one of `nodes`, or from the node of the request where there are none.
+    """
 
     reply: type[Message]
-    selectors: tuple[int, ...] | None
+    selectors: tuple[tuple[Reader, tuple[int, ...]], ...]
     nodes: tuple[int, ...]
     echo: bool
 
+    def node(self, can_id: int, data: bytes, extended: bool, remote: bool) -> int | None:
+        """The node of a frame that is this reply. Raises CodecError when it is not."""
+        route, node = _REPLIES.find(can_id, extended, remote)
+        if self.reply not in route.classes:
+            raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} is no id of {self.reply.__name__}")
+        route.check(self.reply, can_id, data)
+        if not all(read(can_id, data) in codes for read, codes in self.selectors):
+            raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not have the code of {self.reply.__name__}")
+        return node
+
 
 _ANSWERS: dict[type[Message], _Answer] = {
-    MotorOffRequest: _Answer(MotorOffReply, (0x80, ), (), True),
-    MotorOnRequest: _Answer(MotorOnReply, (0x88, ), (), True),
-    MotorStopRequest: _Answer(MotorStopReply, (0x81, ), (), True),
-    BrakeRequest: _Answer(BrakeReply, (0x8C, ), (), False),
-    SetPowerRequest: _Answer(SetPowerReply, (0xA0, ), (), False),
-    SetTorqueRequest: _Answer(SetTorqueReply, (0xA1, ), (), False),
-    SetSpeedRequest: _Answer(SetSpeedReply, (0xA2, ), (), False),
-    MoveToAngleRequest: _Answer(MoveToAngleReply, (0xA3, ), (), False),
-    MoveToAngleAtSpeedRequest: _Answer(MoveToAngleAtSpeedReply, (0xA4, ), (), False),
-    TurnToAngleRequest: _Answer(TurnToAngleReply, (0xA5, ), (), False),
-    TurnToAngleAtSpeedRequest: _Answer(TurnToAngleAtSpeedReply, (0xA6, ), (), False),
-    MoveByAngleRequest: _Answer(MoveByAngleReply, (0xA7, ), (), False),
-    MoveByAngleAtSpeedRequest: _Answer(MoveByAngleAtSpeedReply, (0xA8, ), (), False),
-    ReadControlParameterAnglePidRequest: _Answer(ReadControlParameterAnglePidReply, (0xC0, ), (), False),
-    ReadControlParameterSpeedPidRequest: _Answer(ReadControlParameterSpeedPidReply, (0xC0, ), (), False),
-    ReadControlParameterCurrentPidRequest: _Answer(ReadControlParameterCurrentPidReply, (0xC0, ), (), False),
-    ReadControlParameterMaxTorqueCurrentRequest: _Answer(ReadControlParameterMaxTorqueCurrentReply, (0xC0, ), (), False),
-    ReadControlParameterMaxSpeedRequest: _Answer(ReadControlParameterMaxSpeedReply, (0xC0, ), (), False),
-    ReadControlParameterUpperAngleRequest: _Answer(ReadControlParameterUpperAngleReply, (0xC0, ), (), False),
-    ReadControlParameterLowerAngleRequest: _Answer(ReadControlParameterLowerAngleReply, (0xC0, ), (), False),
-    ReadControlParameterSpeedRampRequest: _Answer(ReadControlParameterSpeedRampReply, (0xC0, ), (), False),
-    WriteControlParameterRamAnglePidRequest: _Answer(WriteControlParameterRamAnglePidReply, (0xC1, ), (), False),
-    WriteControlParameterRamSpeedPidRequest: _Answer(WriteControlParameterRamSpeedPidReply, (0xC1, ), (), False),
-    WriteControlParameterRamCurrentPidRequest: _Answer(WriteControlParameterRamCurrentPidReply, (0xC1, ), (), False),
-    WriteControlParameterRamMaxTorqueCurrentRequest: _Answer(WriteControlParameterRamMaxTorqueCurrentReply, (0xC1, ), (), False),
-    WriteControlParameterRamMaxSpeedRequest: _Answer(WriteControlParameterRamMaxSpeedReply, (0xC1, ), (), False),
-    WriteControlParameterRamUpperAngleRequest: _Answer(WriteControlParameterRamUpperAngleReply, (0xC1, ), (), False),
-    WriteControlParameterRamLowerAngleRequest: _Answer(WriteControlParameterRamLowerAngleReply, (0xC1, ), (), False),
-    WriteControlParameterRamSpeedRampRequest: _Answer(WriteControlParameterRamSpeedRampReply, (0xC1, ), (), False),
-    ReadEncoderRequest: _Answer(ReadEncoderReply, (0x90, ), (), False),
-    CalibrateEncoderRequest: _Answer(CalibrateEncoderReply, (0x18, ), (), False),
-    WritePositionAsZeroRomRequest: _Answer(WritePositionAsZeroRomReply, (0x19, ), (), False),
-    ReadMultiTurnAngleRequest: _Answer(ReadMultiTurnAngleReply, (0x92, ), (), False),
-    ReadSingleTurnAngleRequest: _Answer(ReadSingleTurnAngleReply, (0x94, ), (), False),
-    SetZeroRamRequest: _Answer(SetZeroRamReply, (0x95, ), (), True),
-    ReadStatus1Request: _Answer(ReadStatus1Reply, (0x9A, ), (), False),
-    ClearErrorsRequest: _Answer(ClearErrorsReply, (0x9B, ), (), False),
-    ReadStatus2Request: _Answer(ReadStatus2Reply, (0x9C, ), (), False),
-    ReadStatus3Request: _Answer(ReadStatus3Reply, (0x9D, ), (), False),
-    ReadStoredSettingDriverIdRequest: _Answer(ReadStoredSettingDriverIdReply, (0x40, ), (), False),
-    ReadStoredSettingBusTypeRequest: _Answer(ReadStoredSettingBusTypeReply, (0x40, ), (), False),
-    ReadStoredSettingRs485BaudRateRequest: _Answer(ReadStoredSettingRs485BaudRateReply, (0x40, ), (), False),
-    ReadStoredSettingCanBaudRateRequest: _Answer(ReadStoredSettingCanBaudRateReply, (0x40, ), (), False),
-    ReadStoredSettingMaxPowerRequest: _Answer(ReadStoredSettingMaxPowerReply, (0x40, ), (), False),
-    ReadStoredSettingMaxSpeedRequest: _Answer(ReadStoredSettingMaxSpeedReply, (0x40, ), (), False),
-    ReadStoredSettingMaxAngleRequest: _Answer(ReadStoredSettingMaxAngleReply, (0x40, ), (), False),
-    ReadStoredSettingCurrentRampRequest: _Answer(ReadStoredSettingCurrentRampReply, (0x40, ), (), False),
-    ReadStoredSettingSpeedRampRequest: _Answer(ReadStoredSettingSpeedRampReply, (0x40, ), (), False),
-    ReadStoredSettingAnglePidRequest: _Answer(ReadStoredSettingAnglePidReply, (0x40, ), (), False),
-    ReadStoredSettingSpeedPidRequest: _Answer(ReadStoredSettingSpeedPidReply, (0x40, ), (), False),
-    ReadStoredSettingCurrentPidRequest: _Answer(ReadStoredSettingCurrentPidReply, (0x40, ), (), False),
-    StageStoredSettingDriverIdRequest: _Answer(StageStoredSettingDriverIdReply, (0x42, ), (), False),
-    StageStoredSettingBusTypeRequest: _Answer(StageStoredSettingBusTypeReply, (0x42, ), (), False),
-    StageStoredSettingRs485BaudRateRequest: _Answer(StageStoredSettingRs485BaudRateReply, (0x42, ), (), False),
-    StageStoredSettingCanBaudRateRequest: _Answer(StageStoredSettingCanBaudRateReply, (0x42, ), (), False),
-    StageStoredSettingMaxPowerRequest: _Answer(StageStoredSettingMaxPowerReply, (0x42, ), (), False),
-    StageStoredSettingMaxSpeedRequest: _Answer(StageStoredSettingMaxSpeedReply, (0x42, ), (), False),
-    StageStoredSettingMaxAngleRequest: _Answer(StageStoredSettingMaxAngleReply, (0x42, ), (), False),
-    StageStoredSettingCurrentRampRequest: _Answer(StageStoredSettingCurrentRampReply, (0x42, ), (), False),
-    StageStoredSettingSpeedRampRequest: _Answer(StageStoredSettingSpeedRampReply, (0x42, ), (), False),
-    StageStoredSettingAnglePidRequest: _Answer(StageStoredSettingAnglePidReply, (0x42, ), (), False),
-    StageStoredSettingSpeedPidRequest: _Answer(StageStoredSettingSpeedPidReply, (0x42, ), (), False),
-    StageStoredSettingCurrentPidRequest: _Answer(StageStoredSettingCurrentPidReply, (0x42, ), (), False),
-    SaveStoredSettingsRequest: _Answer(SaveStoredSettingsReply, (0x44, ), (), False),
+    MotorOffRequest: _Answer(MotorOffReply, ((lambda can_id, data: data[0], (0x80, )), ), (), True),
+    MotorOnRequest: _Answer(MotorOnReply, ((lambda can_id, data: data[0], (0x88, )), ), (), True),
+    MotorStopRequest: _Answer(MotorStopReply, ((lambda can_id, data: data[0], (0x81, )), ), (), True),
+    BrakeRequest: _Answer(BrakeReply, ((lambda can_id, data: data[0], (0x8C, )), ), (), False),
+    SetPowerRequest: _Answer(SetPowerReply, ((lambda can_id, data: data[0], (0xA0, )), ), (), False),
+    SetTorqueRequest: _Answer(SetTorqueReply, ((lambda can_id, data: data[0], (0xA1, )), ), (), False),
+    SetSpeedRequest: _Answer(SetSpeedReply, ((lambda can_id, data: data[0], (0xA2, )), ), (), False),
+    MoveToAngleRequest: _Answer(MoveToAngleReply, ((lambda can_id, data: data[0], (0xA3, )), ), (), False),
+    MoveToAngleAtSpeedRequest: _Answer(MoveToAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA4, )), ), (), False),
+    TurnToAngleRequest: _Answer(TurnToAngleReply, ((lambda can_id, data: data[0], (0xA5, )), ), (), False),
+    TurnToAngleAtSpeedRequest: _Answer(TurnToAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA6, )), ), (), False),
+    MoveByAngleRequest: _Answer(MoveByAngleReply, ((lambda can_id, data: data[0], (0xA7, )), ), (), False),
+    MoveByAngleAtSpeedRequest: _Answer(MoveByAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA8, )), ), (), False),
+    ReadControlParameterAnglePidRequest: _Answer(ReadControlParameterAnglePidReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x0A, )), ), (), False),
+    ReadControlParameterSpeedPidRequest: _Answer(ReadControlParameterSpeedPidReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x0B, )), ), (), False),
+    ReadControlParameterCurrentPidRequest: _Answer(ReadControlParameterCurrentPidReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x0C, )), ), (), False),
+    ReadControlParameterMaxTorqueCurrentRequest: _Answer(ReadControlParameterMaxTorqueCurrentReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x1E, )), ), (), False),
+    ReadControlParameterMaxSpeedRequest: _Answer(ReadControlParameterMaxSpeedReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x20, )), ), (), False),
+    ReadControlParameterUpperAngleRequest: _Answer(ReadControlParameterUpperAngleReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x22, )), ), (), False),
+    ReadControlParameterLowerAngleRequest: _Answer(ReadControlParameterLowerAngleReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x23, )), ), (), False),
+    ReadControlParameterSpeedRampRequest: _Answer(ReadControlParameterSpeedRampReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x26, )), ), (), False),
+    WriteControlParameterRamAnglePidRequest: _Answer(WriteControlParameterRamAnglePidReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x0A, )), ), (), False),
+    WriteControlParameterRamSpeedPidRequest: _Answer(WriteControlParameterRamSpeedPidReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x0B, )), ), (), False),
+    WriteControlParameterRamCurrentPidRequest: _Answer(WriteControlParameterRamCurrentPidReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x0C, )), ), (), False),
+    WriteControlParameterRamMaxTorqueCurrentRequest: _Answer(WriteControlParameterRamMaxTorqueCurrentReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x1E, )), ), (), False),
+    WriteControlParameterRamMaxSpeedRequest: _Answer(WriteControlParameterRamMaxSpeedReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x20, )), ), (), False),
+    WriteControlParameterRamUpperAngleRequest: _Answer(WriteControlParameterRamUpperAngleReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x22, )), ), (), False),
+    WriteControlParameterRamLowerAngleRequest: _Answer(WriteControlParameterRamLowerAngleReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x23, )), ), (), False),
+    WriteControlParameterRamSpeedRampRequest: _Answer(WriteControlParameterRamSpeedRampReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x26, )), ), (), False),
+    ReadEncoderRequest: _Answer(ReadEncoderReply, ((lambda can_id, data: data[0], (0x90, )), ), (), False),
+    CalibrateEncoderRequest: _Answer(CalibrateEncoderReply, ((lambda can_id, data: data[0], (0x18, )), ), (), False),
+    WritePositionAsZeroRomRequest: _Answer(WritePositionAsZeroRomReply, ((lambda can_id, data: data[0], (0x19, )), ), (), False),
+    ReadMultiTurnAngleRequest: _Answer(ReadMultiTurnAngleReply, ((lambda can_id, data: data[0], (0x92, )), ), (), False),
+    ReadSingleTurnAngleRequest: _Answer(ReadSingleTurnAngleReply, ((lambda can_id, data: data[0], (0x94, )), ), (), False),
+    SetZeroRamRequest: _Answer(SetZeroRamReply, ((lambda can_id, data: data[0], (0x95, )), ), (), True),
+    ReadStatus1Request: _Answer(ReadStatus1Reply, ((lambda can_id, data: data[0], (0x9A, )), ), (), False),
+    ClearErrorsRequest: _Answer(ClearErrorsReply, ((lambda can_id, data: data[0], (0x9B, )), ), (), False),
+    ReadStatus2Request: _Answer(ReadStatus2Reply, ((lambda can_id, data: data[0], (0x9C, )), ), (), False),
+    ReadStatus3Request: _Answer(ReadStatus3Reply, ((lambda can_id, data: data[0], (0x9D, )), ), (), False),
+    ReadStoredSettingDriverIdRequest: _Answer(ReadStoredSettingDriverIdReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0A, )), ), (), False),
+    ReadStoredSettingBusTypeRequest: _Answer(ReadStoredSettingBusTypeReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0B, )), ), (), False),
+    ReadStoredSettingRs485BaudRateRequest: _Answer(ReadStoredSettingRs485BaudRateReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0C, )), ), (), False),
+    ReadStoredSettingCanBaudRateRequest: _Answer(ReadStoredSettingCanBaudRateReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0D, )), ), (), False),
+    ReadStoredSettingMaxPowerRequest: _Answer(ReadStoredSettingMaxPowerReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xB0, )), ), (), False),
+    ReadStoredSettingMaxSpeedRequest: _Answer(ReadStoredSettingMaxSpeedReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xB2, )), ), (), False),
+    ReadStoredSettingMaxAngleRequest: _Answer(ReadStoredSettingMaxAngleReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xB4, )), ), (), False),
+    ReadStoredSettingCurrentRampRequest: _Answer(ReadStoredSettingCurrentRampReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xBA, )), ), (), False),
+    ReadStoredSettingSpeedRampRequest: _Answer(ReadStoredSettingSpeedRampReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xBC, )), ), (), False),
+    ReadStoredSettingAnglePidRequest: _Answer(ReadStoredSettingAnglePidReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0xA0, )), ), (), False),
+    ReadStoredSettingSpeedPidRequest: _Answer(ReadStoredSettingSpeedPidReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0xA4, )), ), (), False),
+    ReadStoredSettingCurrentPidRequest: _Answer(ReadStoredSettingCurrentPidReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0xA8, )), ), (), False),
+    StageStoredSettingDriverIdRequest: _Answer(StageStoredSettingDriverIdReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0A, )), ), (), False),
+    StageStoredSettingBusTypeRequest: _Answer(StageStoredSettingBusTypeReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0B, )), ), (), False),
+    StageStoredSettingRs485BaudRateRequest: _Answer(StageStoredSettingRs485BaudRateReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0C, )), ), (), False),
+    StageStoredSettingCanBaudRateRequest: _Answer(StageStoredSettingCanBaudRateReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0D, )), ), (), False),
+    StageStoredSettingMaxPowerRequest: _Answer(StageStoredSettingMaxPowerReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xB0, )), ), (), False),
+    StageStoredSettingMaxSpeedRequest: _Answer(StageStoredSettingMaxSpeedReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xB2, )), ), (), False),
+    StageStoredSettingMaxAngleRequest: _Answer(StageStoredSettingMaxAngleReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xB4, )), ), (), False),
+    StageStoredSettingCurrentRampRequest: _Answer(StageStoredSettingCurrentRampReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xBA, )), ), (), False),
+    StageStoredSettingSpeedRampRequest: _Answer(StageStoredSettingSpeedRampReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xBC, )), ), (), False),
+    StageStoredSettingAnglePidRequest: _Answer(StageStoredSettingAnglePidReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0xA0, )), ), (), False),
+    StageStoredSettingSpeedPidRequest: _Answer(StageStoredSettingSpeedPidReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0xA4, )), ), (), False),
+    StageStoredSettingCurrentPidRequest: _Answer(StageStoredSettingCurrentPidReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0xA8, )), ), (), False),
+    SaveStoredSettingsRequest: _Answer(SaveStoredSettingsReply, ((lambda can_id, data: data[0], (0x44, )), ), (), False),
 }
 
 
@@ -4569,33 +4583,36 @@ def decode_answer(
     answer = _ANSWERS.get(request)
     if answer is None:
         raise not_answer(f"{request.__name__} has no reply")
-    route, node = _REPLIES.find(can_id, extended, remote)
-    if len(data) != answer.reply.DLC and not remote:
-        raise CodecError(
-            Refusal.WRONG_LENGTH, f"0x{can_id:X} has {len(data)} data bytes, not {answer.reply.DLC}"
-        )
-    if answer.selectors is None:
-        route.message(can_id, data)
-    elif route.selector is None or route.selector(can_id, data) not in answer.selectors:
-        raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not answer {request.__name__}")
+    node = answer.node(can_id, data, extended, remote)
     return cast(R, answer.reply.unpack(node, can_id, data, parameters))
 
 
-def check_reply(request_id: int, request: bytes, reply_id: int, reply: bytes) -> None:
-    """Checks that a frame answers a request. Raises CodecError (not_answer, or why a frame cannot be read)."""
-    route, node = _REQUESTS.find(request_id, False, False)
+def check_reply(
+    request_id: int,
+    request: bytes,
+    reply_id: int,
+    reply: bytes,
+    *,
+    extended: bool = False,
+    remote: bool = False,
+    reply_extended: bool | None = None,
+    reply_remote: bool = False,
+) -> None:
+    """Checks that a frame answers a request. Raises CodecError (not_answer, or why the request cannot be read).
+
+    `extended` and `remote` are those of the request; the reply has the same kind of id unless `reply_extended` says.
+    """
+    route, node = _REQUESTS.find(request_id, extended, remote)
     sent = route.message(request_id, request)
     answer = _ANSWERS.get(sent)
     if answer is None:
         raise not_answer(f"{sent.__name__} has no reply")
-    reply_route, reply_node = _REPLIES.find(reply_id, False, False)
-    if reply_node not in (answer.nodes or (node,)):
-        raise not_answer(f"{sent.__name__} went to node {node}, this came from node {reply_node}")
-    if len(reply) != answer.reply.DLC:
-        raise CodecError(Refusal.WRONG_LENGTH, f"0x{reply_id:X} has {len(reply)} data bytes, not {answer.reply.DLC}")
-    if answer.selectors is not None and (
-        reply_route.selector is None or reply_route.selector(reply_id, reply) not in answer.selectors
-    ):
-        raise not_answer(f"0x{reply_id:X} does not answer {sent.__name__}, its code is another one")
+    try:
+        from_node = answer.node(reply_id, reply, extended if reply_extended is None else reply_extended, reply_remote)
+    except CodecError as error:
+        raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
+    expected = answer.nodes or (() if node is None else (node,))
+    if from_node is not None and expected and from_node not in expected:
+        raise not_answer(f"{sent.__name__} went to node {node}, this came from node {from_node}")
     if answer.echo and reply != request:
         raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")
