@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, overload
 
 import can
 
@@ -17,6 +17,12 @@ class Decoder(Protocol[M]):
     def __call__(self, can_id: int, data: bytes, parameters: Any = ..., *, extended: bool, remote: bool) -> M: ...
 
 
+class NodeDecoder(Protocol[M]):
+    """`decode_request` or `decode_reply` of `Node` or `Nodes`, which know the parameters themselves."""
+
+    def __call__(self, can_id: int, data: bytes, *, extended: bool, remote: bool) -> M: ...
+
+
 def to_message(message: Message) -> can.Message:
     """A frame for a python-can bus."""
     return can.Message(
@@ -28,7 +34,11 @@ def to_message(message: Message) -> can.Message:
     )
 
 
-def from_message(frame: can.Message, decode: Decoder[M], parameters: Any = None) -> M:
+@overload
+def from_message(frame: can.Message, decode: Decoder[M], parameters: Any = None) -> M: ...
+@overload
+def from_message(frame: can.Message, decode: NodeDecoder[M]) -> M: ...
+def from_message(frame: can.Message, decode: Any, parameters: Any = None) -> Any:
     """What a frame of a python-can bus means. Raises CodecError, also for error and CAN FD frames."""
     if frame.is_error_frame or frame.is_fd:
         kind = "an error frame" if frame.is_error_frame else "a CAN FD frame"

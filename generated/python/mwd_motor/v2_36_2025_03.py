@@ -4554,6 +4554,11 @@ _ANSWERS: dict[type[Message], _Answer] = {
 }
 
 
+def node_of(direction: str, can_id: int, *, extended: bool = False, remote: bool = False) -> int | None:
+    """The node of an id, as a `request` or a `reply`; None for an id without one. Raises CodecError (unknown_id)."""
+    return (_REQUESTS if direction == "request" else _REPLIES).find(can_id, extended, remote)[1]
+
+
 def decode_request(
     can_id: int, data: bytes, parameters: Parameters = UNKNOWN, *, extended: bool = False, remote: bool = False
 ) -> Message:

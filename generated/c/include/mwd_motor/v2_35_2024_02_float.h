@@ -13,6 +13,10 @@
 #include "canwright_float.h"
 #include "v2_35_2024_02.h"
 
+#if MWD_MOTOR_V2_35_2024_02_SPEC != 0x50c57c63u
+#error "v2_35_2024_02.h and v2_35_2024_02_float.h come of different specs; copy both from the same place."
+#endif
+
 /** Motor temperature, degC. */
 static inline double mwd_motor_v2_35_2024_02_temperature_to_double(int8_t raw)
 {

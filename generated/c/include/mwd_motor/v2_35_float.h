@@ -13,6 +13,10 @@
 #include "canwright_float.h"
 #include "v2_35.h"
 
+#if MWD_MOTOR_V2_35_SPEC != 0xf3f5995du
+#error "v2_35.h and v2_35_float.h come of different specs; copy both from the same place."
+#endif
+
 /** Motor temperature, degC. */
 static inline double mwd_motor_v2_35_temperature_to_double(int8_t raw)
 {

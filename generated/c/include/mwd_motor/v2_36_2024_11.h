@@ -22,6 +22,9 @@
 #error "This header and the canwright.h that is included before it come of different versions of canwright."
 #endif
 
+/** The beginning of the spec's hash. Headers of one edition that come of different specs do not compile together. */
+#define MWD_MOTOR_V2_36_2024_11_SPEC 0xa8590ac0u
+
 /* -----------------------------------------------------------------------------------------------------------------
  * Parameters: what you know of a node and no frame says
  * ----------------------------------------------------------------------------------------------------------------- */

@@ -13,6 +13,10 @@
 #include "canwright_float.h"
 #include "v2_36_2024_11.h"
 
+#if MWD_MOTOR_V2_36_2024_11_SPEC != 0xa8590ac0u
+#error "v2_36_2024_11.h and v2_36_2024_11_float.h come of different specs; copy both from the same place."
+#endif
+
 /** Motor temperature, degC. */
 static inline double mwd_motor_v2_36_2024_11_temperature_to_double(int8_t raw)
 {

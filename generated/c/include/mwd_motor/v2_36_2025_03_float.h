@@ -13,6 +13,10 @@
 #include "canwright_float.h"
 #include "v2_36_2025_03.h"
 
+#if MWD_MOTOR_V2_36_2025_03_SPEC != 0xad2b5e40u
+#error "v2_36_2025_03.h and v2_36_2025_03_float.h come of different specs; copy both from the same place."
+#endif
+
 /** Motor temperature, degC. */
 static inline double mwd_motor_v2_36_2025_03_temperature_to_double(int8_t raw)
 {

@@ -38,7 +38,7 @@ ADDRESS_MACROS = ("_REQUEST_ID", "_REPLY_ID", "_NODE_MIN", "_NODE_MAX")
 EDITION_NAMES = (
     *("parameters_t", "field_t", "field_name", "command_t", "command_name", "command_effects", "command_available"),
     *("any_request_t", "any_reply_t", "identify_request", "identify_reply", "decode_request", "decode_reply"),
-    *("check_reply", "H", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
+    *("check_reply", "H", "SPEC", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
 )
 
 

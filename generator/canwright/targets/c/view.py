@@ -115,9 +115,10 @@ class DirectionView:
 
 @dataclass(frozen=True)
 class EditionView:
-    """All that a header lays out. `prefix` and `PREFIX` start every name."""
+    """All that a header lays out. `spec` is the beginning of its hash, `prefix` and `PREFIX` start every name."""
 
     header: str
+    spec: str
     prefix: str
     PREFIX: str
     family: str
@@ -157,6 +158,7 @@ def edition_view(edition: Edition) -> EditionView:
     types_ = tuple(types(names, edition))
     return EditionView(
         header(edition),
+        edition.hash[:8],
         names.lower(""),
         names.upper(""),
         edition.family,

@@ -43,6 +43,7 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
         yield Output(f"{family}/__init__.py", env.get_template("__init__.py.j2").render(family=family))
         yield Output(f"{family}/py.typed", "")
         yield Output(f"{family}/_codec.py", env.get_template("_codec.py.j2").render(refusals=list(Refusal)))
+        yield Output(f"{family}/nodes.py", env.get_template("nodes.py.j2").render())
         yield Output(f"{family}/python_can.py", env.get_template("python_can.py.j2").render())
     module, body = env.get_template("edition.py.j2"), env.get_template("edition_body.py.j2")
     for item in described:
