@@ -35,7 +35,8 @@ from hypothesis import given, settings, strategies as st
 
 from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
 from ..conformance.adapters.dbc import DbcAdapter
-from ..spec_texts import SMALL, called
+from ..spec_texts import SMALL, called, edition
+from ..test_tables import TABLE
 from .test_dbc import CASES, SPECS, files
 
 
@@ -254,3 +255,30 @@ def test_selectors_apart_leave_the_bits_between_undecided() -> None:
     assert "`turn` (reply): its fields are shown as bare bits" in texts["README.md"]
     with pytest.raises(Cannot, match="selectors_apart"):
         DbcAdapter(with_second_selector(2)).encode_raw(Direction.REPLY, "turn", 1, {"turn": 0, "faults": 0}, {})
+
+
+@pytest.mark.parametrize("longer_first", [False, True])
+def test_a_selector_that_not_all_entries_have_is_left_to_the_joined_files(longer_first: bool, tmp_path: Path) -> None:
+    head, gains, rest = TABLE.partition("      gains:")
+    gains, level = (gains + rest).splitlines(keepends=True)
+    text = head + (level + gains if longer_first else gains + level)
+    texts = {o.path: o.text for o in dbc.generate([Described(edition(tmp_path, text), None)], {})}
+    plain, one, two = (loaded(texts[f"lamp-v1-command{which}.dbc"]) for which in ("", "-index", "-index-index_2"))
+    short, long = bytes.fromhex("42 A0 07 00 09 00 00 00"), bytes.fromhex("42 05 0A 00 03 00 00 00")
+    name = "write_setting_gains"
+    assert plain.decode_message(0x101, short) == {"c_code": 0x42, "c42_index": name, "c42_data": 0x0000_0009_0007}
+    assert plain.decode_message(0x101, long) == {
+        "c_code": 0x42,
+        "c42_index": "write_setting_level",
+        "c42_data": 0x0000_0003_000A,
+    }
+    assert one.decode_message(0x101, short) == {"c_code_index": name, "c42_A0_kp": 7, "c42_A0_ki": 9}
+    read = two.decode_message(0x101, long)
+    assert read == {"c_code_index_index_2": "write_setting_level", "c42_05_0A_level": pytest.approx(0.3)}
+
+
+def test_no_name_is_given_to_a_selector_that_does_not_decide(tmp_path: Path) -> None:
+    text = TABLE + "      hue: {index: [5, 0x0B], layout: {hue: {at: 4, raw: u8}}}\n"
+    texts = {o.path: o.text for o in dbc.generate([Described(edition(tmp_path, text), None)], {})}
+    read = loaded(texts["lamp-v1-command.dbc"]).decode_message(0x101, bytes.fromhex("42 05 0B 00 03 00 00 00"))
+    assert read == {"c_code": 0x42, "c42_index": 5, "c42_data": 0x0000_0003_000B}
