@@ -23,7 +23,7 @@ from .model import (
 from .notation import IdExpression
 from .resolve_keys import keyed_by_constants, with_claims
 from .resolve_layouts import LayoutResolver
-from .resolve_messages import Form, MessageResolver
+from .resolve_messages import ENTRY, Form, MessageResolver
 from .resolve_types import Context, read_units, resolve_parameters, resolve_types
 from .source import Document
 
@@ -126,7 +126,8 @@ def _command(
         at: Path = ("tables", written.table, "entries", form.entry)
         of = Entry(written.table, form.entry, context.title(at, entry.title, form.entry), at)
         title = {language: f"{text}: {of.title[language]}" for language, text in title.items()}
-        if request is not None and request.layout.fields:
+        asked = written.request.layout if isinstance(written.request, schema.MessageSpec) else written.request
+        if asked == ENTRY:
             does += _named(context, (*at, "effects"), "effect", entry.effects, effects)
         only |= layouts.only(at, entry.only)
     return Command(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import Any, Protocol, TypeVar
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, Protocol, TypeVar, cast
 
 from ._codec import CodecError, Message, Refusal
 
@@ -49,7 +49,8 @@ class Node:
         if message.__module__ != getattr(self.edition, "__name__", None):
             raise TypeError(f"{message.__module__}.{message.__name__} is of another edition than {self!r}")
         known = {"parameters": self.parameters} if "parameters" in message.__init__.__annotations__ else {}
-        return message(node=self.node, **values, **known)  # type: ignore[call-arg]
+        build = cast("Callable[..., M]", message)
+        return build(node=self.node, **values, **known)
 
     def has(self, direction: str, can_id: int, extended: bool = False, remote: bool = False) -> bool:
         """Whether an id is one of this node's, as `request` to it or as `reply` from it."""

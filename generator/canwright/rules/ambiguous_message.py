@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model import Direction, Key, Message, Segment, Space
+from ..model import Direction, Message, Space
 from .duplicate_code import sends_the_same
 from .ids import messages_meet
 from .rule import Finding, Found, Subject
@@ -25,24 +25,27 @@ def check(subject: Subject) -> Found:
 
 
 def _same_frame(one: Message, other: Message) -> bool:
-    if _is_rest(one, other) or _is_rest(other, one):
+    if not messages_meet(one, other):
         return False
-    pairs = [(k, o) for k in one.keys for o in other.keys if _place(k) == _place(o)]
-    return not any(k.value != o.value for k, o in pairs) and messages_meet(one, other)
+    first, second = _fixed(one), _fixed(other)
+    differ = any(second.get(bit, value) != value for bit, value in first.items())
+    return not (differ or _is_rest(one, first, second) or _is_rest(other, second, first))
 
 
-def _is_rest(one: Message, other: Message) -> bool:
-    """Whether one message is any frame but the other: it has fields where the other has further keys."""
-    shared = {(_place(key), key.value) for key in one.keys}
-    further = [key for key in other.keys if (_place(key), key.value) not in shared]
-    fields = {bit for f in one.layout.fields for e in f.elements for bit in _bits(f.space, e.segments)}
-    covered = any(not fields.isdisjoint(_bits(key.space, key.segments)) for key in further)
-    return covered and len(further) == len(other.keys) - len(one.keys)
+Bits = dict[tuple[Space, int], int]
 
 
-def _bits(space: Space, segments: tuple[Segment, ...]) -> set[tuple[Space, int]]:
-    return {(space, s.byte * 8 + s.low + i) for s in segments for i in range(s.width)}
+def _fixed(message: Message) -> Bits:
+    """The bits that the keys of a message fix, with what they hold."""
+    return {
+        (key.space, s.byte * 8 + s.low + i): key.value >> (s.raw_low + i) & 1
+        for key in message.keys
+        for s in key.segments
+        for i in range(s.width)
+    }
 
 
-def _place(key: Key) -> tuple[object, ...]:
-    return (key.space, key.segments)
+def _is_rest(message: Message, mine: Bits, others: Bits) -> bool:
+    """Whether a message is any frame but the other: it has fields where that one has further keys."""
+    fields = {(f.space, bit) for f in message.layout.fields for e in f.elements for bit in e.bits}
+    return set(mine) < set(others) and not fields.isdisjoint(set(others) - set(mine))

@@ -60,7 +60,10 @@ class FamilyView:
 
 
 def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
-    """Headers, a CMake package, and an example an edition. The parameters stay open: a program decides on them."""
+    """Headers, a CMake package, and an example an edition; nothing where there is no edition.
+
+    The parameters stay open: a program decides on them.
+    """
     env = environment("c", FILTERS)
     env.globals.update(call=call, function=function, tab="    ")
     views = [(one, edition_view(one.edition)) for one in described]
@@ -79,7 +82,7 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     for view, x in shown:
         if x.exchanges:
             yield Output(f"examples/{x.file}.c", env.get_template("examples/example.c.j2").render(e=view, x=x))
-    for file in ("CMakeLists.txt", "examples/CMakeLists.txt", "README.md"):
+    for file in ("CMakeLists.txt", "examples/CMakeLists.txt", "README.md") if shown else ():
         headers = [view.header for _, view in views]
         e, x = shown[0]
         yield Output(file, env.get_template(f"{file}.j2").render(headers=headers, families=families, e=e, x=x))

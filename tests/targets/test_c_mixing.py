@@ -1,0 +1,87 @@
+"""All editions in one translation unit, and mixing them up does not compile."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from canwright.load import described, spec_files
+from canwright.targets import c
+
+from ..compilers import WARNINGS, Compiler, compilers
+from ..spec_texts import ROOT
+from .test_c_compiles import everything, headers
+
+INCLUDE = ROOT / "generated/c/include"
+NAMES = headers([described(file) for file in spec_files(ROOT / "spec")])
+OLD, NEW = "mwd_motor_v2_35", "mwd_motor_v2_35_2024_02"
+
+USE = """
+{includes}
+canwright_status_t use(void);
+canwright_status_t use(void)
+{{
+    {old}_read_status_1_reply_t message = {{0}};
+    canwright_frame_t frame;
+    return {encode}_read_status_1_reply_encode(&frame, 1u, &message);
+}}
+"""
+PARAMETERS = """
+{includes}
+canwright_status_t use(double *value);
+canwright_status_t use(double *value)
+{{
+    static {old}_parameters_t known;
+    return {encode}_torque_current_to_double(value, 100, &known);
+}}
+"""
+TABLE = """
+{includes}
+extern const {old}_read_status_1_reply_t last_status[32];
+const {encode}_read_status_1_reply_t last_status[32] = {{{{0}}}};
+"""
+
+
+@pytest.mark.parametrize("standard", ["c99", "c++17"])
+@pytest.mark.parametrize("compiler", compilers(), ids=lambda compiler: compiler.name)
+def test_all_editions_in_one_unit(compiler: Compiler, standard: str, tmp_path: Path) -> None:
+    assert len(NAMES) == 8
+    unit = tmp_path / "unit.c"
+    unit.write_text(everything(INCLUDE, NAMES), "utf-8")
+    language = ("-x", "c++") if standard == "c++17" else ()
+    compiler.run(standard, *WARNINGS, *language, f"-I{INCLUDE}", "-c", unit, "-o", tmp_path / "unit.o")
+
+
+@pytest.mark.parametrize("standard", ["c99", "c++17"])
+@pytest.mark.parametrize("source", [USE, PARAMETERS, TABLE], ids=["message", "parameters", "table"])
+def test_mixing_editions_up_does_not_compile(source: str, standard: str, tmp_path: Path) -> None:
+    includes = "\n".join(f'#include "{name}"' for name in NAMES)
+    for encode in (OLD, NEW):
+        unit = tmp_path / f"{encode}.c"
+        unit.write_text(source.format(includes=includes, old=OLD, encode=encode), "utf-8")
+        language = ("-x", "c++") if standard == "c++17" else ()
+        flags = (*language, "-Werror=incompatible-pointer-types" if standard == "c99" else "-Werror", f"-I{INCLUDE}")
+        arguments = (*flags, "-c", unit, "-o", tmp_path / "unit.o")
+        for compiler in compilers():
+            if encode == OLD:
+                compiler.run(standard, *arguments)
+                continue
+            with pytest.raises(AssertionError, match="mwd_motor_v2_35"):
+                compiler.run(standard, *arguments)
+
+
+def test_headers_of_different_specs_do_not_compile_together(tmp_path: Path) -> None:
+    shutil.copytree(INCLUDE, tmp_path / "include")
+    changed = tmp_path / "v2.35.yaml"
+    changed.write_text((ROOT / "spec/mwd_motor/v2.35.yaml").read_text("utf-8") + "# changed\n", "utf-8")
+    made = {output.path: output.text for output in c.generate([described(changed)], {})}
+    unit = tmp_path / "unit.c"
+    unit.write_text("#include <mwd_motor/v2_35_float.h>\n", "utf-8")
+    command = [*compilers()[0].c, "-std=c99", "-fsyntax-only", f"-I{tmp_path / 'include'}", str(unit)]
+    assert subprocess.run(command, check=False).returncode == 0
+    (tmp_path / "include/mwd_motor/v2_35.h").write_text(made["include/mwd_motor/v2_35.h"], "utf-8")
+    refused = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert refused.returncode != 0
+    assert "v2_35.h and v2_35_float.h come of different specs" in refused.stderr

@@ -1,0 +1,87 @@
+"""A bus whose nodes speak different editions, on a real python-can bus."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from importlib import import_module
+from types import ModuleType
+from typing import Any
+
+import can
+import pytest
+
+from ..spec_texts import ROOT
+
+NAMES = ("v2_35", "v2_35_2024_02", "v2_36_2025_03", "nodes", "python_can", "_codec")
+
+
+@pytest.fixture(scope="module")
+def package() -> Iterator[dict[str, ModuleType]]:
+    """The committed package, all editions in one process."""
+    sys.path.insert(0, str(ROOT / "generated/python"))
+    yield {name: import_module(f"mwd_motor.{name}") for name in NAMES}
+    sys.path.remove(str(ROOT / "generated/python"))
+
+
+@pytest.fixture(scope="module")
+def nodes(package: dict[str, ModuleType]) -> Any:
+    old, middle, new = (package[name] for name in NAMES[:3])
+    make = package["nodes"].Node
+    known = old.Parameters(series=old.Series.MG, encoder_bits=18)
+    return package["nodes"].Nodes([make(old, 1, known), make(middle, 2), make(new, 3)])
+
+
+# 48.7 V as 0.1 V in DATA[3..4] from the first, 48.72 V as 0.01 V in DATA[2..3] from the others, on their own ids
+REPLIES = [
+    (0x141, "9A 32 00 E7 01 00 00 00", 1, 48.7),
+    (0x142, "9A 32 08 13 64 00 00 00", 2, 48.72),
+    (0x183, "9A 32 08 13 64 00 10 00", 3, 48.72),
+]
+
+
+def test_three_editions_on_one_bus(nodes: Any, package: dict[str, ModuleType]) -> None:
+    from_message = package["python_can"].from_message
+    with (
+        can.Bus("nodes", interface="virtual") as sender,
+        can.Bus("nodes", interface="virtual") as receiver,
+    ):
+        for can_id, data, *_ in REPLIES:
+            sender.send(can.Message(arbitration_id=can_id, data=bytes.fromhex(data), is_extended_id=False))
+        for _, _, node, voltage in REPLIES:
+            frame = receiver.recv(1)
+            assert frame is not None
+            read = from_message(frame, nodes.decode_reply)
+            assert (read.node, read.voltage) == (node, voltage)
+
+
+def test_a_request_is_read_by_the_edition_of_its_node(nodes: Any) -> None:
+    # 0x95 clears the angle in one edition, sets it in the next, and sets the zero in the last
+    found = [nodes.decode_request(0x140 + n, bytes.fromhex("95 00 00 00 10 27 00 00")) for n in (1, 2, 3)]
+    assert [type(m).__name__ for m in found] == ["ClearAngleRequest", "SetAngleRequest", "SetZeroRamRequest"]
+    assert found[1].angle == 100.0
+
+
+def test_a_message_of_another_edition_is_refused(nodes: Any, package: dict[str, ModuleType]) -> None:
+    old, middle = package["v2_35"], package["v2_35_2024_02"]
+    first, second, _ = nodes
+    assert first.make(old.SetTorqueRequest, iq=2.5).encode() == bytes.fromhex("A1 00 00 00 9B 00 00 00")
+    assert first.make(old.ReadStatus1Request).can_id == 0x141
+    with pytest.raises(TypeError, match=r"is of another edition than Node\(v2.35-2024-02, 2\)"):
+        second.make(old.SetTorqueRequest, iq=2.5)
+    with pytest.raises(TypeError, match="use its Parameters"):
+        package["nodes"].Node(middle, 1, old.Parameters())
+
+
+def test_what_is_of_no_node(nodes: Any, package: dict[str, ModuleType]) -> None:
+    for can_id in (0x181, 0x143, 0x144, 0x7FF):
+        with pytest.raises(package["_codec"].CodecError, match="no node of this bus") as caught:
+            nodes.decode_reply(can_id, bytes.fromhex("9A 32 08 13 64 00 10 00"))
+        assert caught.value.refusal is package["_codec"].Refusal.UNKNOWN_ID
+
+
+def test_two_nodes_on_one_id_are_refused(package: dict[str, ModuleType]) -> None:
+    make = package["nodes"].Node
+    with pytest.raises(ValueError, match="both reply with the id 0x141"):
+        package["nodes"].Nodes([make(package["v2_35"], 1), make(package["v2_35_2024_02"], 1)])
+    package["nodes"].Nodes([make(package["v2_35"], 1), make(package["v2_36_2025_03"], 1)])
