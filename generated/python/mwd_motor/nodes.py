@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any, Protocol, TypeVar, cast
+from typing import Any, Protocol, TypeVar
 
 from ._codec import CodecError, Message, Refusal
 
@@ -49,8 +49,7 @@ class Node:
         if message.__module__ != getattr(self.edition, "__name__", None):
             raise TypeError(f"{message.__module__}.{message.__name__} is of another edition than {self!r}")
         known = {"parameters": self.parameters} if "parameters" in message.__init__.__annotations__ else {}
-        build = cast("Callable[..., M]", message)
-        return build(node=self.node, **values, **known)
+        return _made(message, node=self.node, **values, **known)
 
     def has(self, direction: str, can_id: int, extended: bool = False, remote: bool = False) -> bool:
         """Whether an id is one of this node's, as `request` to it or as `reply` from it."""
@@ -109,3 +108,7 @@ def _is_own(node: Node, can_id: int) -> bool:
         return node.edition.node_of("reply", can_id) == node.node
     except CodecError:
         return False
+
+
+def _made(build: Callable[..., M], **values: Any) -> M:
+    return build(**values)
