@@ -14,6 +14,7 @@ import yaml
 
 LANGUAGES = {"en": "English", "zh": "中文"}
 _PAGES = ("bus", "types", "parameters", "errata", "changes")
+_ACROSS = ("support.md", "new-edition.md")
 _COMMANDS = {"en": "Commands", "zh": "命令"}
 _NEEDED = ("mkdocs", "material", "mkdocs_static_i18n")
 
@@ -108,7 +109,7 @@ def _toggle(icon: str) -> dict[str, str]:
 
 def _nav(folder: Path) -> list[Any]:
     """Every edition with its pages, its commands in the order of its overview."""
-    nav: list[Any] = ["index.md", *(["support.md"] if (folder / "support.md").is_file() else [])]
+    nav: list[Any] = ["index.md", *(name for name in _ACROSS if (folder / name).is_file())]
     for overview in sorted(folder.glob("*/index.md")):
         edition = overview.parent.name
         names = _ROW.findall(overview.read_text("utf-8"))

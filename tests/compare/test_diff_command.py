@@ -107,7 +107,7 @@ def test_markdown_and_changelog(specs: Path) -> None:
     assert "# lamp v1 -> v2\n" in text and "## Silent: " in text
     rows = [line for line in text.splitlines() if line.startswith("| ")]
     assert all(line.replace("\\|", "").count("|") == 7 for line in rows)
-    assert "a \\| &lt;b> c" in text
+    assert "a \\| &lt;b&gt; c" in text
     section = diff("v1", "v2", "--format", "changelog").output
     assert section.startswith("## v2 (2026-01)\n\nSince v1: ")
     assert "- **silent**, host sending: one step of `level` is 0.01 %, was 0.1 %" in section

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from .. import __version__
+from .copy import copy
 from .diff import diff, editions
 from .explain import explain
 from .generate import check, generate
@@ -24,6 +25,7 @@ def main() -> None:
       canwright generate                              everything in spec/ into generated/
       canwright check                                 is generated/ what spec/ says?
       canwright explain RULE                          what a finding means
+      canwright copy OLD NEW                          start a new edition
       canwright diff OLD NEW                          what changed between editions, and who is hit
       canwright identify LOG                          which edition a recorded exchange fits
       canwright show COMMAND                          one command, in the terminal
@@ -33,5 +35,5 @@ def main() -> None:
     """
 
 
-for command in (generate, check, diff, editions, identify, explain, show, site, schema):
+for command in (generate, check, copy, diff, editions, identify, explain, show, site, schema):
     main.add_command(command)

@@ -88,7 +88,8 @@ def _ranges(found: Found, pair: Pair) -> None:
             Side.RECEIVING in pair.use.sides and not _within(new, old)
         )
         impact = Impact.SILENT if hit else Impact.SAFE
-        facts = {"when": when, "old": words.span(old), "new": words.span(new)}
+        told = ["any" if limits is None else words.span(limits) for limits in (one, other)]
+        facts = {"when": when, "old": told[0], "new": told[1]}
         pair.add(found, "range-changed", impact, "raw_range", **facts)
 
 

@@ -38,6 +38,8 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
         yield Output(f"{language}/index.md", front)
         if tables:
             yield Output(f"{language}/support.md", env.get_template("support.md.j2").render(common, tables=tables))
+            page = env.get_template(f"new_edition.{language}.md.j2").render(common)
+            yield Output(f"{language}/new-edition.md", page)
         for item in here:
             old = editions.previous(item.edition, [edition for _, edition in listed])
             folder = f"{language}/{folders[id(item)]}"

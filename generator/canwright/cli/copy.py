@@ -1,0 +1,75 @@
+"""`copy`."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+
+from ..diagnostics import SpecError
+from ..load import frames_file, load
+from ..revisions import UnknownEditionError, find
+from ..schema import EditionSpec
+from ..source import Document, read
+from .common import SPEC_FOLDER, show_findings, stop
+
+
+@click.command()
+@click.argument("old")
+@click.argument("new")
+@click.option("--date", help="Date of the new manual: 2023-03 or 2023-03-21.")
+def copy(old: str, new: str, date: str | None) -> None:
+    """Start the edition NEW as a copy of OLD, with its golden frames.
+
+    OLD is a file or an edition of spec/; the copy stands beside it. What the new manual says otherwise is yours to edit;
+    `canwright diff OLD NEW` shows it then.
+    """
+    _fits("edition", new)
+    if date is not None:
+        _fits("date", date)
+    try:
+        source = Path(find(old, SPEC_FOLDER).document.name)
+        if not source.is_file():
+            stop(f"`{old}` is no file that a copy could stand beside; name a file or an edition")
+        target = source.with_name(f"{new}.yaml")
+        made = {target: _renamed(source, new, date)}
+        if frames_file(source).is_file():
+            made[frames_file(target)] = _renamed(frames_file(source), new, None)
+        for file in made:
+            if file.exists():
+                stop(f"{file.as_posix()} is there already; nothing was written")
+        for file, text in made.items():
+            file.write_text(text, "utf-8")
+            click.echo(f"wrote {file.as_posix()}")
+        load(target)
+    except SpecError as error:
+        show_findings(error.diagnostics, "text")
+        stop(f"`{old}` has to be right before it is copied")
+    except (UnknownEditionError, OSError) as error:
+        stop(str(error))
+
+
+def _fits(key: str, value: str) -> None:
+    """Stops unless the schema takes `value` for `key`."""
+    pattern = next(m.pattern for m in EditionSpec.model_fields[key].metadata if hasattr(m, "pattern"))
+    if not re.fullmatch(str(pattern), value):
+        stop(f"`{value}` is no {key}; it has to fit {pattern}")
+
+
+def _renamed(file: Path, edition: str, date: str | None) -> str:
+    """The text of a file with another edition, and another date where one is given."""
+    document, content = read(file)
+    lines = content.decode("utf-8").split("\n")
+    if date is not None and ("date",) in document:
+        _put(lines, document, "date", date)
+    _put(lines, document, "edition", edition)
+    if date is not None and ("date",) not in document:
+        lines.insert(document.position(("edition",)).line, f"date: {date}")
+    return "\n".join(lines)
+
+
+def _put(lines: list[str], document: Document, key: str, value: str) -> None:
+    at = document.position((key,))
+    line = lines[at.line - 1]
+    lines[at.line - 1] = line[: at.column - 1] + value + line[at.column - 1 + at.length :]

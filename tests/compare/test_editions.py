@@ -1,0 +1,259 @@
+"""The four editions: what their manuals differ in, line by line, is what a comparison finds, and nothing else.
+
+Each line was taken from the manuals themselves and stands for one row of what is publicly known of these editions. Two
+such rows say something else than the comparison does, and the comparison is right:
+
+- The first byte of the reply to 0x9B, 0x9A in the first edition and 0x9B later, is said to break a program in silence. It
+  does not: bindings of the first edition take either byte, so that nothing breaks.
+- The ampere scale, 33/2048 and then 66/4096, is listed as different. It is the same number, so only the writing changed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import pytest
+from canwright.compare import Category, Change, compare
+from canwright.load import described
+from canwright.model import Edition
+
+from ..spec_texts import ROOT
+
+A, B, C = "v2.35-2024-02", "v2.36-2024-11", "v2.36-2025-03"
+ALL = (A, B, C)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A difference from v2.35: in which editions, and what the comparison says of it, as `item: sentence`."""
+
+    what: str
+    editions: tuple[str, ...]
+    says: tuple[str, ...]
+
+
+LINES = (
+    Line(
+        "replies come from ids of their own",
+        (B, C),
+        ("address motor: the reply id is `0x180 + node`, was `0x140 + node`",),
+    ),
+    Line(
+        "gains and acceleration are gone",
+        ALL,
+        (
+            "command read_pid: `read_pid` (0x30) is gone",
+            "command write_pid_ram: `write_pid_ram` (0x31) is gone",
+            "command write_pid_rom: `write_pid_rom` (0x32) is gone",
+            "command read_acceleration: `read_acceleration` (0x33) is gone",
+            "command write_acceleration_ram: `write_acceleration_ram` (0x34) is gone",
+        ),
+    ),
+    Line(
+        "control parameters by index, B0 and B1",
+        (A,),
+        (
+            "command read_control_parameter: `read_control_parameter` (0xB0) is new",
+            "command write_control_parameter_ram: `write_control_parameter_ram` (0xB1) is new",
+        ),
+    ),
+    Line(
+        "control parameters by index, C0 and C1",
+        (B, C),
+        (
+            "command read_control_parameter: `read_control_parameter` (0xC0) is new",
+            "command write_control_parameter_ram: `write_control_parameter_ram` (0xC1) is new",
+        ),
+    ),
+    Line(
+        "settings that are staged and saved",
+        (C,),
+        (
+            "command read_stored_setting: `read_stored_setting` (0x40) is new",
+            "command stage_stored_setting: `stage_stored_setting` (0x42) is new",
+            "command save_stored_settings: `save_stored_settings` (0x44) is new",
+        ),
+    ),
+    Line("the encoder can be calibrated", (C,), ("command calibrate_encoder: `calibrate_encoder` (0x18) is new",)),
+    Line(
+        "the encoder zero cannot be written any more",
+        (B, C),
+        ("command write_encoder_offset_rom: `write_encoder_offset_rom` (0x91) is gone",),
+    ),
+    Line(
+        "95 sets the angle that it carries",
+        (A, B),
+        (
+            "command clear_angle: the code of `clear_angle` (0x95) now means `set_angle`: "
+            "Set multi-turn angle of the present position",
+        ),
+    ),
+    Line(
+        "95 carries nothing, sets the zero and stops",
+        (C,),
+        (
+            "command clear_angle: implemented: true, was false",
+            "command clear_angle: effects: sets_zero, stops, writes_ram; "
+            "were: sets_zero, clears_turns, clears_position_commands, writes_ram",
+        ),
+    ),
+    Line(
+        "9A has the voltage elsewhere and finer, a current and a state",
+        ALL,
+        (
+            "layout status_1: `voltage` moves from DATA[3..4] to DATA[2..3]",
+            "type voltage: `voltage` is signed, was unsigned",
+            "type voltage: one step of `voltage` is 0.01 V, was 0.1 V",
+            "layout status_1: `current` is new in DATA[4..5]",
+            "layout status_1: `motor_state` is new in DATA[6]",
+        ),
+    ),
+    Line(
+        "9A has eight error bits",
+        (B, C),
+        tuple(
+            f"type error_flags: `{name}` ({bit}) is new in `error_flags`"
+            for name, bit in (
+                ("over_voltage", 1),
+                ("driver_overheat", 2),
+                ("over_current", 4),
+                ("short_circuit", 5),
+                ("stall", 6),
+                ("input_lost", 7),
+            )
+        ),
+    ),
+    Line(
+        "9B is answered with 9B",
+        ALL,
+        (
+            "command clear_errors: the reply has the code 0x9B, had 0x9A",
+            "command clear_errors: a receiver also takes the codes none, took 0x9B",
+        ),
+    ),
+    Line(
+        "MS reports more power, and no range is printed for the current that is reported",
+        ALL,
+        (
+            "layout motion_feedback: `power` goes over raw -1000..1000, was -850..850",
+            "layout motion_feedback: `iq` goes over raw any, was -2048..2048",
+        ),
+    ),
+    Line(
+        "9D has the scale of the motion replies, and nothing for MS",
+        ALL,
+        (
+            "command read_status_3: it is there for series MF, MH, MG, was for all",
+            "type phase_current: one step of `phase_current` [series MS, MH] is none, was 1/64 A",
+            "type phase_current: one step of `phase_current` [series MF] is 33/4096 A, was 1/64 A",
+            "type phase_current: one step of `phase_current` [series MG] is 66/4096 A, was 1/64 A",
+        ),
+    ),
+    Line("there is a brake", ALL, ("command brake: `brake` (0x8C) is new",)),
+    Line(
+        "A2 carries a limit of the current",
+        (B, C),
+        (
+            "command set_speed: `iq_limit` is new in DATA[2..3]",
+            "command set_speed: limited by: max_speed, max_acceleration; "
+            "was: max_speed, max_acceleration, max_torque_current, max_power",
+        ),
+    ),
+    Line(
+        "speed with a limit is a command of its own",
+        (A,),
+        ("command set_speed_limited: `set_speed_limited` (0xAD) is new",),
+    ),
+    Line(
+        "the broadcast is gone",
+        ALL,
+        (
+            "address broadcast: the address `broadcast`, `0x280`, is gone",
+            "command broadcast_torque: `broadcast_torque` is gone",
+        ),
+    ),
+)
+
+SAME = {
+    ALL: (
+        *("motor_off", "motor_on", "motor_stop", "set_power", "set_torque", "move_to_angle", "move_to_angle_at_speed"),
+        *("turn_to_angle", "turn_to_angle_at_speed", "move_by_angle", "move_by_angle_at_speed", "read_encoder"),
+        *("write_position_as_zero_rom", "read_multi_turn_angle", "read_single_turn_angle", "read_status_2"),
+    ),
+}
+"""Commands whose own lines say that nothing changed."""
+
+LATER = {
+    (A, B): {
+        "command set_speed_limited: `set_speed_limited` (0xAD) is gone",
+        "command read_control_parameter: the code is 0xC0, was 0xB0",
+        "command write_control_parameter_ram: the code is 0xC1, was 0xB1",
+        "entry control_parameters.angle_pid: `angle_pid`, index 0x0A, is new",
+        "entry control_parameters.torque_limit: `torque_limit`, index 0x0A, is gone",
+    },
+    (B, C): {
+        "command set_angle: the code of `set_angle` (0x95) now means `set_zero_ram`: Set present position as zero in RAM",
+        "entry control_parameters.max_angle: `max_angle` is called `upper_angle`",
+        "entry control_parameters.lower_angle: `lower_angle`, index 0x23, is new",
+        "entry control_parameters.current_ramp: `current_ramp`, index 0x24, is gone",
+        "type gain: `gain` goes over raw 0..2000, was any",
+        "entry control_parameters.max_torque_current: `max_torque_current` [series MS] goes over raw 0..850, was any",
+        "entry control_parameters.max_torque_current: "
+        "`max_torque_current` [series MF, MH, MG] goes over raw 0..2000, was any",
+        "entry control_parameters.max_speed: `max_speed` goes over raw 0..600000, was any",
+        "entry control_parameters.speed_ramp: `speed_ramp` goes over raw 0..600000, was any",
+        "command calibrate_encoder: `calibrate_encoder` (0x18) is new",
+    },
+}
+
+
+@cache
+def edition(name: str) -> Edition:
+    return described(ROOT / "spec" / "mwd_motor" / f"{name}.yaml").edition
+
+
+@cache
+def changes(old: str, new: str) -> tuple[Change, ...]:
+    return compare(edition(old), edition(new))
+
+
+def told(found: tuple[Change, ...]) -> list[str]:
+    return [f"{change.item}: {change.says()}" for change in found]
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_every_line_is_found_and_nothing_else(name: str) -> None:
+    of_bus = [c for c in changes("v2.35", name) if c.rule.category in (Category.WIRE, Category.VALUE)]
+    expected = [sentence for line in LINES if name in line.editions for sentence in line.says]
+    assert sorted(told(tuple(of_bus))) == sorted(expected)
+
+
+@pytest.mark.parametrize("pair", LATER, ids=" to ".join)
+def test_what_is_between_later_editions(pair: tuple[str, str]) -> None:
+    assert LATER[pair] <= set(told(changes(*pair)))
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_what_is_the_same(name: str) -> None:
+    found = changes("v2.35", name)
+    touched = {c.item.name for c in found if c.item.kind == "command" and c.rule.category is not Category.DOC}
+    assert not touched & set(SAME[ALL])
+
+
+def test_the_same_scale_written_otherwise_breaks_nothing() -> None:
+    found = [c for c in changes("v2.35", A) if c.rule.id == "scale-rewritten"]
+    assert [c.says() for c in found] == [
+        "`iq` [series MF] is given as 33/4096 A, was as 16.5/2048 A",
+        "`iq` [series MG] is given as 66/4096 A, was as 33/2048 A",
+    ]
+    assert all(c.impact.value == "safe" for c in found)
+
+
+def test_a_wrong_voltage_is_silent_and_a_lost_reply_is_loud() -> None:
+    impact = {f"{c.rule.id} {c.item.name}": c.impact.value for c in changes("v2.35", C)}
+    assert (
+        impact["field-moved status_1"] == impact["scale-changed voltage"] == impact["field-added set_speed"] == "silent"
+    )
+    assert impact["id-changed motor"] == impact["command-removed read_pid"] == "loud"
+    assert impact["reply-code-changed clear_errors"] == impact["command-added brake"] == "safe"
