@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from canwright.cli import main
 from click.testing import CliRunner
 
@@ -61,6 +63,64 @@ def test_the_spec_example_generates(tmp_path: Path) -> None:
         os.chdir(before)
     assert result.exit_code == 0, result.output
     assert (tmp_path / "out/c/include/lamp/v1.h").is_file()
+
+
+def test_the_example_of_several_editions(tmp_path: Path) -> None:
+    script = tmp_path / "example.py"
+    script.write_text(example("nodes"), "utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "generated/python")}
+    result = subprocess.run([sys.executable, script], capture_output=True, text=True, env=environment, check=False)
+    assert (result.stdout, result.stderr) == (printed("nodes"), "")
+
+
+def run(command: str, folder: Path) -> str:
+    """What a command of the README prints, in a folder that has what a clone has; fails when it fails."""
+    program, *arguments = command.split()
+    python = {".venv/bin/python": [], ".venv/bin/canwright": ["-m", "canwright"]}[program]
+    environment = {**os.environ, "PYTHONPATH": str(folder / "generator"), "NO_COLOR": "1"}
+    done = subprocess.run(
+        [sys.executable, *python, *arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+@pytest.fixture
+def clone(tmp_path: Path) -> Path:
+    """A scratch copy of what is committed."""
+    for name in ("spec", "generator", "templates", "generated", "tests"):
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md"):
+        shutil.copy(ROOT / name, tmp_path / name)
+    return tmp_path
+
+
+def test_which_edition_a_log_fits(clone: Path) -> None:
+    match = re.search(r"<!-- example: log -->\n```text\n(.*?)```", README, re.DOTALL)
+    assert match
+    (clone / "bus.log").write_text(match.group(1), "utf-8")
+    assert run(example("identify"), clone) == printed("identify")
+
+
+def test_a_new_edition_from_start_to_end(clone: Path) -> None:
+    run(example("copy"), clone)
+    spec = clone / "spec/mwd_motor/v2.36-2025-09.yaml"
+    before = spec.read_text("utf-8")
+    states = before.index("  motor_state:")
+    at = before.index('      "on":', states)
+    spec.write_text(before[:at] + example("edit") + before[at:], "utf-8")
+    frames = spec.with_name("v2.36-2025-09.frames.yaml")
+    frames.write_text(frames.read_text("utf-8").replace("\nframes:\n", f"\nframes:\n{example('frame')}", 1), "utf-8")
+    compared, generated, replayed = example("renew").strip().split("\n")
+    assert run(compared, clone) == printed("renew")
+    assert "mwd_motor v2.36-2025-09: " in run(generated, clone)
+    assert (clone / "generated/docs/en/v2.36-2025-09/changes.md").is_file()
+    replay = run(replayed, clone)
+    assert "mwd_motor v2.36-2025-09 c cannot" in replay
+    changed = frames.read_text("utf-8").replace("motor_state: 32, errors: 0}", "motor_state: 33, errors: 0}", 1)
+    frames.write_text(changed, "utf-8")
+    with pytest.raises(AssertionError, match="frame-contradiction"):
+        run(replayed, clone)
 
 
 def test_every_link_leads_somewhere() -> None:

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+import yaml
 from canwright.cli import main
 from canwright.compare import CHANGES, compare
 from canwright.compare.report import Comparison, text
@@ -70,3 +71,12 @@ def test_ways_to_write_the_same_are_no_change(tmp_path: Path) -> None:
     assert compare(old, edition(tmp_path, shared)) == ()
     assert compare(old, edition(tmp_path, MINIMAL.replace("u16", "u16, byte_order: little"))) == ()
     assert compare(old, edition(tmp_path, MINIMAL.replace("code: 0x10", "code: 16"))) == ()
+
+
+def test_other_languages_have_every_sentence_with_the_same_facts() -> None:
+    sentences = yaml.safe_load((ROOT / "templates/docs/changes.yaml").read_text("utf-8"))
+    for said in sentences.values():
+        assert list(said) == list(CHANGES)
+        for rule, sentence in said.items():
+            facts = [set(re.findall(r"{(\w+)}", text)) for text in (sentence, CHANGES[rule].says)]
+            assert facts[0] == facts[1], rule
