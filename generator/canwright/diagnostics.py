@@ -8,6 +8,10 @@ from dataclasses import dataclass
 from enum import Enum
 
 
+WIDTH = 160
+"""How much of a line is shown; one that is longer is cut on both sides of what a finding is about."""
+
+
 class Severity(str, Enum):
     """An error stops generation, a warning does not."""
 
@@ -41,9 +45,11 @@ class Diagnostic:
         at = self.position
         lines = [f"{at.file}:{at.line}:{at.column}: {self.severity.value}: {self.message} [{self.rule}]"]
         if at.text:
-            margin = "".join("\t" if c == "\t" else " " for c in at.text[: at.column - 1])
-            marked = max(1, min(at.length, len(at.text) - at.column + 1))
-            lines += [f"  {at.text}", f"  {margin}{'^' * marked}"]
+            first = max(0, at.column - WIDTH // 2) if len(at.text) > WIDTH else 0
+            shown = at.text[first : first + WIDTH]
+            margin = "".join("\t" if c == "\t" else " " for c in shown[: at.column - 1 - first])
+            marked = max(1, min(at.length, len(shown) - len(margin)))
+            lines += [f"  {shown}", f"  {margin}{'^' * marked}"]
         if self.hint:
             lines.append(f"  {self.hint}")
         return "\n".join(lines)

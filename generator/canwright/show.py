@@ -31,7 +31,7 @@ def find(described: Sequence[Described], wanted: str) -> tuple[list[tuple[Editio
 def show_command(edition: Edition, command: Command, language: str) -> None:
     """Prints a command: layout first, then what it does and what to mind."""
     language = language if language in edition.languages else edition.languages[0]
-    Console(highlight=False).print(Group(*_parts(edition, command, language)))
+    Console(highlight=False, markup=False, emoji=False).print(Group(*_parts(edition, command, language)))
 
 
 def _parts(edition: Edition, command: Command, language: str) -> Iterator[RenderableType]:

@@ -6,7 +6,9 @@ Only mappings, lists and scalars are read. Plain scalars are integers (`12`, `0x
 
 from __future__ import annotations
 
+import codecs
 import re
+import stat
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
@@ -15,11 +17,14 @@ from typing import Any, NoReturn
 
 import yaml
 
+from . import characters
 from .diagnostics import Diagnostic, Position, Severity, SpecError
 from .model import Path
 
 MAX_BYTES = 1 << 20
 MAX_DEPTH = 24
+LONGEST = 400
+"""How much a finding says; texts of a file that are in it may be as long as the file."""
 
 Scalar = str | int | Decimal | bool
 Data = Scalar | list[Any] | dict[str, Any]
@@ -31,6 +36,11 @@ _AMBIGUOUS = re.compile(
     | [-+]?[\d][\d_]*_[\d_]* | [-+]?0\d+ | [-+]?0[ob]\w+ | \d+(?::[0-5]?\d)+ | [-+]?\d*\.?\d+e[-+]?\d+
     | [-+]?\d+\. | \+\d+(?:\.\d*)? | [-+]?\.\d+ | [-+]0x\w+ )"""
 )
+_MARKS = {
+    codecs.BOM_UTF8: "a byte order mark",
+    codecs.BOM_UTF16_LE: "the byte order mark of UTF-16",
+    codecs.BOM_UTF16_BE: "the byte order mark of UTF-16",
+}
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
@@ -51,10 +61,11 @@ class Document:
 
     def __init__(self, name: str, text: str) -> None:
         self.name = name
-        self.lines = text.split("\n")
+        self.lines = characters.covered(text.replace("\r\n", "\n")).split("\n")
         self._keys: dict[Path, Mark] = {}
         self._values: dict[Path, Mark] = {}
         self.renamed: dict[Path, Path] = {}
+        self._refuse_unseen(text.replace("\r\n", "\n"))
         self.data: Data = _Builder(self, text).build()
 
     def __contains__(self, path: object) -> bool:
@@ -83,14 +94,21 @@ class Document:
     ) -> Diagnostic:
         """A diagnostic at `path`."""
         severity = Severity.WARNING if warning else Severity.ERROR
-        return Diagnostic(severity, rule, message, self.position(path, key=key), hint)
+        return Diagnostic(severity, rule, _line(message), self.position(path, key=key), _line(hint))
 
     def _at(self, mark: Mark) -> Position:
-        text = self.lines[mark.line - 1].rstrip("\r") if mark.line <= len(self.lines) else ""
+        text = self.lines[mark.line - 1] if mark.line <= len(self.lines) else ""
         return Position(self.name, mark.line, mark.column, mark.length, text)
 
     def _refuse(self, mark: Mark, rule: str, message: str, hint: str = "") -> NoReturn:
-        raise SpecError([Diagnostic(Severity.ERROR, rule, message, self._at(mark), hint)])
+        raise SpecError([Diagnostic(Severity.ERROR, rule, _line(message), self._at(mark), hint)])
+
+    def _refuse_unseen(self, text: str, mark: Mark | None = None) -> None:
+        """Refuses a text with a character that cannot be seen; `mark` is where the text stands, if not at the top."""
+        for found in characters.unseen(text)[:1]:
+            before = text[: text.index(found)].split("\n")
+            message = f"the character {characters.described(found)} cannot be seen, or changes how others are shown"
+            self._refuse(mark or Mark(len(before), len(before[-1]) + 1, 1), "unsafe-character", message, "remove it")
 
 
 class _Builder:
@@ -174,11 +192,15 @@ class _Builder:
             self._refuse("yaml", "a key must be a plain name")
         if not self._event.style and self._event.value == "<<":
             self._refuse("yaml-alias", "merge keys are not read", "name a type or a layout and refer to it")
-        return str(self._scalar())
+        key = self._scalar()
+        if isinstance(key, bool):
+            self._refuse("ambiguous-scalar", f"the key `{self._event.value}` is no name", "put it in quotes")
+        return str(key)
 
     def _scalar(self) -> Scalar:
         text: str = self._event.value
         if self._event.style:
+            self._document._refuse_unseen(text, self._mark())
             return text
         if text == "":
             self._refuse("yaml", "there is no value here", "write one, or remove the key")
@@ -202,16 +224,28 @@ def parse(name: str, text: str) -> Document:
     return Document(name, text)
 
 
+def _line(text: str) -> str:
+    """What a finding says, on one line that is not too long, whatever of a file is in it."""
+    line = characters.visible(text)
+    return line if len(line) <= LONGEST else line[:LONGEST] + "…"
+
+
 def read(file: FilePath) -> tuple[Document, bytes]:
     """Reads a YAML file; also returns its bytes. Raises SpecError, and OSError when there is no reading it."""
-    content = file.read_bytes()
-    name = file.as_posix()
+    name = characters.visible(file.as_posix())
+    if not stat.S_ISREG(file.stat().st_mode):
+        raise OSError(f"{name} is no file, but a folder, a pipe or a device; name the file of a spec")
+    with file.open("rb") as stream:
+        content = stream.read(MAX_BYTES + 1)
 
     def refuse(line: int, rule: str, message: str, hint: str) -> NoReturn:
         raise SpecError([Diagnostic(Severity.ERROR, rule, message, Position(name, line, 1, 1, ""), hint)])
 
     if len(content) > MAX_BYTES:
-        refuse(1, "file-size", f"the file has {len(content)} bytes, more than {MAX_BYTES}", "split the protocol")
+        refuse(1, "file-size", f"the file has more than {MAX_BYTES} bytes", "split the protocol")
+    for mark, what in _MARKS.items():
+        if content.startswith(mark):
+            refuse(1, "encoding", f"the file starts with {what}", "save the file as UTF-8, without a byte order mark")
     try:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:

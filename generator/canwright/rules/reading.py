@@ -7,6 +7,7 @@ from .rule import Rule
 READING: tuple[Rule, ...] = (
     Rule("file-size", "A file has at most 1 MiB."),
     Rule("encoding", "A file is UTF-8 text."),
+    Rule("unsafe-character", "A text has no character that cannot be seen or changes how others are shown."),
     Rule("yaml", "A file is one YAML document, a mapping with plain keys and a value behind each."),
     Rule("yaml-alias", "Nothing is said by anchors, aliases or merge keys; types and layouts have names for that."),
     Rule("yaml-tag", "A spec is plain data, without YAML tags."),

@@ -4,17 +4,11 @@ from __future__ import annotations
 
 import html
 import re
-import unicodedata
+
+from ...characters import visible
 
 _ESCAPED = re.compile(r"([\\`*\[\]|])|(?<![A-Za-z0-9])(_)|(_)(?![A-Za-z0-9])")
 _STARTS = re.compile(r"^([#>+=:-]|\d+(?=[.)]\s))")
-_INVISIBLE = ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")
-
-
-def visible(text: str) -> str:
-    """One line, with a replacement for every control, bidirectional or unassigned character."""
-    line = " ".join(text.split())
-    return "".join("\N{REPLACEMENT CHARACTER}" if unicodedata.category(c) in _INVISIBLE else c for c in line)
 
 
 def markdown(text: str) -> str:
