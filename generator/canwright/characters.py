@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Iterator
 
 _UNSEEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
 """Controls, format characters (bidirectional and zero-width ones), surrogates, separators of lines and paragraphs."""
+
+_BLANK = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0")
+"""Letters and marks that are drawn as nothing."""
 
 CANNOT_BE_SEEN = "\N{REPLACEMENT CHARACTER}"
 
@@ -18,7 +22,16 @@ def unseen(text: str) -> list[str]:
 def _is_unseen(character: str) -> bool:
     code = ord(character)
     is_no_character = code & 0xFFFE == 0xFFFE or 0xFDD0 <= code <= 0xFDEF
-    return character not in "\t\n" and (is_no_character or unicodedata.category(character) in _UNSEEN)
+    is_blank = character in _BLANK or 0xE0000 <= code <= 0xE0FFF
+    is_unseen = is_no_character or is_blank or unicodedata.category(character) in _UNSEEN
+    return is_unseen and character not in "\t\n"
+
+
+def places(text: str) -> Iterator[tuple[int, int, str]]:
+    """Line, column and character, wherever one stands that cannot be seen."""
+    found = frozenset(unseen(text))
+    for number, line in enumerate(text.split("\n") if found else (), 1):
+        yield from ((number, column, character) for column, character in enumerate(line, 1) if character in found)
 
 
 def covered(text: str) -> str:

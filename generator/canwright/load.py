@@ -45,9 +45,12 @@ def load(file: Path) -> Loaded:
     beside = frames_file(file)
     golden, frames_document = None, document
     if beside.is_file():
-        frames_document, _ = source.read(beside)
-        golden, amiss = _frames(frames_document, edition)
-        findings += amiss
+        try:
+            frames_document, _ = source.read(beside)
+            golden, amiss = _frames(frames_document, edition)
+            findings += amiss
+        except SpecError as error:
+            findings += error.diagnostics
     known = {_place(d): d.rule for d in findings}
     found = list(rules.check(Subject(edition, read.spec, golden), whole=not findings))
     wrong = bool(findings) or any(rule.severity is Severity.ERROR for rule, _ in found)
