@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
-
 WIDTH = 160
 """How much of a line is shown; one that is longer is cut on both sides of what a finding is about."""
 

@@ -56,9 +56,9 @@ class Mode(Titled):
 class Bus(Concept):
     """What host and nodes must agree on before the first frame."""
 
-    host: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", description="Name of the host in DBC files.")] = (
-        "Host"
-    )
+    host: Annotated[
+        str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=48, description="Name of the host in DBC files.")
+    ] = "Host"
     dlc: Annotated[
         int, Field(ge=0, le=8, description="Data bytes of every frame, unless a message says otherwise.")
     ] = 8
@@ -114,10 +114,12 @@ class EditionSpec(Titled):
     canwright: Annotated[Literal[1], Field(description="Version of this language.")]
     family: Annotated[Name, Field(description="The protocols that grew from one another; prefix of generated names.")]
     edition: Annotated[
-        str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9.-]*$", max_length=40, description="Label, and date where needed.")
+        str,
+        Field(pattern=r"^[A-Za-z0-9]+([.-][A-Za-z0-9]+)*$", max_length=40, description="Label, and date where needed."),
     ]
     date: Annotated[
-        str | None, Field(pattern=r"^\d{4}(-\d{2}){0,2}$", description="Date of the manual: 2023-03 or 2023-03-21.")
+        str | None,
+        Field(pattern=r"^[0-9]{4}(-[0-9]{2}){0,2}$", description="Date of the manual: 2023-03 or 2023-03-21."),
     ] = None
     languages: Annotated[list[Language], Field(min_length=1, description="Languages that every text is given in.")] = [
         "en"

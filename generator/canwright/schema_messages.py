@@ -8,7 +8,7 @@ from pydantic import Discriminator, Field, Tag
 
 from .model import Encoding, Order
 from .schema_types import Concept, Titled
-from .written import Byte, Name, Nodes, Only, Raw, Section, Start, Text
+from .written import Byte, Indices, Name, Nodes, Only, Raw, Section, Start, Text
 
 
 class FieldSpec(Titled):
@@ -24,7 +24,7 @@ class FieldSpec(Titled):
     type: Annotated[Name | None, Field(description="A type of this edition.")] = None
     raw: Annotated[Raw | None, Field(description="A bare number of this format, in place of a type.")] = None
     array: Annotated[
-        Nodes | None, Field(description="Indices of an array whose elements follow one another.", examples=["1..4"])
+        Indices | None, Field(description="Indices of an array whose elements follow one another.", examples=["1..4"])
     ] = None
     only: Only = None
     constant: Annotated[int | None, Field(description="The raw value that it always holds.")] = None

@@ -187,7 +187,9 @@ class _Builder:
             return ""
         if event.tag is not None:
             spoils = path if isinstance(event, yaml.ScalarEvent) else None
-            self._report("yaml-tag", f"the tag `{event.tag}` is not read", "a spec is plain data; remove the tag", spoils)
+            self._report(
+                "yaml-tag", f"the tag `{event.tag}` is not read", "a spec is plain data; remove the tag", spoils
+            )
         if depth > MAX_DEPTH:
             hint = "no spec needs that; check brackets and indents"
             self._document._refuse(self._mark(), "yaml-depth", f"nested deeper than {MAX_DEPTH} levels", hint)
@@ -268,7 +270,9 @@ class _Builder:
         elif _AMBIGUOUS.fullmatch(text):
             short = text if len(text) <= 40 else f"{text[:40]}…"
             hint = f'for a text write "{short}" in quotes; a number is written like 12, 0x1F or 0.01'
-            self._report("ambiguous-scalar", f"`{short}` reads differently from one YAML reader to the next", hint, path)
+            self._report(
+                "ambiguous-scalar", f"`{short}` reads differently from one YAML reader to the next", hint, path
+            )
         return text
 
 
