@@ -7,6 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
+MOST_FINDINGS = 1000
+"""How many findings of one kind of check are told in one run; nobody reads more."""
+
 WIDTH = 160
 """How much of a line is shown; one that is longer is cut on both sides of what a finding is about."""
 
@@ -66,7 +69,7 @@ class SpecError(Exception):
 
 def near(name: str, known: Iterable[str]) -> str | None:
     """The one of `known` that `name` is probably a slip of the pen for."""
-    return next(iter(difflib.get_close_matches(name, sorted(set(known)), n=1, cutoff=0.6)), None)
+    return next(iter(difflib.get_close_matches(name, sorted(set(known))[:MOST_FINDINGS], n=1, cutoff=0.6)), None)
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

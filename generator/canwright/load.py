@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 from . import rules, source
-from .diagnostics import Diagnostic, Severity, SpecError
+from .diagnostics import MOST_FINDINGS, Diagnostic, Severity, SpecError
 from .golden import GoldenFrames
 from .model import Edition, Path as ItemPath
 from .resolve import resolve
 from .rules import Subject
+from .rules.too_large import commands
 from .schema import EditionSpec
 from .source import Document
 from .targets import Described, c
@@ -39,6 +41,9 @@ def load(file: Path) -> Loaded:
     read = validate_parts(document, EditionSpec)
     if read.spec is None:
         raise SpecError(read.diagnostics)
+    too_many = [document.finding(f.path, "too-large", f.message, f.hint, key=f.key) for f in commands(read.spec)]
+    if too_many:
+        raise SpecError([*read.diagnostics, *too_many])
     digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
     edition, unresolved = resolve(document, read.spec, digest, read.dropped)
     findings = [*read.diagnostics, *unresolved]
@@ -54,7 +59,7 @@ def load(file: Path) -> Loaded:
     known = {_place(d): d.rule for d in findings}
     found = list(rules.check(Subject(edition, read.spec, golden), whole=not findings))
     wrong = bool(findings) or any(rule.severity is Severity.ERROR for rule, _ in found)
-    for rule, finding in found:
+    for rule, finding in itertools.islice(found, MOST_FINDINGS):
         warning = rule.severity is Severity.WARNING
         where = frames_document if finding.in_frames else document
         diagnostic = where.finding(

@@ -79,7 +79,7 @@ class ParameterSpec(Titled):
     """What the integrator knows of a node and no frame says: a choice among values, or a number."""
 
     values: Annotated[
-        list[int] | dict[ValueName, Titled] | None,
+        Annotated[list[int], Field(max_length=256)] | Annotated[dict[ValueName, Titled], Field(max_length=256)] | None,
         Field(description="The values of a choice: numbers, or names with a title.", examples=[[14, 15, 18]]),
     ] = None
     number: Annotated[NumberRange | None, Field(description="A number, with its limits.")] = None
@@ -129,9 +129,11 @@ class EditionSpec(Titled):
         Order.LITTLE
     )
     bus: Annotated[Bus, Field(description="What host and nodes must agree on.")] = Bus()
-    addresses: Annotated[dict[Name, Address], Field(min_length=1, description="Addresses; the first is the usual one.")]
+    addresses: Annotated[
+        dict[Name, Address], Field(min_length=1, max_length=64, description="Addresses; the first is the usual one.")
+    ]
     selector: Annotated[Selector | None, Field(description="What tells one command from another.")] = None
-    parameters: Annotated[dict[Name, ParameterSpec], Field(description="Parameters, by name.")] = {}
+    parameters: Annotated[dict[Name, ParameterSpec], Field(max_length=256, description="Parameters, by name.")] = {}
     settings: Annotated[dict[Name, SettingSpec], Field(description="Settings, by name.")] = {}
     effects: Annotated[dict[Name, EffectSpec], Field(description="Effects, by name.")] = {}
     types: Annotated[dict[Name, Type], Field(description="Types, by name.")] = {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import functools
+import itertools
 import typing
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from typing import Annotated, Any, Generic, TypeVar, Union
 
 from pydantic import BaseModel, Tag, ValidationError
 
-from .diagnostics import Diagnostic, SpecError, near, nearest
+from .diagnostics import MOST_FINDINGS, Diagnostic, SpecError, near, nearest
 from .model import Path
 from .source import MERGE, Document
 
@@ -58,7 +59,7 @@ def validate_parts(document: Document, concept: type[M]) -> Validated[M]:
         wrong = [e for e in errors if e["type"] != "missing" or _missing(document, e) not in renamed]
         if attempt == 0:
             told = (e for e in wrong if not _follows(document, e, dropped))
-            diagnostics += tuple(_diagnostic(document, concept, e) for e in told)
+            diagnostics += tuple(_diagnostic(document, concept, e) for e in itertools.islice(told, MOST_FINDINGS))
         for path, name in meant.items():
             _rename(document, data, path, name)
         culprits = {_culprit(document, e) for e in wrong} - set(meant)

@@ -25,7 +25,7 @@ READING: tuple[Rule, ...] = (
     Rule("missing-reply", "Every command says what it replies, if only `none`."),
     Rule("echo-of-nothing", "Only a command with a request can echo it."),
     Rule("entry-of-nothing", "Only a command with a table can have an entry's layout."),
-    Rule("circular-reference", "No reply is taken from a command that takes its own from there."),
+    Rule("circular-reference", "Replies are not taken from one another in a circle, nor in a long chain."),
     Rule("reply-of-table", "A reply is not taken from a command that has one for each entry of a table."),
     Rule("too-many-values", "An entry has no more index values than its table has selectors."),
     Rule("no-selector", "Codes stand where `selector` says."),
