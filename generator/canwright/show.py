@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text as RichText
 
 from . import words
+from .characters import visible
 from .diagnostics import nearest
 from .model import Command, Edition, Field, IdRule, Layout, Level, Message, ReplyForm
 from .targets import Described
@@ -38,7 +39,7 @@ def _parts(edition: Edition, command: Command, language: str) -> Iterator[Render
     head = RichText(command.name, "bold")
     if command.code is not None:
         head.append(f"  0x{command.code:02X}")
-    head.append(f"  {command.title[language]}")
+    head.append(f"  {visible(command.title[language])}")
     yield head
     manual = f", manual {command.manual}" if command.manual else ""
     yield RichText(f"{edition.family} {edition.name}{manual}", "dim")
@@ -111,7 +112,7 @@ def _table(command: Command, message: Message, language: str) -> RenderableType:
                 name + (f" ({', '.join(field.only)})" if field.only else ""),
                 words.raw_format(field.type),
                 *_meaning(field, _relevant(command, message.layout, field)),
-                field.title[language],
+                visible(field.title[language]),
             )
     return table
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -94,7 +95,7 @@ def filled(say: Say, folder: Path, languages: tuple[str, ...] = ("en", "zh")) ->
         data = yaml.safe_load(written)
         if concept is EditionSpec:
             data["languages"] = list(languages)
-        found = _Filler(concept.model_json_schema(), say, languages).all(data)
+        found = _Filler(_schema(concept), say, languages).all(data)
         (folder / name).write_text(json.dumps(found, ensure_ascii=False, indent=1), "utf-8")
     return load(folder / "lamp.yaml").described
 
@@ -103,7 +104,7 @@ def text_fields() -> set[str]:
     """`Concept.key` of every text that the language knows."""
     found: set[str] = set()
     for concept in (EditionSpec, GoldenFrames):
-        schema = concept.model_json_schema()
+        schema = _schema(concept)
         filler = _Filler(schema, str, ())
         for name, one in {schema["title"]: schema, **schema["$defs"]}.items():
             found |= {f"{name}.{key}" for key, inner in one.get("properties", {}).items() if filler.is_text(key, inner)}
@@ -114,7 +115,7 @@ def filled_fields() -> set[str]:
     """`Concept.key` of every text that is filled."""
     found: set[str] = set()
     for written, concept in ((SPEC, EditionSpec), (FRAMES, GoldenFrames)):
-        filler = _Filler(concept.model_json_schema(), str, ("en",))
+        filler = _Filler(_schema(concept), str, ("en",))
         filler.all(yaml.safe_load(written))
         found |= filler.found
     return found
@@ -140,7 +141,7 @@ class _Filler:
 
     def _filled(self, schema: Schema, value: Any) -> Any:
         if isinstance(value, list):
-            items = next((one["items"] for one in self._choices(schema) if "items" in one), {})
+            items: Schema = next((one["items"] for one in self._choices(schema) if "items" in one), {})
             return [self._said("", items, one) for one in value]
         if not isinstance(value, dict):
             return value
@@ -184,9 +185,16 @@ class _Filler:
             yield from self._choices(one)
 
 
+@functools.cache
+def _schema(concept: type[EditionSpec] | type[GoldenFrames]) -> Schema:
+    return concept.model_json_schema()
+
+
 def _entries(schema: Schema) -> Schema:
     """The schema of the entries of a mapping that takes any key."""
-    found = schema.get("additionalProperties") or next(iter(schema.get("patternProperties", {}).values()), {})
+    found: Schema | bool = schema.get("additionalProperties") or next(
+        iter(schema.get("patternProperties", {}).values()), {}
+    )
     return found if isinstance(found, dict) else {}
 
 

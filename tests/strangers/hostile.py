@@ -11,7 +11,7 @@ HOSTILE = (
     "ends in a trigraph ??/",
     "*??/\n/ #error spliced",
     "*\\\n/ #error spliced",
-    "\"\"\" ''' quotes \" ' ` ends in \"",
+    '""" \'\'\' quotes " \' ` ends in "',
     '"); system("x"); ("',
     "'''\nimport os\n'''",
     "\\N{DIGIT ONE} \\x41 \\u0041 \\101 \\n",

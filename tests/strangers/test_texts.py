@@ -6,9 +6,8 @@ import ast
 import functools
 import html.parser
 import itertools
-import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import cantools
@@ -18,17 +17,16 @@ from canwright import site
 from canwright.cli import main
 from canwright.diagnostics import SpecError
 from canwright.generate import TARGETS, generate
-from canwright.model import Command
+from canwright.load import load
 from click.testing import CliRunner
 from markdown_it import MarkdownIt
 
-from ..compilers import compilers
-from ..targets.test_c_compiles import everything, headers
+from ..compilers import WARNINGS, Compiler, compilers
+from ..targets.test_c_compiles import everything, headers, write
 from .everything import SPEC, filled, filled_fields, text_fields
 from .hostile import HARMLESS, HOSTILE, REFUSED
 
 Files = dict[str, str]
-Nodes = list[tuple[str, ...]]
 
 
 def made(say: Sequence[str], folder: Path, languages: tuple[str, ...] = ("en", "zh")) -> Files:
@@ -40,7 +38,7 @@ def made(say: Sequence[str], folder: Path, languages: tuple[str, ...] = ("en", "
 
 @pytest.fixture(scope="module")
 def harmless(tmp_path_factory: pytest.TempPathFactory) -> Files:
-    return made([HARMLESS], tmp_path_factory.mktemp("harmless"))
+    return made([HARMLESS], tmp_path_factory.mktemp("harmless"), ("en",))
 
 
 def test_every_text_of_the_language_is_filled() -> None:
@@ -50,22 +48,23 @@ def test_every_text_of_the_language_is_filled() -> None:
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_a_text_is_only_text(text: str, harmless: Files, tmp_path: Path) -> None:
-    hostile = made([text], tmp_path)
-    assert _same_files(hostile, harmless, text) == []
-
-
-def _same_files(hostile: Files, harmless: Files, text: str) -> list[str]:
+    hostile = made([text], tmp_path, ("en",))
     assert list(hostile) == list(harmless)
-    different = []
-    for path, content in hostile.items():
-        kind = path.rsplit(".", 1)[-1]
-        same = {"h": _same_c, "c": _same_c, "py": _same_python, "dbc": _same_dbc, "md": _same_page}.get(kind, _equal)
-        if not same(content, harmless[path], text):
-            different.append(path)
-    return different
+    assert [path for path, content in hostile.items() if not _same_file(path, content, harmless[path])] == []
+    assert _same_pages(hostile, harmless, text)
 
 
-def _equal(hostile: str, harmless: str, text: str) -> bool:
+def _same_file(path: str, hostile: str, harmless: str) -> bool:
+    """Whether a file that is no page says the same to those that it is for."""
+    same = {"h": _same_c, "c": _same_c, "py": _same_python, "dbc": _same_dbc, "md": _any_page}
+    return same.get(path.rsplit(".", 1)[-1], _equal)(hostile, harmless)
+
+
+def _any_page(hostile: str, harmless: str) -> bool:
+    return True
+
+
+def _equal(hostile: str, harmless: str) -> bool:
     return _without_hash(hostile) == _without_hash(harmless)
 
 
@@ -73,19 +72,21 @@ def _without_hash(text: str) -> str:
     return re.sub(r"[0-9a-f]{12,64}", "", text)
 
 
-def _same_c(hostile: str, harmless: str, text: str) -> bool:
+def _same_c(hostile: str, harmless: str) -> bool:
     return _words(hostile) == _words(harmless)
 
 
 @functools.cache
 def _words(source: str) -> list[str]:
     """The words of a source without its comments, as a compiler sees them: trigraphs and line ends first."""
-    for trigraph, meant in zip(("??/", "??=", "??'", "??(", "??)", "??!", "??<", "??>", "??-"), "\\#^[]|{}~", strict=True):
+    for trigraph, meant in zip(
+        ("??/", "??=", "??'", "??(", "??)", "??!", "??<", "??>", "??-"), "\\#^[]|{}~", strict=True
+    ):
         source = source.replace(trigraph, meant)
     return _without_hash(re.sub(r"/\*.*?\*/|//[^\n]*", " ", source.replace("\\\n", ""), flags=re.S)).split()
 
 
-def _same_python(hostile: str, harmless: str, text: str) -> bool:
+def _same_python(hostile: str, harmless: str) -> bool:
     return _tree(hostile) == _tree(harmless)
 
 
@@ -98,7 +99,7 @@ def _tree(source: str) -> str:
     return ast.dump(tree)
 
 
-def _same_dbc(hostile: str, harmless: str, text: str) -> bool:
+def _same_dbc(hostile: str, harmless: str) -> bool:
     return _loaded(hostile) == _loaded(harmless)
 
 
@@ -108,18 +109,45 @@ def _loaded(source: str) -> list[object]:
     assert isinstance(database, cantools.database.can.Database)
     nodes = [node.name for node in database.nodes]
     return [nodes] + [
-        (m.frame_id, m.name, m.length, m.senders, [(s.name, s.start, s.length, s.scale, s.offset, s.unit, s.minimum, s.maximum, s.choices and sorted(s.choices), s.multiplexer_ids, s.is_signed, s.byte_order) for s in m.signals])
+        (
+            m.frame_id,
+            m.name,
+            m.length,
+            m.senders,
+            [
+                (
+                    s.name,
+                    s.start,
+                    s.length,
+                    s.scale,
+                    s.offset,
+                    s.unit,
+                    s.minimum,
+                    s.maximum,
+                    s.choices and sorted(s.choices),
+                    s.multiplexer_ids,
+                    s.is_signed,
+                    s.byte_order,
+                )
+                for s in m.signals
+            ],
+        )
         for m in database.messages
     ]
 
 
-def _same_page(hostile: str, harmless: str, text: str) -> bool:
+def _same_pages(hostile: Files, harmless: Files, text: str) -> bool:
+    """Whether the pages have the same elements, and show the text wherever the others show the harmless one."""
     shown = " ".join(text.split())
     for renderer in (_by_site, _by_every_extension, _by_commonmark):
-        one, other = _page(renderer(hostile)), _page(renderer(harmless))
+        one, other = (_page(renderer("\n\n".join(_pages(files)))) for files in (hostile, harmless))
         if one.elements != other.elements or one.text.split() != other.text.replace(HARMLESS, shown).split():
             return False
     return True
+
+
+def _pages(files: Files) -> list[str]:
+    return [content for path, content in files.items() if path.endswith(".md")]
 
 
 @functools.cache
@@ -128,7 +156,7 @@ def _by_site(text: str) -> str:
 
 
 EVERY_EXTENSION = (
-    *("footnotes", "abbr", "admonition", "def_list", "wikilinks", "fenced_code", "sane_lists", "meta"),
+    *("footnotes", "abbr", "admonition", "def_list", "wikilinks", "fenced_code", "sane_lists"),
     *("pymdownx." + name for name in ("emoji", "details", "tabbed", "caret", "tilde", "mark", "critic", "keys")),
     *("pymdownx." + name for name in ("arithmatex", "magiclink", "tasklist", "inlinehilite", "betterem", "snippets")),
 )
@@ -142,7 +170,7 @@ def _by_every_extension(text: str) -> str:
 
 @functools.cache
 def _by_commonmark(text: str) -> str:
-    return MarkdownIt("commonmark").enable("table").render(text)
+    return str(MarkdownIt("commonmark").enable("table").render(text))
 
 
 @functools.cache
@@ -172,3 +200,49 @@ class _Page(html.parser.HTMLParser):
 
     def handle_comment(self, data: str) -> None:
         self.elements.append("<!-- -->")
+
+
+@pytest.mark.parametrize("compiler", compilers(), ids=lambda compiler: compiler.name)
+def test_compilers_make_the_same_of_it(compiler: Compiler, tmp_path: Path) -> None:
+    """All hostile texts at once, from another one on in each turn, so that they meet different places."""
+    objects = [_object([HARMLESS], compiler, tmp_path / "harmless")]
+    objects += [_object(HOSTILE[n:] + HOSTILE[:n], compiler, tmp_path / str(n)) for n in (0, 17, 40)]
+    assert objects[1:] == objects[:1] * 3
+
+
+def _object(say: Sequence[str], compiler: Compiler, folder: Path) -> bytes:
+    turns = itertools.cycle(say)
+    described = [filled(lambda: next(turns), folder)]
+    include = write(described, folder) / "include"
+    (folder / "all.c").write_text(everything(include, headers(described)), "utf-8")
+    compiler.run("c99", *WARNINGS, "-Wcomment", "-O2", f"-I{include}", "-c", folder / "all.c", "-o", folder / "all.o")
+    return (folder / "all.o").read_bytes()
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_the_terminal_shows_a_text_as_it_is(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "2000")
+    hostile, harmless = _shown(text, tmp_path), _shown(HARMLESS, tmp_path)
+    assert hostile == harmless.replace(HARMLESS, " ".join(text.split()))
+    assert harmless.count(HARMLESS) > 8
+
+
+def _shown(text: str, folder: Path) -> str:
+    filled(lambda: text, folder)
+    result = CliRunner().invoke(main, ["show", "dim", "--spec", str(folder / "lamp.yaml")], catch_exceptions=False)
+    assert result.exit_code == 0
+    return " ".join(result.output.split())
+
+
+@pytest.mark.parametrize("text", REFUSED, ids=ascii)
+def test_a_text_that_cannot_be_seen_is_refused(text: str, tmp_path: Path) -> None:
+    """As it is and as an escape, in the text, in a comment, and in a key."""
+    plain, escaped = f'"{text}"', '"' + "".join(f"\\U{ord(c):08X}" for c in text) + '"'
+    places = ("title: X\n" + SPEC, SPEC.replace("notes: []", "X: []"))
+    specs = [place.replace("X", one) for place in places for one in (plain, escaped)]
+    for spec in (*specs, f"{SPEC}# {text}\n"):
+        (tmp_path / "x.yaml").write_bytes(spec.encode("utf-8"))
+        with pytest.raises(SpecError) as refused:
+            load(tmp_path / "x.yaml")
+        assert "unsafe-character" in {d.rule for d in refused.value.diagnostics}
+        assert all(c.isprintable() for c in str(refused.value).replace("\n", ""))
