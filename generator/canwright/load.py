@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from . import rules, source
-from .diagnostics import MOST_FINDINGS, Diagnostic, Severity, SpecError
+from .diagnostics import MOST_FINDINGS, Diagnostic, Severity, SpecError, nearest
 from .golden import GoldenFrames
 from .model import Edition, Path as ItemPath
 from .resolve import resolve
@@ -122,7 +122,19 @@ def _frames(document: Document, edition: Edition) -> tuple[GoldenFrames | None, 
         for key, wanted in (("family", edition.family), ("edition", edition.name))
         if getattr(read.spec, key) != wanted
     ]
+    known = read.spec.sources
+    others += [
+        document.finding((*path, "source"), "unknown-reference", f"there is no source `{name}`", nearest(name, known))
+        for path, name in _sources(read.spec)
+        if name not in known
+    ]
     return (None if others else read.spec), others
+
+
+def _sources(golden: GoldenFrames) -> Iterator[tuple[ItemPath, str]]:
+    """Every entry of the golden frames, with the name of its source."""
+    for key, entries in (("frames", golden.frames), ("refused", golden.refused), ("exchanges", golden.exchanges)):
+        yield from (((key, i), entry.source) for i, entry in enumerate(entries))
 
 
 def _place(finding: Diagnostic) -> tuple[str, int, int]:

@@ -75,7 +75,7 @@ Text = Annotated[
 ]
 
 Only = Annotated[
-    dict[Name, list[ValueName]] | None,
+    dict[Name, Annotated[list[ValueName], Field(min_length=1)]] | None,
     Field(
         description="Parameter to the values under which this is there; left out, it always is.",
         examples=[{"model": ["A", "B"]}],
