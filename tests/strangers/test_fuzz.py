@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import functools
 import json
+import operator
 import random
 from collections.abc import Iterator
 from pathlib import Path
@@ -127,11 +128,14 @@ def outcome(file: Path) -> str:
     """`made` or `refused`; anything else is raised."""
     try:
         described = load(file).described
-        generate([described], list(TARGETS), {})
+        files = generate([described], list(TARGETS), {}).files
     except SpecError as error:
         assert error.diagnostics
         assert all(finding.message and finding.position.line for finding in error.diagnostics)
         return "refused"
+    for path, content in files.items():
+        if path.endswith(".py"):
+            compile(content, path, "exec")
     return "made"
 
 
@@ -153,13 +157,12 @@ def _places(data: Data, path: Steps = ()) -> Iterator[Steps]:
 
 
 def _at(data: Data, path: Steps) -> Data:
-    for step in path:
-        data = data[step]
-    return data
+    return functools.reduce(operator.getitem, path, data)
 
 
 def _change(data: Data, path: Steps, places: list[Steps], chance: random.Random) -> None:
-    owner, key = _at(data, path[:-1]), path[-1]
+    owner: Data = _at(data, path[:-1])
+    key: Any = path[-1]
     how = chance.randrange(6)
     if how == 0:
         del owner[key]
@@ -220,6 +223,13 @@ def test_bytes(tmp_path: Path, content: bytes) -> None:
 @given(st.randoms(use_true_random=False))
 def test_a_small_spec_with_mistakes(tmp_path: Path, chance: random.Random) -> None:
     try_out(tmp_path, mutated(yaml.safe_load(MINIMAL), chance), None)
+
+
+@pytest.mark.parametrize("values", ["[small]", "[big]", "[small, big]"])
+def test_a_value_may_have_no_fields(values: str, tmp_path: Path) -> None:
+    text = MINIMAL.replace("at: 2,", f"at: 2, only: {{size: {values}}},")
+    (tmp_path / "x.yaml").write_text(f"{text}parameters: {{size: {{values: {{small: {{}}, big: {{}}}}}}}}\n", "utf-8")
+    assert outcome(tmp_path / "x.yaml") == "made"
 
 
 @bounded(80)

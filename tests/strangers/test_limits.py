@@ -68,10 +68,10 @@ def test_all_that_is_wrong_with_the_yaml_is_told_at_once_and_with_the_rest(tmp_p
     )
     assert places(findings(tmp_path, text)) == [
         "7:16 yaml-tag",
-        "7:36 ambiguous-scalar",
-        "7:78 yaml-alias",
-        "7:92 duplicate-key",
-        "7:103 yaml-alias",
+        "7:34 ambiguous-scalar",
+        "7:72 yaml-alias",
+        "7:86 duplicate-key",
+        "7:97 yaml-alias",
         "13:12 unknown-reference",
         "14:5 duplicate-key",
         "15:13 ambiguous-scalar",

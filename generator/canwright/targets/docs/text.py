@@ -8,9 +8,11 @@ import re
 from ...characters import visible
 
 _ESCAPED = re.compile(r"([\\`*\[\]|])|(?<![A-Za-z0-9])(_)|(_)(?![A-Za-z0-9])")
-_MARKS = re.compile(r"[{}~$^]|=(?==)|\+(?=\+)")
+_MARKS = re.compile(r"[{}~$]|\^(?=\S*\^)|=(?==)|\+(?=\+)")
 """Marks of templates, formulas and extensions of Markdown."""
-_LINKED = re.compile(r":(?=//|[A-Za-z0-9_+-]+:)|\bwww\.|@(?=[A-Za-z0-9])", re.IGNORECASE)
+_LINKED = re.compile(
+    r":(?=//|[A-Za-z0-9_+-]+:)|\bwww\.|@(?=[A-Za-z0-9-]+\.[A-Za-z])|(?<![A-Za-z0-9])@(?=[A-Za-z0-9])", re.IGNORECASE
+)
 """Where an address, a person or an emoji would be made of a text; a space that has no width stops that."""
 _STARTS = re.compile(r"^([#>+=:-]|[!?](?=[!?]{2})|[0-9]+(?=[.)]\s|$))")
 
