@@ -65,7 +65,7 @@ def test_specs_fit_the_json_schema() -> None:
 
 def test_no_protocol_stands_in_the_generator() -> None:
     for file in tracked("generator", "templates"):
-        found = FOREIGN.search(file.read_text("utf-8", errors="replace"))
+        found = FOREIGN.search(file.read_text("utf-8", "replace"))
         assert not found, f"{file}: {found}"
 
 
@@ -82,7 +82,7 @@ def test_no_path_of_a_machine_is_committed() -> None:
             ".txt",
             ".json",
         ):
-            assert not MACHINE.search(file.read_text("utf-8", errors="replace")), file
+            assert not MACHINE.search(file.read_text("utf-8", "replace")), file
 
 
 def test_output_is_the_same_whatever_the_hash_seed_and_the_locale(tmp_path: Path) -> None:

@@ -5,15 +5,22 @@ from pathlib import Path
 
 import pytest
 from canwright import source
-from canwright.diagnostics import SpecError
+from canwright.diagnostics import Diagnostic, SpecError
 from hypothesis import given, strategies as st
+
+from .spec_texts import places
+
+
+def findings(text: str) -> list[Diagnostic]:
+    try:
+        return source.parse("x.yaml", text).findings
+    except SpecError as error:
+        return list(error.diagnostics)
 
 
 def rule_of(text: str) -> str:
-    with pytest.raises(SpecError) as caught:
-        source.parse("x.yaml", text)
-    (finding,) = caught.value.diagnostics
-    return f"{finding.position.line}:{finding.position.column} {finding.rule}"
+    (place,) = places(findings(text))
+    return place
 
 
 def test_scalars_are_exact_and_plain() -> None:
@@ -66,7 +73,7 @@ def test_unsafe_and_broken_yaml_is_refused_where_it_stands(text: str, expected: 
 def test_a_file_that_is_too_long_or_not_utf8_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "x.yaml"
     file.write_bytes(b"a: 1\nb: \xff\n")
-    with pytest.raises(SpecError, match=r"x\.yaml:2:1: error: byte 8 is not UTF-8 \[encoding\]"):
+    with pytest.raises(SpecError, match=r"x\.yaml:2:4: error: byte 8, 0xFF, is not UTF-8 \[encoding\]"):
         source.read(file)
     file.write_bytes(b"#" * (source.MAX_BYTES + 1))
     with pytest.raises(SpecError, match="file-size"):

@@ -7,6 +7,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
+MOST_FINDINGS = 1000
+"""How many findings of one kind of check are told in one run; nobody reads more."""
+
+WIDTH = 160
+"""How much of a line is shown; one that is longer is cut on both sides of what a finding is about."""
+
 
 class Severity(str, Enum):
     """An error stops generation, a warning does not."""
@@ -41,9 +47,11 @@ class Diagnostic:
         at = self.position
         lines = [f"{at.file}:{at.line}:{at.column}: {self.severity.value}: {self.message} [{self.rule}]"]
         if at.text:
-            margin = "".join("\t" if c == "\t" else " " for c in at.text[: at.column - 1])
-            marked = max(1, min(at.length, len(at.text) - at.column + 1))
-            lines += [f"  {at.text}", f"  {margin}{'^' * marked}"]
+            first = max(0, at.column - WIDTH // 2) if len(at.text) > WIDTH else 0
+            shown = at.text[first : first + WIDTH]
+            margin = "".join("\t" if c == "\t" else " " for c in shown[: at.column - 1 - first])
+            marked = max(1, min(at.length, len(shown) - len(margin)))
+            lines += [f"  {shown}", f"  {margin}{'^' * marked}"]
         if self.hint:
             lines.append(f"  {self.hint}")
         return "\n".join(lines)
@@ -61,7 +69,7 @@ class SpecError(Exception):
 
 def near(name: str, known: Iterable[str]) -> str | None:
     """The one of `known` that `name` is probably a slip of the pen for."""
-    return next(iter(difflib.get_close_matches(name, sorted(set(known)), n=1, cutoff=0.6)), None)
+    return next(iter(difflib.get_close_matches(name, sorted(set(known))[:MOST_FINDINGS], n=1, cutoff=0.6)), None)
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

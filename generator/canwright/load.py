@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+import itertools
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from . import rules, source
-from .diagnostics import Diagnostic, Severity, SpecError
+from .diagnostics import MOST_FINDINGS, Diagnostic, Severity, SpecError, nearest
 from .golden import GoldenFrames
 from .model import Edition, Path as ItemPath
 from .resolve import resolve
 from .rules import Subject
+from .rules.too_large import commands
 from .schema import EditionSpec
 from .source import Document
 from .targets import Described, c
@@ -40,19 +42,25 @@ def load(file: Path, name: str | None = None) -> Loaded:
     read = validate_parts(document, EditionSpec)
     if read.spec is None:
         raise SpecError(read.diagnostics)
+    too_many = [document.finding(f.path, "too-large", f.message, f.hint, key=f.key) for f in commands(read.spec)]
+    if too_many:
+        raise SpecError([*read.diagnostics, *too_many])
     digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
     edition, unresolved = resolve(document, read.spec, digest, read.dropped)
     findings = [*read.diagnostics, *unresolved]
     beside = frames_file(file)
     golden, frames_document = None, document
     if beside.is_file():
-        frames_document, _ = source.read(beside)
-        golden, amiss = _frames(frames_document, edition)
-        findings += amiss
+        try:
+            frames_document, _ = source.read(beside)
+            golden, amiss = _frames(frames_document, edition)
+            findings += amiss
+        except SpecError as error:
+            findings += error.diagnostics
     known = {_place(d): d.rule for d in findings}
     found = list(rules.check(Subject(edition, read.spec, golden), whole=not findings))
     wrong = bool(findings) or any(rule.severity is Severity.ERROR for rule, _ in found)
-    for rule, finding in found:
+    for rule, finding in itertools.islice(found, MOST_FINDINGS):
         warning = rule.severity is Severity.WARNING
         where = frames_document if finding.in_frames else document
         diagnostic = where.finding(
@@ -115,7 +123,19 @@ def _frames(document: Document, edition: Edition) -> tuple[GoldenFrames | None, 
         for key, wanted in (("family", edition.family), ("edition", edition.name))
         if getattr(read.spec, key) != wanted
     ]
+    known = read.spec.sources
+    others += [
+        document.finding((*path, "source"), "unknown-reference", f"there is no source `{name}`", nearest(name, known))
+        for path, name in _sources(read.spec)
+        if name not in known
+    ]
     return (None if others else read.spec), others
+
+
+def _sources(golden: GoldenFrames) -> Iterator[tuple[ItemPath, str]]:
+    """Every entry of the golden frames, with the name of its source."""
+    for key, entries in (("frames", golden.frames), ("refused", golden.refused), ("exchanges", golden.exchanges)):
+        yield from (((key, i), entry.source) for i, entry in enumerate(entries))
 
 
 def _place(finding: Diagnostic) -> tuple[str, int, int]:

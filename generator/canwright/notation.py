@@ -12,15 +12,28 @@ from fractions import Fraction
 
 from .model import Bound, Encoding, Order, Range, Space
 
-_NUMBER = r"[+-]?(?:0x[0-9A-Fa-f]+|\d+(?:\.\d+)?)"
+LONGEST = 200
+"""Characters of a notation, so that no text of a stranger makes numbers that take long to reckon with."""
+DIGITS = 40
+"""Characters of one number."""
+MOST_NODES = 1 << 16
+MOST_ELEMENTS = 64
+"""Elements of an array: no frame has more bits."""
+LAST_BYTE = 63
+LAST_ID_BIT = 28
+LAST_ID = (1 << LAST_ID_BIT + 1) - 1
+
+_WHOLE = r"(?:0|[1-9][0-9]*)"
+_NUMBER = rf"[+-]?(?:0x[0-9A-Fa-f]+|{_WHOLE}(?:\.[0-9]+)?)"
 NUMBER = re.compile(_NUMBER)
 RATIONAL_PATTERN = rf"^{_NUMBER}(/{_NUMBER})?$"
-_BOUND = rf"{_NUMBER}(?:\*[a-z][a-z0-9_]*(?:[+-]\d+(?:\.\d+)?)?)?"
+_SUMMAND = rf"[+-]{_WHOLE}(?:\.[0-9]+)?"
+_BOUND = rf"{_NUMBER}(?:\*[a-z][a-z0-9_]*(?:{_SUMMAND})?)?"
 RANGE_PATTERN = rf"^{_BOUND}\.\.{_BOUND}$"
-NODES_PATTERN = r"^\d+\.\.\d+$"
+NODES_PATTERN = rf"^{_WHOLE}\.\.{_WHOLE}$"
 RAW_PATTERN = r"^(?:[ui](?:[1-9]|[1-5][0-9]|6[0-4])|f32|f64)$"
-AT_PATTERN = r"^(?:\d+(?:\.[0-7])?|id\.\d+)$"
-_TERM = r"(?:0x[0-9A-Fa-f]+|\d+|node(?: *<< *\d+)?)"
+AT_PATTERN = rf"^(?:{_WHOLE}(?:\.[0-7])?|id\.{_WHOLE})$"
+_TERM = rf"(?:0x[0-9A-Fa-f]+|{_WHOLE}|node(?: *<< *{_WHOLE})?)"
 ID_PATTERN = rf"^{_TERM}(?: *\+ *{_TERM})*$"
 
 
@@ -28,6 +41,8 @@ def number(text: str) -> Fraction:
     """One number as written, exact: `-2048`, `0x1F`, `16.5`."""
     if not NUMBER.fullmatch(text):
         raise ValueError(f"`{text}` is not a number; write an integer, a hexadecimal like 0x1F or a decimal like 0.01")
+    if len(text) > DIGITS:
+        raise ValueError(f"`{text}` has more than {DIGITS} digits")
     if "x" in text:
         return Fraction(int(text, 16))
     return Fraction(Decimal(text))
@@ -69,7 +84,7 @@ def span(text: str) -> Range:
 
 
 def _bound(text: str) -> Bound:
-    match = re.fullmatch(rf"({_NUMBER})(?:\*([a-z][a-z0-9_]*)([+-]\d+(?:\.\d+)?)?)?", text)
+    match = re.fullmatch(rf"({_NUMBER})(?:\*([a-z][a-z0-9_]*)({_SUMMAND})?)?", text)
     if match is None:
         raise ValueError(f"`{text}` is not an end of a range; write a number, or number*parameter+number")
     value, parameter, constant = match.groups()
@@ -79,10 +94,27 @@ def _bound(text: str) -> Bound:
 
 
 def nodes(text: str) -> range:
-    """Nodes or indices `1..32`, both ends included."""
+    """Nodes `1..32`, both ends included."""
+    found = _numbers(text)
+    if len(found) > MOST_NODES:
+        raise ValueError(f"`{text}` are {len(found)} nodes, more than {MOST_NODES}")
+    return found
+
+
+def indices(text: str) -> range:
+    """Indices of an array `1..4`, both ends included."""
+    found = _numbers(text)
+    if len(found) > MOST_ELEMENTS:
+        raise ValueError(f"an array `{text}` has {len(found)} elements, and a frame has room for {MOST_ELEMENTS}")
+    return found
+
+
+def _numbers(text: str) -> range:
     if not re.fullmatch(NODES_PATTERN, text.replace(" ", "")):
         raise ValueError(f"`{text}` is not a range of whole numbers; write it as 1..32")
     first, last = (int(part) for part in text.replace(" ", "").split(".."))
+    if last > LAST_ID:
+        raise ValueError(f"the range `{text}` goes beyond {LAST_ID}, the last CAN id")
     if first > last:
         raise ValueError(f"the range `{text}` is empty: {first} is above {last}")
     return range(first, last + 1)
@@ -101,12 +133,14 @@ def id_expression(text: str) -> IdExpression:
     base = 0
     shift: int | None = None
     for term in (part.strip() for part in text.split("+")):
-        match = re.fullmatch(r"node(?: *<< *(\d+))?", term)
+        match = re.fullmatch(rf"node(?: *<< *({_WHOLE}))?", term)
+        if match and int(match.group(1) or 0) > LAST_ID_BIT:
+            raise ValueError(f"`{term}` is beyond the last bit of a CAN id, {LAST_ID_BIT}")
         if match and shift is None:
             shift = int(match.group(1) or 0)
         elif match:
             raise ValueError(f"`{text}` names node twice")
-        elif re.fullmatch(r"0x[0-9A-Fa-f]+|\d+", term):
+        elif re.fullmatch(rf"0x[0-9A-Fa-f]+|{_WHOLE}", term):
             base += int(term, 0)
         else:
             raise ValueError(f"`{term}` does not belong in an id; write it like 0x100 + node, node << 5 or 0x200")
@@ -124,10 +158,12 @@ class At:
 
 def at(text: str) -> At:
     """`4` is byte 4; `4.3` is bit 3 of byte 4; `id.5` is bit 5 of the CAN id."""
-    match = re.fullmatch(r"(\d+)(?:\.([0-7]))?|id\.(\d+)", text)
+    match = re.fullmatch(rf"({_WHOLE})(?:\.([0-7]))?|id\.({_WHOLE})", text)
     if match is None:
         raise ValueError(f"`{text}` is not a position; write a byte (4), a byte and a bit (4.3) or an id bit (id.5)")
     byte, bit, id_bit = match.groups()
+    if int(id_bit or 0) > LAST_ID_BIT or int(byte or 0) > LAST_BYTE:
+        raise ValueError(f"`{text}` is in no frame: there are bytes up to {LAST_BYTE}, and id bits up to {LAST_ID_BIT}")
     if id_bit is not None:
         return At(Space.ID, 0, int(id_bit))
     return At(Space.DATA, int(byte), None if bit is None else int(bit))

@@ -21,6 +21,8 @@ from .resolve_types import Context
 
 ENTRY = "entry"
 """In place of a layout's name: the layout of the table's entry."""
+LONGEST_CHAIN = 20
+"""How many commands may take their reply one from the next."""
 
 
 @dataclass(frozen=True)
@@ -152,6 +154,10 @@ class MessageResolver:
                 f"`{of}` takes its reply from here in turn",
                 "give one of them a reply",
             )
+            return Reply(None, ReplyForm.NONE)
+        if len(self._pending) > LONGEST_CHAIN:
+            text = f"this is the end of a chain of {LONGEST_CHAIN} commands that take their reply from the next"
+            self._context.report((*path, "of"), "circular-reference", text, "name the command that has the reply")
             return Reply(None, ReplyForm.NONE)
         if self._spec.commands[of].table is not None:
             hint = "write `entry`, or the name of a layout"

@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import Literal, TypeVar
 
 from . import resources, schema, source, words
-from .diagnostics import Diagnostic, nearest
+from .diagnostics import MOST_FINDINGS, Diagnostic, nearest
 from .model import (
     IDENTITY,
     Bound,
@@ -42,13 +42,17 @@ class Context:
     diagnostics: list[Diagnostic]
     dropped: frozenset[Path] = frozenset()
 
+    def __post_init__(self) -> None:
+        self._lacking = {path[:end] for path in self.dropped for end in range(len(path) + 1)}
+        self._lost = {path[-1] for path in self.dropped if path}
+
     def report(self, path: Path, rule: str, message: str, hint: str = "", *, key: bool = False) -> None:
-        if not any(one[: len(path)] == path for one in self.dropped):
+        if path not in self._lacking and len(self.diagnostics) < MOST_FINDINGS:
             self.diagnostics.append(self.document.finding(path, rule, message, hint, key=key))
 
     def find(self, path: Path, kind: str, name: str, known: Mapping[str, T], *, key: bool = False) -> T | None:
         """`known[name]`, or a finding that there is no such thing, at the value or at the `key` that names it."""
-        if name not in known and name not in {one[-1] for one in self.dropped}:
+        if name not in known and name not in self._lost:
             self.report(path, "unknown-reference", f"there is no {kind} `{name}`", nearest(name, known), key=key)
         return known.get(name)
 

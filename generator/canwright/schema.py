@@ -60,9 +60,9 @@ class Mode(Titled):
 class Bus(Concept):
     """What host and nodes must agree on before the first frame."""
 
-    host: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", description="Name of the host in DBC files.")] = (
-        "Host"
-    )
+    host: Annotated[
+        str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=48, description="Name of the host in DBC files.")
+    ] = "Host"
     dlc: Annotated[
         int, Field(ge=0, le=8, description="Data bytes of every frame, unless a message says otherwise.")
     ] = 8
@@ -83,7 +83,9 @@ class ParameterSpec(Titled):
     """What the integrator knows of a node and no frame says: a choice among values, or a number."""
 
     values: Annotated[
-        list[int | ValueName] | dict[ValueName, Titled] | None,
+        Annotated[list[int | ValueName], Field(max_length=256)]
+        | Annotated[dict[ValueName, Titled], Field(max_length=256)]
+        | None,
         Field(
             description="The values of a choice: a list of numbers or names, or names with a title.",
             examples=[[14, 15, 18], ["A", "B"]],
@@ -121,10 +123,12 @@ class EditionSpec(Titled):
     canwright: Annotated[Literal[1], Field(description="Version of this language.")]
     family: Annotated[Name, Field(description="The protocols that grew from one another; prefix of generated names.")]
     edition: Annotated[
-        str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9.-]*$", max_length=40, description="Label, and date where needed.")
+        str,
+        Field(pattern=r"^[A-Za-z0-9]+([.-][A-Za-z0-9]+)*$", max_length=40, description="Label, and date where needed."),
     ]
     date: Annotated[
-        str | None, Field(pattern=r"^\d{4}(-\d{2}){0,2}$", description="Date of the manual: 2023-03 or 2023-03-21.")
+        str | None,
+        Field(pattern=r"^[0-9]{4}(-[0-9]{2}){0,2}$", description="Date of the manual: 2023-03 or 2023-03-21."),
     ] = None
     languages: Annotated[list[Language], Field(min_length=1, description="Languages that every text is given in.")] = [
         "en"
@@ -134,9 +138,11 @@ class EditionSpec(Titled):
         Order.LITTLE
     )
     bus: Annotated[Bus, Field(description="What host and nodes must agree on.")] = Bus()
-    addresses: Annotated[dict[Name, Address], Field(min_length=1, description="Addresses; the first is the usual one.")]
+    addresses: Annotated[
+        dict[Name, Address], Field(min_length=1, max_length=64, description="Addresses; the first is the usual one.")
+    ]
     selector: Annotated[Selector | None, Field(description="What tells one command from another.")] = None
-    parameters: Annotated[dict[Name, ParameterSpec], Field(description="Parameters, by name.")] = {}
+    parameters: Annotated[dict[Name, ParameterSpec], Field(max_length=256, description="Parameters, by name.")] = {}
     settings: Annotated[dict[Name, SettingSpec], Field(description="Settings, by name.")] = {}
     effects: Annotated[dict[Name, EffectSpec], Field(description="Effects, by name.")] = {}
     types: Annotated[dict[Name, Type], Field(description="Types, by name.")] = {}

@@ -8,7 +8,7 @@ from pydantic import Discriminator, Field, Tag
 
 from .model import Encoding, Order
 from .schema_types import Concept, Titled
-from .written import Byte, Name, Nodes, Only, Raw, Section, Start, Text
+from .written import Byte, Indices, Name, Nodes, Only, Raw, Section, Start, Text
 
 
 class FieldSpec(Titled):
@@ -27,7 +27,7 @@ class FieldSpec(Titled):
         Order | None, Field(description="Of a bare number: overrides the edition's byte order.", strict=False)
     ] = None
     array: Annotated[
-        Nodes | None, Field(description="Indices of an array whose elements follow one another.", examples=["1..4"])
+        Indices | None, Field(description="Indices of an array whose elements follow one another.", examples=["1..4"])
     ] = None
     only: Only = None
     constant: Annotated[int | None, Field(description="The raw value that it always holds.")] = None
@@ -38,7 +38,7 @@ EMPTY_RAW: tuple[Encoding, int] = (Encoding.UNSIGNED, 1)
 """Stands in for the format of a field that has none, so that its other findings come out too."""
 
 
-Fields = dict[Name, FieldSpec]
+Fields = Annotated[dict[Name, FieldSpec], Field(max_length=1000)]
 
 
 class LayoutSpec(Titled):
@@ -61,7 +61,9 @@ class MessageSpec(Concept):
         Nodes | None, Field(description="The nodes that reply, one frame each, in this order.", examples=["1..4"])
     ] = None
     code: Annotated[Byte | None, Field(description="Code, when not the command's.")] = None
-    accept: Annotated[list[Byte] | None, Field(description="Further codes that a receiver takes.")] = None
+    accept: Annotated[list[Byte] | None, Field(max_length=256, description="Further codes that a receiver takes.")] = (
+        None
+    )
     address: Annotated[Name | None, Field(description="Address, when not the command's.")] = None
     dlc: Annotated[int | None, Field(ge=0, le=8, description="Data bytes, when not the bus's.")] = None
     remote: Annotated[bool | None, Field(description="True for a remote frame, which has no data.")] = None

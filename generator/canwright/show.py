@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text as RichText
 
 from . import words
+from .characters import visible
 from .diagnostics import nearest
 from .model import Command, Edition, Field, IdRule, Layout, Level, Message, ReplyForm
 from .targets import Described
@@ -31,14 +32,14 @@ def find(described: Sequence[Described], wanted: str) -> tuple[list[tuple[Editio
 def show_command(edition: Edition, command: Command, language: str) -> None:
     """Prints a command: layout first, then what it does and what to mind."""
     language = language if language in edition.languages else edition.languages[0]
-    Console(highlight=False).print(Group(*_parts(edition, command, language)))
+    Console(highlight=False, markup=False, emoji=False).print(Group(*_parts(edition, command, language)))
 
 
 def _parts(edition: Edition, command: Command, language: str) -> Iterator[RenderableType]:
     head = RichText(command.name, "bold")
     if command.code is not None:
         head.append(f"  0x{command.code:02X}")
-    head.append(f"  {command.title[language]}")
+    head.append(f"  {visible(command.title[language])}")
     yield head
     manual = f", manual {command.manual}" if command.manual else ""
     yield RichText(f"{edition.family} {edition.name}{manual}", "dim")
@@ -111,7 +112,7 @@ def _table(command: Command, message: Message, language: str) -> RenderableType:
                 name + (f" ({', '.join(field.only)})" if field.only else ""),
                 words.raw_format(field.type),
                 *_meaning(field, _relevant(command, message.layout, field)),
-                field.title[language],
+                visible(field.title[language]),
             )
     return table
 

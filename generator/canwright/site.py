@@ -16,6 +16,7 @@ LANGUAGES = {"en": "English", "zh": "中文"}
 _PAGES = ("bus", "types", "parameters", "errata", "changes")
 _ACROSS = ("support.md", "new-edition.md")
 _COMMANDS = {"en": "Commands", "zh": "命令"}
+EXTENSIONS = ["tables", "toc", "attr_list", "md_in_html"]
 _NEEDED = ("mkdocs", "material", "mkdocs_static_i18n")
 
 
@@ -96,7 +97,7 @@ def _config(docs: Path, site: Path, theme: Path, languages: list[str]) -> dict[s
                 }
             },
         ],
-        "markdown_extensions": ["tables", "toc", "attr_list", "md_in_html"],
+        "markdown_extensions": EXTENSIONS,
         "validation": {"links": {"anchors": "warn", "unrecognized_links": "warn"}},
         "nav": _nav(docs / languages[0]),
         "extra": {"generator": False},

@@ -6,7 +6,9 @@ Only mappings, lists and scalars are read. Plain scalars are integers (`12`, `0x
 
 from __future__ import annotations
 
+import codecs
 import re
+import stat
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
@@ -15,22 +17,35 @@ from typing import Any, NoReturn
 
 import yaml
 
+from . import characters
 from .diagnostics import Diagnostic, Position, Severity, SpecError
 from .model import Path
 
 MAX_BYTES = 1 << 20
 MAX_DEPTH = 24
+MAX_FINDINGS = 100
+"""How many findings of reading are told in one run."""
+MERGE = "<<"
+"""The key that would merge another mapping into this one."""
+LONGEST = 400
+"""How much a finding says; texts of a file that are in it may be as long as the file."""
 
 Scalar = str | int | Decimal | bool
 Data = Scalar | list[Any] | dict[str, Any]
 
-_INTEGER = re.compile(r"-?(?:0|[1-9]\d{0,30})|0x[0-9A-Fa-f]{1,16}")
-_DECIMAL = re.compile(r"-?(?:0|[1-9]\d{0,30})\.\d{1,30}")
+_INTEGER = re.compile(r"-?(?:0|[1-9][0-9]{0,30})|0x[0-9A-Fa-f]{1,16}")
+_DECIMAL = re.compile(r"-?(?:0|[1-9][0-9]{0,30})\.[0-9]{1,30}")
 _AMBIGUOUS = re.compile(
-    r"""(?ix) (?: yes|no|on|off | true|false | ~|null | [-+]?\.(?:inf|nan)
-    | [-+]?[\d][\d_]*_[\d_]* | [-+]?0\d+ | [-+]?0[ob]\w+ | \d+(?::[0-5]?\d)+ | [-+]?\d*\.?\d+e[-+]?\d+
-    | [-+]?\d+\. | \+\d+(?:\.\d*)? | [-+]?\.\d+ | [-+]0x\w+ )"""
+    r"""(?aix) (?: yes|no|on|off | true|false | ~|null | [-+]?\.(?:inf|nan) | [-+]?0[obx][0-9a-f_]+
+    | [-+]?[\d_]*\d[\d_]*(?:\.[\d_]*)?(?:e[-+]?\d+)? | [-+]?\.[\d_]+(?:e[-+]?\d+)?
+    | [-+]?\d[\d_]*(?::[0-5]?\d)+(?:\.[\d_]*)? )"""
 )
+"""What some reader takes for something else than a text: all that is left of numbers, and other words for `true`."""
+_MARKS = {
+    codecs.BOM_UTF8: "a byte order mark",
+    codecs.BOM_UTF16_LE: "the byte order mark of UTF-16",
+    codecs.BOM_UTF16_BE: "the byte order mark of UTF-16",
+}
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
@@ -46,16 +61,23 @@ class Mark:
 class Document:
     """One YAML file: its data, and where each key and value stands. `name` is the file as findings call it.
 
+    `findings` are those of reading, `spoilt` the paths of what could not be read; the rest of the data is as written.
     `renamed` leads from the path that a misspelt key should have to the one it has.
     """
 
     def __init__(self, name: str, text: str) -> None:
         self.name = name
-        self.lines = text.split("\n")
+        written = text.replace("\r\n", "\n")
+        read = characters.covered(written)
+        self.lines = read.split("\n")
         self._keys: dict[Path, Mark] = {}
         self._values: dict[Path, Mark] = {}
         self.renamed: dict[Path, Path] = {}
-        self.data: Data = _Builder(self, text).build()
+        self.spoilt: set[Path] = set()
+        self.findings: list[Diagnostic] = []
+        for line, column, found in characters.places(written):
+            self._unseen(Mark(line, column, 1), found)
+        self.data: Data = _Builder(self, read).build()
 
     def __contains__(self, path: object) -> bool:
         return path in self._values
@@ -83,21 +105,35 @@ class Document:
     ) -> Diagnostic:
         """A diagnostic at `path`."""
         severity = Severity.WARNING if warning else Severity.ERROR
-        return Diagnostic(severity, rule, message, self.position(path, key=key), hint)
+        return Diagnostic(severity, rule, _line(message), self.position(path, key=key), _line(hint))
 
     def _at(self, mark: Mark) -> Position:
-        text = self.lines[mark.line - 1].rstrip("\r") if mark.line <= len(self.lines) else ""
+        text = self.lines[mark.line - 1] if mark.line <= len(self.lines) else ""
         return Position(self.name, mark.line, mark.column, mark.length, text)
 
+    def _report(self, mark: Mark, rule: str, message: str, hint: str = "") -> None:
+        if len(self.findings) == MAX_FINDINGS:
+            self._refuse(mark, rule, message, f"{hint}; reading stops after so many findings")
+        self.findings.append(Diagnostic(Severity.ERROR, rule, _line(message), self._at(mark), _line(hint)))
+
     def _refuse(self, mark: Mark, rule: str, message: str, hint: str = "") -> NoReturn:
-        raise SpecError([Diagnostic(Severity.ERROR, rule, message, self._at(mark), hint)])
+        found = Diagnostic(Severity.ERROR, rule, _line(message), self._at(mark), _line(hint))
+        raise SpecError([*self.findings, found])
+
+    def _unseen(self, mark: Mark, found: str) -> None:
+        message = f"the character {characters.described(found)} cannot be seen, or changes how others are shown"
+        self._report(mark, "unsafe-character", message, "remove it")
 
 
 class _Builder:
-    """Turns YAML events into data, one pass, noting positions on the way."""
+    """Turns YAML events into data, one pass, noting positions on the way.
+
+    A path is None within what is left out, such as the second of two values for one key.
+    """
 
     def __init__(self, document: Document, text: str) -> None:
         self._document = document
+        self._is_covered = bool(document.findings)
         self._events = self._parse(text)
         self._event: Any = None
 
@@ -111,7 +147,7 @@ class _Builder:
         self._next()  # document end
         self._next()
         if not isinstance(self._event, yaml.StreamEndEvent):
-            self._refuse("yaml", "a second document starts here", "a file holds one; remove the `---`")
+            self._report("yaml", "a second document starts here", "a file holds one; remove the `---`")
         return data
 
     def _parse(self, text: str) -> Any:
@@ -122,102 +158,161 @@ class _Builder:
             where = Mark(mark.line + 1, mark.column + 1, 1) if mark else Mark(1, 1, 1)
             what = " ".join(part for part in (error.context, error.problem) if part)
             self._document._refuse(where, "yaml", f"this is not YAML: {what}")
-        except yaml.YAMLError as error:
-            self._document._refuse(Mark(1, 1, 1), "yaml", f"this is not YAML: {str(error).splitlines()[0]}")
+        except (yaml.YAMLError, ValueError, OverflowError) as error:
+            what = next(iter(str(error).splitlines()), "")
+            self._document._refuse(Mark(1, 1, 1), "yaml", f"this is not YAML: {what}")
 
     def _next(self) -> None:
         self._event = next(self._events)
 
     def _mark(self) -> Mark:
         start, end = self._event.start_mark, self._event.end_mark
-        one_line = start.line == end.line and isinstance(self._event, yaml.ScalarEvent)
+        one_line = start.line == end.line and isinstance(self._event, (yaml.ScalarEvent, yaml.AliasEvent))
         return Mark(start.line + 1, start.column + 1, end.column - start.column if one_line else 1)
 
-    def _refuse(self, rule: str, message: str, hint: str = "") -> NoReturn:
-        self._document._refuse(self._mark(), rule, message, hint)
+    def _report(self, rule: str, message: str, hint: str = "", spoils: Path | None = None) -> None:
+        self._document._report(self._mark(), rule, message, hint)
+        if spoils is not None:
+            self._document.spoilt.add(spoils)
 
-    def _value(self, path: Path, depth: int) -> Data:
+    def _value(self, path: Path | None, depth: int) -> Data:
         event = self._event
+        if path is not None:
+            self._document._values[path] = self._mark()
         if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
-            self._refuse("yaml-alias", "anchors and aliases are not read", "name a type or a layout and refer to it")
+            spoils = path if isinstance(event, yaml.AliasEvent) else None
+            hint = "name a type or a layout and refer to it"
+            self._report("yaml-alias", "anchors and aliases are not read", hint, spoils)
+        if isinstance(event, yaml.AliasEvent):
+            return ""
         if event.tag is not None:
-            self._refuse("yaml-tag", f"the tag `{event.tag}` is not read", "a spec is plain data; remove the tag")
-        if depth > MAX_DEPTH:
-            self._refuse(
-                "yaml-depth", f"nested deeper than {MAX_DEPTH} levels", "no spec needs that; check brackets and indents"
+            spoils = path if isinstance(event, yaml.ScalarEvent) else None
+            self._report(
+                "yaml-tag", f"the tag `{event.tag}` is not read", "a spec is plain data; remove the tag", spoils
             )
-        self._document._values[path] = self._mark()
+        if depth > MAX_DEPTH:
+            hint = "no spec needs that; check brackets and indents"
+            self._document._refuse(self._mark(), "yaml-depth", f"nested deeper than {MAX_DEPTH} levels", hint)
         if isinstance(event, yaml.ScalarEvent):
-            return self._scalar()
+            return event.value if event.tag else self._scalar(path)
         self._next()
         if isinstance(event, yaml.SequenceStartEvent):
-            items: list[Data] = []
-            while not isinstance(self._event, yaml.SequenceEndEvent):
-                items.append(self._value((*path, len(items)), depth + 1))
-                self._next()
-            return items
-        mapping: dict[str, Data] = {}
+            return self._items(path, depth + 1)
+        return self._entries(path, depth + 1)
+
+    def _items(self, path: Path | None, depth: int) -> list[Data]:
+        items: list[Data] = []
+        while not isinstance(self._event, yaml.SequenceEndEvent):
+            items.append(self._value(None if path is None else (*path, len(items)), depth))
+            self._next()
+        return items
+
+    def _entries(self, path: Path | None, depth: int) -> dict[str, Data]:
+        entries: dict[str, Data] = {}
         while not isinstance(self._event, yaml.MappingEndEvent):
-            key, mark = self._key(), self._mark()
-            child = (*path, key)
-            if key in mapping:
+            mark = self._mark()
+            key, written = self._key(depth), getattr(self._event, "value", "")
+            child = None if path is None or key is None else (*path, key)
+            is_first = key not in entries
+            if path is not None and key is None:
+                self._document.spoilt.add((*path, written))
+            elif child is not None and is_first:
+                self._document._keys[child] = mark
+            elif child is not None:
                 before = self._document._keys[child].line
-                self._refuse("duplicate-key", f"`{key}` is there twice, first on line {before}", "remove or rename one")
-            self._document._keys[child] = mark
+                self._report("duplicate-key", f"`{key}` is there twice, first on line {before}", "remove or rename one")
             self._next()
-            mapping[key] = self._value(child, depth + 1)
+            value = self._value(child if is_first else None, depth)
+            if key is not None and is_first:
+                entries[key] = value
             self._next()
-        return mapping
+        return entries
 
-    def _key(self) -> str:
-        if not isinstance(self._event, yaml.ScalarEvent) or self._event.anchor or self._event.tag:
-            self._refuse("yaml", "a key must be a plain name")
-        if not self._event.style and self._event.value == "<<":
-            self._refuse("yaml-alias", "merge keys are not read", "name a type or a layout and refer to it")
-        return str(self._scalar())
+    def _key(self, depth: int) -> str | None:
+        """A key; None for what is none, once that is reported."""
+        event = self._event
+        if not isinstance(event, yaml.ScalarEvent) or event.anchor or event.tag:
+            self._report("yaml", "a key must be a plain name", "name it by letters, digits and underscores")
+            if isinstance(event, yaml.CollectionStartEvent):
+                self._value(None, depth)
+            return None
+        if not event.style and event.value == MERGE:
+            self._report("yaml-alias", "merge keys are not read", "name a type or a layout and refer to it")
+            return None
+        found = len(self._document.findings)
+        key = self._scalar(None)
+        if isinstance(key, bool):
+            self._report("ambiguous-scalar", f"the key `{event.value}` is no name", "put it in quotes")
+        is_read = len(self._document.findings) == found and not self._is_marked(event.value)
+        return str(key) if is_read else None
 
-    def _scalar(self) -> Scalar:
+    def _is_marked(self, text: str) -> bool:
+        """Whether there was a character in a text that cannot be seen."""
+        return self._is_covered and characters.CANNOT_BE_SEEN in text
+
+    def _scalar(self, path: Path | None) -> Scalar:
         text: str = self._event.value
+        unseen = characters.unseen(text)
+        for found in unseen:
+            self._document._unseen(self._mark(), found)
+        if path is not None and (unseen or self._is_marked(text)):
+            self._document.spoilt.add(path)
         if self._event.style:
             return text
         if text == "":
-            self._refuse("yaml", "there is no value here", "write one, or remove the key")
-        if _INTEGER.fullmatch(text):
+            self._report("yaml", "there is no value here", "write one, or remove the key", path)
+        elif _INTEGER.fullmatch(text):
             return int(text, 0)
-        if _DECIMAL.fullmatch(text):
+        elif _DECIMAL.fullmatch(text):
             return Decimal(text)
-        if text in ("true", "false"):
+        elif text in ("true", "false"):
             return text == "true"
-        if _AMBIGUOUS.fullmatch(text):
-            self._refuse(
-                "ambiguous-scalar",
-                f"`{text}` reads differently from one YAML reader to the next",
-                f'for a text write "{text}" in quotes; a number is written like 12, 0x1F or 0.01',
+        elif _AMBIGUOUS.fullmatch(text):
+            short = text if len(text) <= 40 else f"{text[:40]}…"
+            hint = f'for a text write "{short}" in quotes; a number is written like 12, 0x1F or 0.01'
+            self._report(
+                "ambiguous-scalar", f"`{short}` reads differently from one YAML reader to the next", hint, path
             )
         return text
 
 
 def parse(name: str, text: str) -> Document:
-    """Reads YAML text. Raises SpecError."""
+    """Reads YAML text. Raises SpecError where reading cannot go on; other findings are the document's."""
     return Document(name, text)
 
 
-def read(file: FilePath, name: str | None = None) -> tuple[Document, bytes]:
-    """Reads a YAML file; also returns its bytes. Raises SpecError, and OSError when there is no reading it.
+def _line(text: str) -> str:
+    """What a finding says, on one line that is not too long, whatever of a file is in it."""
+    line = characters.visible(text)
+    return line if len(line) <= LONGEST else line[:LONGEST] + "…"
 
-    `name` is what findings call it, when it is not the path.
+
+def read(file: FilePath, called: str | None = None) -> tuple[Document, bytes]:
+    """Reads a YAML file; also returns its bytes. Raises as `parse`, and OSError when there is no reading it.
+
+    `called` is what findings call it, when it is not the path.
     """
-    content = file.read_bytes()
-    name = name or file.as_posix()
+    name = characters.covered(called or file.as_posix()).replace("\n", characters.CANNOT_BE_SEEN)
+    if not stat.S_ISREG(file.stat().st_mode):
+        raise OSError(f"{name} is no file, but a folder, a pipe or a device; name the file of a spec")
+    with file.open("rb") as stream:
+        content = stream.read(MAX_BYTES + 1)
 
-    def refuse(line: int, rule: str, message: str, hint: str) -> NoReturn:
-        raise SpecError([Diagnostic(Severity.ERROR, rule, message, Position(name, line, 1, 1, ""), hint)])
+    def refuse(line: int, column: int, rule: str, message: str, hint: str) -> NoReturn:
+        lines = content.decode("utf-8", "replace").split("\n") if rule == "encoding" else []
+        text = characters.covered(lines[line - 1]) if lines else ""
+        raise SpecError([Diagnostic(Severity.ERROR, rule, message, Position(name, line, column, 1, text), hint)])
 
     if len(content) > MAX_BYTES:
-        refuse(1, "file-size", f"the file has {len(content)} bytes, more than {MAX_BYTES}", "split the protocol")
+        refuse(1, 1, "file-size", f"the file has more than {MAX_BYTES} bytes", "split the protocol")
+    for mark, what in _MARKS.items():
+        if content.startswith(mark):
+            hint = "save the file as UTF-8, without a byte order mark"
+            refuse(1, 1, "encoding", f"the file starts with {what}", hint)
     try:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        refuse(line, "encoding", f"byte {error.start} is not UTF-8", "save the file as UTF-8")
+        before = content[: error.start].decode("utf-8").split("\n")
+        message = f"byte {error.start}, 0x{content[error.start]:02X}, is not UTF-8"
+        refuse(len(before), len(before[-1]) + 1, "encoding", message, "save the file as UTF-8")
     return Document(name, text), content

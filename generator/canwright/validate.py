@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import copy
 import functools
+import itertools
 import typing
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from types import UnionType
 from typing import Annotated, Any, Generic, TypeVar, Union
 
 from pydantic import BaseModel, Tag, ValidationError
 
-from .diagnostics import Diagnostic, SpecError, near, nearest
+from .diagnostics import MOST_FINDINGS, Diagnostic, SpecError, near, nearest
 from .model import Path
-from .source import Document
+from .source import MERGE, Document
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -41,9 +42,13 @@ class Validated(Generic[M]):
 def validate_parts(document: Document, concept: type[M]) -> Validated[M]:
     """As much of the document as is right, and every structural finding, so that one run tells all."""
     data: Any = document.data
-    diagnostics: tuple[Diagnostic, ...] = ()
-    dropped: set[Path] = set()
-    for _ in range(ROUNDS):
+    diagnostics = tuple(document.findings)
+    dropped = {_entry(path) for path in document.spoilt}
+    if dropped:
+        data = copy.deepcopy(data)
+        for path in dropped:
+            _drop(data, path)
+    for attempt in range(0 if () in dropped else ROUNDS):
         try:
             return Validated(concept.model_validate(data), diagnostics, frozenset(dropped))
         except ValidationError as error:
@@ -51,17 +56,28 @@ def validate_parts(document: Document, concept: type[M]) -> Validated[M]:
         data = copy.deepcopy(data) if data is document.data else data
         meant = dict(_meant(document, concept, errors))
         renamed = {(*path[:-1], name) for path, name in meant.items()}
-        told = [e for e in errors if e["type"] != "missing" or _missing(document, e) not in renamed]
-        diagnostics = diagnostics or tuple(_diagnostic(document, concept, e) for e in told)
+        wrong = [e for e in errors if e["type"] != "missing" or _missing(document, e) not in renamed]
+        if attempt == 0:
+            told = (e for e in wrong if not _follows(document, e, dropped))
+            diagnostics += tuple(_diagnostic(document, concept, e) for e in itertools.islice(told, MOST_FINDINGS))
         for path, name in meant.items():
             _rename(document, data, path, name)
-        culprits = {_culprit(document, e) for e in told} - set(meant)
+        culprits = {_culprit(document, e) for e in wrong} - set(meant)
         if () in culprits:
             break
         for path in culprits:
             _drop(data, path)
         dropped |= culprits
     return Validated(None, diagnostics, frozenset(dropped))
+
+
+def _follows(document: Document, error: dict[str, Any], dropped: Collection[Path]) -> bool:
+    """Whether an error is only there because something has been dropped."""
+    location: Location = error["loc"]
+    if error["type"] == "missing":
+        missing = _missing(document, error)
+        return missing in dropped or (*missing[:-1], MERGE) in dropped
+    return error["type"] == "too_short" and any(path[:-1] == _path(document, location) for path in dropped)
 
 
 ROUNDS = 8
@@ -74,6 +90,11 @@ def _culprit(document: Document, error: dict[str, Any]) -> Path:
     path = _path(document, location)
     if error["type"] == "missing":
         path = _path(document, location[:-1])
+    return _entry(path)
+
+
+def _entry(path: Path) -> Path:
+    """The entry of a mapping that a path leads into, with all of a list."""
     while path and not isinstance(path[-1], str):
         path = path[:-1]
     return path
@@ -105,7 +126,7 @@ def _rename(document: Document, data: Any, path: Path, name: str) -> None:
 
 def _drop(data: Any, path: Path) -> None:
     owner = _owner(data, path)
-    if isinstance(owner, dict):
+    if path and isinstance(owner, dict):
         owner.pop(path[-1], None)
 
 

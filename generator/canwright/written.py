@@ -22,7 +22,10 @@ def _written(parse: Callable[[str], T]) -> BeforeValidator:
     def validate(value: object) -> T:
         if isinstance(value, bool) or not isinstance(value, (str, int, Decimal)):
             raise ValueError("expected a number or a short text here")
-        return parse(str(value))
+        text = str(value)
+        if len(text) > notation.LONGEST:
+            raise ValueError(f"this is longer than {notation.LONGEST} characters; expected a number or a short text")
+        return parse(text)
 
     return BeforeValidator(validate)
 
@@ -47,6 +50,7 @@ Printed = Annotated[
 ]
 Span = Annotated[Range, _written(notation.span), _text_of(notation.RANGE_PATTERN, "-850..850", "0..100*size-1")]
 Nodes = Annotated[range, _written(notation.nodes), _text_of(notation.NODES_PATTERN, "1..32")]
+Indices = Annotated[range, _written(notation.indices), _text_of(notation.NODES_PATTERN, "1..4")]
 Start = Annotated[At, _written(notation.at), _number_or(notation.AT_PATTERN, 4, 4.3, "id.5")]
 IdText = Annotated[
     IdExpression, _written(notation.id_expression), _number_or(notation.ID_PATTERN, "0x100 + node", "node << 5", 640)
@@ -71,7 +75,7 @@ Text = Annotated[
 ]
 
 Only = Annotated[
-    dict[Name, list[ValueName]] | None,
+    dict[Name, Annotated[list[ValueName], Field(min_length=1)]] | None,
     Field(
         description="Parameter to the values under which this is there; left out, it always is.",
         examples=[{"model": ["A", "B"]}],

@@ -20,8 +20,6 @@ HOSTILE = [
     "*\\\n/ #error spliced",
     "*??/\n/ #error spliced",
     "line\nbreak",
-    "\u202e reversed \u2066 isolated \u2069",
-    "\u2028 separated \u0085 next",
     "@code @endcode @{ @}",
     "<script>alert(1)</script> <b>",
     "\" quote %s %n ' {{ braces }} {% raw %}",

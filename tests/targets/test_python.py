@@ -119,8 +119,7 @@ HOSTILE = (
     "back\\slash \\N{BULLET} \\u202e",
     "quotes ' \" ''' end",
     "{{ 7 * 7 }} {% raw %} {# #}",
-    "\u202etxet\u2066",
-    "new\\nline\\r \u2028 \u0085",
+    "new\\nline\\r",
     "# */ // --> <script>",
 )
 

@@ -7,6 +7,7 @@ from .rule import Rule
 READING: tuple[Rule, ...] = (
     Rule("file-size", "A file has at most 1 MiB."),
     Rule("encoding", "A file is UTF-8 text."),
+    Rule("unsafe-character", "A text has no character that cannot be seen or changes how others are shown."),
     Rule("yaml", "A file is one YAML document, a mapping with plain keys and a value behind each."),
     Rule("yaml-alias", "Nothing is said by anchors, aliases or merge keys; types and layouts have names for that."),
     Rule("yaml-tag", "A spec is plain data, without YAML tags."),
@@ -24,7 +25,7 @@ READING: tuple[Rule, ...] = (
     Rule("missing-reply", "Every command says what it replies, if only `none`."),
     Rule("echo-of-nothing", "Only a command with a request can echo it."),
     Rule("entry-of-nothing", "Only a command with a table can have an entry's layout."),
-    Rule("circular-reference", "No reply is taken from a command that takes its own from there."),
+    Rule("circular-reference", "Replies are not taken from one another in a circle, nor in a long chain."),
     Rule("reply-of-table", "A reply is not taken from a command that has one for each entry of a table."),
     Rule("too-many-values", "An entry has no more index values than its table has selectors."),
     Rule("no-selector", "Codes stand where `selector` says."),

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 import textwrap
-import unicodedata
 from collections.abc import Sequence
 from typing import Protocol
 
+from ...characters import visible
 from ...model import Text
 
 WIDTH = 118
@@ -24,19 +24,12 @@ class Defined(Protocol):
     def doc(self) -> str: ...
 
 
-_UNSEEN = {"Cc", "Cf", "Co", "Cs", "Cn", "Zl", "Zp"}
 _ENTITIES = {"\\": "&#92;", "@": "&#64;"}
 
 
 def english(text: Text) -> str:
     """The English text where there is one, else the first."""
     return text.get("en") or next(iter(text.values()), "")
-
-
-def visible(text: str) -> str:
-    """One line without control, format or unassigned characters; those are shown by their number."""
-    line = " ".join(text.split())
-    return "".join(f"[U+{ord(c):04X}]" if unicodedata.category(c) in _UNSEEN else c for c in line)
 
 
 def in_comment(text: str) -> str:

@@ -4,32 +4,34 @@ from __future__ import annotations
 
 import html
 import re
-import unicodedata
+
+from ...characters import visible
 
 _ESCAPED = re.compile(r"([\\`*\[\]|])|(?<![A-Za-z0-9])(_)|(_)(?![A-Za-z0-9])")
-_STARTS = re.compile(r"^([#>+=:-]|\d+(?=[.)]\s))")
-_INVISIBLE = ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")
-
-
-def visible(text: str) -> str:
-    """One line, with a replacement for every control, bidirectional or unassigned character."""
-    line = " ".join(text.split())
-    return "".join("\N{REPLACEMENT CHARACTER}" if unicodedata.category(c) in _INVISIBLE else c for c in line)
+_MARKS = re.compile(r"[{}~$]|\^(?=\S*\^)|=(?==)|\+(?=\+)")
+"""Marks of templates, formulas and extensions of Markdown."""
+_LINKED = re.compile(
+    r":(?=//|[A-Za-z0-9_+-]+:)|\bwww\.|@(?=[A-Za-z0-9-]+\.[A-Za-z])|(?<![A-Za-z0-9])@(?=[A-Za-z0-9])", re.IGNORECASE
+)
+"""Where an address, a person or an emoji would be made of a text; a space that has no width stops that."""
+_STARTS = re.compile(r"^([#>+=:-]|[!?](?=[!?]{2})|[0-9]+(?=[.)]\s|$))")
 
 
 def markdown(text: str) -> str:
     """A text as Markdown that shows it as it is, within a paragraph or a table cell."""
     line = html.escape(visible(text), quote=False)
-    line = line.replace("{", "&#123;").replace("}", "&#125;").replace("~", "&#126;")
-    line = line.replace("$", "&#36;").replace("://", ":&#8203;//")
+    line = _MARKS.sub(lambda match: f"&#{ord(match.group())};", line)
+    line = _LINKED.sub(lambda match: match.group() + "&#8203;", line)
     line = _ESCAPED.sub(lambda match: "\\" + match.group(), line)
     return _STARTS.sub(_escaped_start, line)
 
 
 def _escaped_start(match: re.Match[str]) -> str:
-    """What would start a heading, a list or a quotation, and does not."""
+    """What would start a heading, a list or a quotation, and does not; a number may have a full stop behind it."""
     start = match.group()
-    return f"{start}\\" if start.isdigit() else f"\\{start}"
+    if start.isdigit() and match.end() < len(match.string):
+        return f"{start}\\"
+    return f"\\{start}" if start in "#>+-" else f"&#{ord(start[0])};{start[1:]}"
 
 
 def code(text: str) -> str:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import builtins
 import keyword
-import unicodedata
 from collections.abc import Sequence
 
+from ...characters import visible
 from ...model import Text
 
 _RESERVED = {*keyword.kwlist, *keyword.softkwlist, *dir(builtins), "self", "cls"}
@@ -15,12 +15,7 @@ _MEMBERS = {"node", "parameters", "can_id", "encode", "fields", "from_raw", "raw
 
 def plain(text: str) -> str:
     """One line of a text for a docstring: no quote, backslash, line break, control or bidirectional character."""
-    line = " ".join(text.split())
-    kept = (
-        c if unicodedata.category(c) not in ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp") else "\N{REPLACEMENT CHARACTER}"
-        for c in line
-    )
-    return "".join(kept).replace("\\", "\N{REVERSE SOLIDUS OPERATOR}").replace('"', "'")
+    return visible(text).replace("\\", "\N{REVERSE SOLIDUS OPERATOR}").replace('"', "'")
 
 
 def literal(text: str) -> str:

@@ -1,0 +1,210 @@
+"""A spec with a text in every field that can have one; the fields are found in the JSON Schema, and none is listed."""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import yaml
+from canwright.golden import GoldenFrames
+from canwright.load import load
+from canwright.schema import EditionSpec
+from canwright.targets import Described
+
+Say = Callable[[], str]
+Schema = dict[str, Any]
+
+LOOKED_UP = {"unit", "where", "edition"}
+"""Strings without a pattern that are no texts: they have to be found elsewhere."""
+
+SPEC = """\
+canwright: 1
+family: lamp
+edition: v1
+date: "2023-03"
+languages: [en, zh]
+bus: {modes: {usual: {bit_rates_kbps: [500], default_kbps: 500}, broadcast: {bit_rates_kbps: [1000]}}, max_nodes: 4}
+addresses:
+  lamp: {id: 0x100 + node, nodes: 1..4}
+  all: {id: 0x200}
+selector: {at: 0, raw: u8}
+parameters:
+  size: {values: {small: {}, big: {}}}
+  count: {number: {min: 1, max: 9}}
+  bits: {values: [14, 15]}
+settings: {limit: {only: {size: [small]}}}
+effects: {glows: {level: note}, heats: {level: warning}, burns: {level: danger}}
+types:
+  level: {raw: u16, unit: "%", scale: {by: size, small: 0.1, big: none}, raw_range: 0..1000}
+  angle: {raw: i24, unit: deg, scale: 0.01, offset: 1, range: "-90..90"}
+  colour: {raw: u8, enum: {red: {value: 1}, green: {value: 2}}}
+  state: {raw: u8, flags: {hot: {bit: 0}, cold: {bit: 3}}}
+  turns: {raw: u8, raw_range: 0..2*count+1}
+layouts:
+  status: {fields: {state: {at: 1, type: state}, level: {at: 2, type: level}, turns: {at: 4, type: turns}}}
+tables:
+  store:
+    index: {at: 1, raw: u8}
+    entries:
+      gain: {index: 1, layout: {gain: {at: 4, raw: u16}}, effects: [burns]}
+      state: {index: 2, layout: {state: {at: 4, type: state}}, only: {size: [big]}}
+commands:
+  dim:
+    code: 0x10
+    request:
+      level: {at: 2, type: level}
+      colour: {at: 1, type: colour}
+      small: {at: 4, raw: u8, only: {size: [small]}}
+    reply: echo
+    effects: [glows, heats, burns]
+    limited_by: [limit]
+    notes: []
+  read: {code: 0x11, request: {fixed: {at: 1, raw: u8, constant: 3}}, reply: status, not_limited_by: [limit]}
+  turn: {code: 0x12, request: {angle: {at: 1, type: angle}}, reply: {of: read}, implemented: false}
+  store: {code: 0x13, table: store, request: entry, reply: echo, only: {size: [big]}}
+  all: {code: 0x14, address: all, mode: broadcast, reply: {layout: status, address: lamp, from_each: 1..3}}
+  colours: {code: 0x15, reply: {colours: {at: 1, array: 1..3, type: colour}}}
+errata:
+  - {id: wrong_level, where: [commands.dim, types.level]}
+"""
+
+FRAMES = """\
+canwright: 1
+family: lamp
+edition: v1
+sources: {manual: {}}
+frames:
+  - {request: turn, source: manual, id: 0x101, node: 1, data: 12 64 00 00 00 00 00 00, raw: {angle: 100}, values: {angle: 2}}
+refused:
+  - {decode: request, source: manual, id: 0x7FF, data: "", says: unknown_id}
+  - {encode: request, command: turn, source: manual, node: 1, values: {angle: 91}, says: out_of_range}
+exchanges:
+  - source: manual
+    request: {id: 0x101, data: 10 01 64 00 00 00 00 00}
+    reply: {id: 0x101, data: 10 01 64 00 00 00 00 00}
+"""
+
+
+def filled(say: Say, folder: Path, languages: tuple[str, ...] = ("en", "zh")) -> Described:
+    """The edition with what `say` says in every text."""
+    folder.mkdir(exist_ok=True)
+    for name, written, concept in (("lamp.yaml", SPEC, EditionSpec), ("lamp.frames.yaml", FRAMES, GoldenFrames)):
+        data = yaml.safe_load(written)
+        if concept is EditionSpec:
+            data["languages"] = list(languages)
+        found = _Filler(_schema(concept), say, languages).all(data)
+        (folder / name).write_text(json.dumps(found, ensure_ascii=False, indent=1), "utf-8")
+    return load(folder / "lamp.yaml").described
+
+
+def text_fields() -> set[str]:
+    """`Concept.key` of every text that the language knows."""
+    found: set[str] = set()
+    for concept in (EditionSpec, GoldenFrames):
+        schema = _schema(concept)
+        filler = _Filler(schema, str, ())
+        for name, one in {schema["title"]: schema, **schema["$defs"]}.items():
+            found |= {f"{name}.{key}" for key, inner in one.get("properties", {}).items() if filler.is_text(key, inner)}
+    return found
+
+
+def filled_fields() -> set[str]:
+    """`Concept.key` of every text that is filled."""
+    found: set[str] = set()
+    for written, concept in ((SPEC, EditionSpec), (FRAMES, GoldenFrames)):
+        filler = _Filler(_schema(concept), str, ("en",))
+        filler.all(yaml.safe_load(written))
+        found |= filler.found
+    return found
+
+
+class _Filler:
+    """Walks data along its JSON Schema; `found` are the texts that it came by."""
+
+    def __init__(self, root: Schema, say: Say, languages: tuple[str, ...]) -> None:
+        self._root = root
+        self._say = say
+        self._languages = languages
+        self.found: set[str] = set()
+
+    def all(self, data: Any) -> Any:
+        return self._filled(self._root, data)
+
+    def is_text(self, key: str, schema: Schema) -> bool:
+        """Whether a key takes any string, or a list of them."""
+        choices = [one for one in self._choices(schema) if one.get("type") != "null"]
+        items = [item for one in choices for item in self._choices(one.get("items", {}))]
+        return key not in LOOKED_UP and (_are_text(choices) or _are_text(items))
+
+    def _filled(self, schema: Schema, value: Any) -> Any:
+        if isinstance(value, list):
+            items: Schema = next((one["items"] for one in self._choices(schema) if "items" in one), {})
+            return [self._said("", items, one) for one in value]
+        if not isinstance(value, dict):
+            return value
+        concept = self._concept(schema, value)
+        result = dict(value)
+        for key, inner in concept.get("properties", {}).items():
+            if self.is_text(key, inner):
+                self.found.add(f"{concept['title']}.{key}")
+            if key in value or self.is_text(key, inner):
+                result[key] = self._said(key, inner, value.get(key))
+        for key in set(value) - set(concept.get("properties", {})):
+            result[key] = self._said(key, _entries(concept), value[key])
+        return result
+
+    def _concept(self, schema: Schema, value: dict[str, Any]) -> Schema:
+        """The choice of a schema that knows all keys of a mapping, or takes any."""
+        choices = [one for one in self._choices(schema) if one.get("type") == "object"]
+        fitting = (one for one in choices if set(one.get("properties", {})) >= set(value))
+        return next(fitting, None) or next(filter(_entries, choices), {})
+
+    def _said(self, key: str, schema: Schema, value: Any) -> Any:
+        """A text where there should be one, in every language where it has languages; else what is there, filled."""
+        if key in LOOKED_UP:
+            return value
+        if not self.is_text(key, schema):
+            return self._filled(schema, value)
+        choices = list(self._choices(schema))
+        if any(map(_has_languages, choices)):
+            return {language: self._say() for language in self._languages}
+        if any(map(_is_any_string, choices)):
+            return self._say()
+        return self._filled(schema, [None])
+
+    def _choices(self, schema: Schema) -> Iterator[Schema]:
+        if "$ref" in schema:
+            schema = self._root["$defs"][schema["$ref"].rsplit("/", 1)[1]]
+        inner = [*schema.get("anyOf", ()), *schema.get("oneOf", ())]
+        if not inner:
+            yield schema
+        for one in inner:
+            yield from self._choices(one)
+
+
+@functools.cache
+def _schema(concept: type[EditionSpec] | type[GoldenFrames]) -> Schema:
+    return concept.model_json_schema()
+
+
+def _entries(schema: Schema) -> Schema:
+    """The schema of the entries of a mapping that takes any key."""
+    found: Schema | bool = schema.get("additionalProperties") or next(
+        iter(schema.get("patternProperties", {}).values()), {}
+    )
+    return found if isinstance(found, dict) else {}
+
+
+def _are_text(choices: list[Schema]) -> bool:
+    return bool(choices) and all(_is_any_string(one) or _has_languages(one) for one in choices)
+
+
+def _has_languages(schema: Schema) -> bool:
+    return "enum" in schema.get("propertyNames", {})
+
+
+def _is_any_string(schema: Schema) -> bool:
+    return schema.get("type") == "string" and not {"pattern", "enum", "const", "format"} & set(schema)

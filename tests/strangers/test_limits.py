@@ -1,0 +1,163 @@
+"""Files, numbers and sizes that would take long, or all memory, or more than a spec may have: refused, and at once."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from canwright import notation, source
+from canwright.cli import main
+from canwright.diagnostics import MOST_FINDINGS, SpecError
+from canwright.rules import too_large
+from click.testing import CliRunner
+
+from ..spec_texts import MINIMAL, findings, marked, places
+
+AT_ONCE = 20.0
+"""Seconds, for a machine that is busy; what is unbounded takes minutes, or does not end."""
+
+
+def many(count: int, text: str) -> str:
+    return "".join(text.replace("#", str(i)) for i in range(count))
+
+
+@pytest.mark.parametrize("kind", ["folder", "pipe", "device"])
+def test_what_is_no_file_is_not_read(kind: str, tmp_path: Path) -> None:
+    file = {"folder": tmp_path, "pipe": tmp_path / "pipe.yaml", "device": Path("/dev/zero")}[kind]
+    if kind == "pipe":
+        os.mkfifo(file)
+    result = CliRunner().invoke(main, ["generate", "--spec", str(file), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 2
+    assert "directory" in result.output or "is no file, but a folder, a pipe or a device" in result.output
+    assert not (tmp_path / "out").exists()
+
+
+def test_no_more_than_the_limit_is_read(tmp_path: Path) -> None:
+    file = tmp_path / "x.yaml"
+    with file.open("wb") as stream:
+        stream.truncate(1 << 40)
+    with pytest.raises(SpecError, match=r"the file has more than 1048576 bytes \[file-size\]"):
+        source.read(file)
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        (b"\xef\xbb\xbfa: 1\n", "1:1 encoding"),
+        ("a: 1\n".encode("utf-16"), "1:1 encoding"),
+        (b"a: 1\nb: \xc0\xaf\n", "2:4 encoding"),
+        (b"a: \xed\xa0\x80\n", "1:4 encoding"),
+        ("é: \u00b5\nb: ".encode() + b"\xff", "2:4 encoding"),
+    ],
+)
+def test_what_is_not_utf_8_is_refused_where_it_stands(content: bytes, expected: str, tmp_path: Path) -> None:
+    (tmp_path / "x.yaml").write_bytes(content)
+    with pytest.raises(SpecError) as refused:
+        source.read(tmp_path / "x.yaml")
+    assert places(list(refused.value.diagnostics)) == [expected]
+
+
+def test_all_that_is_wrong_with_the_yaml_is_told_at_once_and_with_the_rest(tmp_path: Path) -> None:
+    text = (
+        MINIMAL.replace("raw_range: 0..1000", "raw_range: &all 0..1000, raw_range: *all")
+        .replace("raw: u16", "raw: !!str u99, about: no")
+        .replace("reply: echo", "reply: sent\n    code: 0x11\n    colour: 1_0\n    notes: [\u202e x]")
+    )
+    assert places(findings(tmp_path, text)) == [
+        "7:16 yaml-tag",
+        "7:34 ambiguous-scalar",
+        "7:72 yaml-alias",
+        "7:86 duplicate-key",
+        "7:97 yaml-alias",
+        "13:12 unknown-reference",
+        "14:5 duplicate-key",
+        "15:13 ambiguous-scalar",
+        "16:13 unsafe-character",
+    ]
+
+
+TOO_MUCH: dict[str, Callable[[], str]] = {
+    "more digits than a number may have": lambda: MINIMAL.replace("0.1,", '"1/%s",' % ("9" * 190)),
+    "a number of a million digits": lambda: MINIMAL.replace("0.1,", '"%s",' % ("9" * 10**6)),
+    "a plain number of a million digits": lambda: MINIMAL.replace("0x10", "9" * 10**6),
+    "a power": lambda: MINIMAL.replace("0.1,", "1/10**9999,"),
+    "a shift": lambda: MINIMAL.replace("0x100 + node", "node << 99999999999"),
+    "a long sum": lambda: MINIMAL.replace("0x100 + node", '"%s0"' % ("1 + " * 250000)),
+    "an id bit": lambda: MINIMAL.replace("at: 2", "at: id.99999999999"),
+    "a byte": lambda: MINIMAL.replace("at: 2", "at: 99999999999"),
+    "nodes": lambda: MINIMAL.replace("1..4", "1..536870911"),
+    "more nodes": lambda: MINIMAL.replace("1..4", "1..99999999999999999999"),
+    "an array": lambda: MINIMAL.replace("{at: 2,", "{array: 1..9999999, at: 2,"),
+    "replies": lambda: MINIMAL.replace("reply: echo", "reply: {layout: {}, from_each: 1..999999999}"),
+    "a range": lambda: MINIMAL.replace("0..1000", "0..1" + "0" * 60),
+    "aliases": lambda: "a: &a [x]\nb: &b [*a,*a]\nc: &c [*b,*b]\nd: [%s]" % ("*c," * 300000),
+    "brackets": lambda: "[" * 10**6,
+    "braces": lambda: "{a: " * 250000,
+    "unseen characters": lambda: "# " + "\u200b" * 300000 + "\n" + MINIMAL,
+    "unknown keys": lambda: MINIMAL + many(20000, "    key#: 1\n"),
+    "unknown names": lambda: MINIMAL + "    effects: [" + many(40000, "e#, ") + "]\n",
+    "wrong commands": lambda: MINIMAL + many(15000, "  c#: {code: x, reply: z}\n"),
+    "fields": lambda: MINIMAL.replace("request: {", "request: {" + many(9000, "f#: {at: 3, raw: u8}, ")),
+    "addresses": lambda: MINIMAL.replace("es: {", "es: {" + many(3000, "a#: {id: node, nodes: 0..2047}, ")),
+    "values of a choice": lambda: MINIMAL + "parameters: {p: {values: {" + many(9000, "v#: {}, ") + "}}}\n",
+    "choices": lambda: MINIMAL + "parameters: {" + many(200, "p#: {values: {a: {}, b: {}}}, ") + "}\n",
+    "codes to accept": lambda: MINIMAL.replace("echo", "{accept: [" + many(60000, "#, ") + "]}"),
+    "a chain of replies": lambda: MINIMAL + many(3000, "  c#: {code: 1, reply: {of: d#}}\n  d#: {reply: {of: c#}}\n"),
+    "entries times commands": lambda: (
+        MINIMAL
+        + many(200, "  c#: {code: 1, table: t, request: entry, reply: echo}\n")
+        + "tables: {t: {index: {at: 1, raw: u16}, entries: {"
+        + many(1000, "e#: {index: #, layout: {}}, ")
+        + "}}}\n"
+    ),
+    "nodes times fields": lambda: (
+        MINIMAL.replace("0x100 + node, nodes: 1..4", "node, extended: true, nodes: 0..65535")
+        + many(30, "  c#: {code: #, request: none, reply: {a: {at: 1, raw: u8}}}\n")
+    ),
+}
+
+
+@pytest.mark.parametrize("what", TOO_MUCH)
+def test_too_much_is_refused_at_once(what: str, tmp_path: Path) -> None:
+    text = TOO_MUCH[what]()
+    start = time.process_time()
+    found = findings(tmp_path, text)
+    assert time.process_time() - start < AT_ONCE
+    assert 0 < len(found) <= 2 * MOST_FINDINGS
+    assert all(len(str(finding)) < 1500 for finding in found)
+
+
+@pytest.mark.parametrize("name", ["../x", "/etc/x", ".", "..", "a/b", "a\\b", "~", "C:", "x\n", "a b", "", "a" * 60])
+def test_no_name_is_a_path(name: str, tmp_path: Path) -> None:
+    quoted = '"' + name.replace("\\", "\\\\").replace("\n", "\\n") + '"'
+    for key in ("family: lamp", "edition: v1"):
+        (found,) = findings(tmp_path, MINIMAL.replace(key, f"{key.split()[0]} {quoted}"))
+        assert found.rule in ("name", "value")
+    assert {f.rule for f in findings(tmp_path, MINIMAL.replace("  dim:", f"  {quoted}:"))} <= {"name", "value"}
+    assert findings(tmp_path, MINIMAL.replace("  dim:", f"  {quoted}:"))
+
+
+@pytest.mark.parametrize("edition", ["v1.", "v1-", "v1..2", "-v1", ".v1"])
+def test_an_edition_is_a_name_of_a_folder_everywhere(edition: str, tmp_path: Path) -> None:
+    assert [f.rule for f in findings(tmp_path, MINIMAL.replace("v1", f'"{edition}"'))] == ["name"]
+
+
+@pytest.mark.parametrize(
+    ("written", "rule"),
+    [("٣", "value"), ("010", "value"), ("1e3", "value"), (".5", "value"), ("inf", "value"), ("0x", "value")],
+)
+def test_numbers_are_written_in_one_way(written: str, rule: str, tmp_path: Path) -> None:
+    for old in ("scale: 0.1", "at: 2"):
+        text = MINIMAL.replace(old, f'{old.split()[0]} "{written}"')
+        assert marked(findings(tmp_path, text)) == [f'{rule}: "{written}"']
+
+
+def test_limits_leave_room() -> None:
+    assert len(notation.nodes("0..65535")) == notation.MOST_NODES
+    assert len(notation.indices("0..63")) == notation.MOST_ELEMENTS
+    assert notation.at("id.28").bit == notation.LAST_ID_BIT
+    assert notation.number("1" * notation.DIGITS) > 0
+    assert too_large.MOST_COMMANDS >= 100 * 28

@@ -1,0 +1,248 @@
+"""Hostile texts in every text of a spec: nothing but the texts differs in what is made of it."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import html.parser
+import itertools
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import cantools
+import markdown
+import pytest
+from canwright import site
+from canwright.cli import main
+from canwright.diagnostics import SpecError
+from canwright.generate import TARGETS, generate
+from canwright.load import load
+from click.testing import CliRunner
+from markdown_it import MarkdownIt
+
+from ..compilers import WARNINGS, Compiler, compilers
+from ..targets.test_c_compiles import everything, headers, write
+from .everything import SPEC, filled, filled_fields, text_fields
+from .hostile import HARMLESS, HOSTILE, REFUSED
+
+Files = dict[str, str]
+
+
+def made(say: Sequence[str], folder: Path, languages: tuple[str, ...] = ("en", "zh")) -> Files:
+    """All that is generated, where the texts are said in turn."""
+    turns = itertools.cycle(say)
+    described = filled(lambda: next(turns), folder, languages)
+    return {path: content.decode("utf-8") for path, content in generate([described], list(TARGETS), {}).files.items()}
+
+
+@pytest.fixture(scope="module")
+def harmless(tmp_path_factory: pytest.TempPathFactory) -> Files:
+    return made([HARMLESS], tmp_path_factory.mktemp("harmless"), ("en",))
+
+
+def test_every_text_of_the_language_is_filled() -> None:
+    assert filled_fields() == text_fields()
+    assert {"Command.notes", "Type.differs", "Address.title", "Frame.note"} <= filled_fields()
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_a_text_is_only_text(text: str, harmless: Files, tmp_path: Path) -> None:
+    hostile = made([text], tmp_path, ("en",))
+    assert list(hostile) == list(harmless)
+    assert [path for path, content in hostile.items() if not _same_file(path, content, harmless[path])] == []
+    assert _same_pages(hostile, harmless, text)
+
+
+def _same_file(path: str, hostile: str, harmless: str) -> bool:
+    """Whether a file that is no page says the same to those that it is for."""
+    same = {"h": _same_c, "c": _same_c, "py": _same_python, "dbc": _same_dbc, "md": _any_page}
+    return same.get(path.rsplit(".", 1)[-1], _equal)(hostile, harmless)
+
+
+def _any_page(hostile: str, harmless: str) -> bool:
+    return True
+
+
+def _equal(hostile: str, harmless: str) -> bool:
+    return _without_hash(hostile) == _without_hash(harmless)
+
+
+def _without_hash(text: str) -> str:
+    return re.sub(r"[0-9a-f]{12,64}", "", text)
+
+
+def _same_c(hostile: str, harmless: str) -> bool:
+    return _words(hostile) == _words(harmless)
+
+
+@functools.cache
+def _words(source: str) -> list[str]:
+    """The words of a source without its comments, as a compiler sees them: trigraphs and line ends first."""
+    for trigraph, meant in zip(
+        ("??/", "??=", "??'", "??(", "??)", "??!", "??<", "??>", "??-"), "\\#^[]|{}~", strict=True
+    ):
+        source = source.replace(trigraph, meant)
+    return _without_hash(re.sub(r"/\*.*?\*/|//[^\n]*", " ", source.replace("\\\n", ""), flags=re.S)).split()
+
+
+def _same_python(hostile: str, harmless: str) -> bool:
+    return _tree(hostile) == _tree(harmless)
+
+
+@functools.cache
+def _tree(source: str) -> str:
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            node.value = ""
+    return ast.dump(tree)
+
+
+def _same_dbc(hostile: str, harmless: str) -> bool:
+    return _loaded(hostile) == _loaded(harmless)
+
+
+@functools.cache
+def _loaded(source: str) -> list[object]:
+    database = cantools.database.load_string(source, "dbc")
+    assert isinstance(database, cantools.database.can.Database)
+    nodes = [node.name for node in database.nodes]
+    return [nodes] + [
+        (
+            m.frame_id,
+            m.name,
+            m.length,
+            m.senders,
+            [
+                (
+                    s.name,
+                    s.start,
+                    s.length,
+                    s.scale,
+                    s.offset,
+                    s.unit,
+                    s.minimum,
+                    s.maximum,
+                    s.choices and sorted(s.choices),
+                    s.multiplexer_ids,
+                    s.is_signed,
+                    s.byte_order,
+                )
+                for s in m.signals
+            ],
+        )
+        for m in database.messages
+    ]
+
+
+def _same_pages(hostile: Files, harmless: Files, text: str) -> bool:
+    """Whether the pages have the same elements, and show the text wherever the others show the harmless one."""
+    shown = " ".join(text.split())
+    for renderer in (_by_site, _by_every_extension, _by_commonmark):
+        one, other = (_page(renderer("\n\n".join(_pages(files)))) for files in (hostile, harmless))
+        if one.elements != other.elements or one.text.split() != other.text.replace(HARMLESS, shown).split():
+            return False
+    return True
+
+
+def _pages(files: Files) -> list[str]:
+    return [content for path, content in files.items() if path.endswith(".md")]
+
+
+@functools.cache
+def _by_site(text: str) -> str:
+    return markdown.markdown(text, extensions=site.EXTENSIONS)
+
+
+EVERY_EXTENSION = (
+    *("footnotes", "abbr", "admonition", "def_list", "wikilinks", "fenced_code", "sane_lists"),
+    *("pymdownx." + name for name in ("emoji", "details", "tabbed", "caret", "tilde", "mark", "critic", "keys")),
+    *("pymdownx." + name for name in ("arithmatex", "magiclink", "tasklist", "inlinehilite", "betterem", "snippets")),
+)
+
+
+@functools.cache
+def _by_every_extension(text: str) -> str:
+    """As a site shows it that has every extension turned on that gives words or signs a meaning."""
+    return markdown.markdown(text, extensions=[*site.EXTENSIONS, *EVERY_EXTENSION])
+
+
+@functools.cache
+def _by_commonmark(text: str) -> str:
+    return str(MarkdownIt("commonmark").enable("table").render(text))
+
+
+@functools.cache
+def _page(source: str) -> _Page:
+    return _Page(source)
+
+
+class _Page(html.parser.HTMLParser):
+    """The elements of a page with the names of their attributes, and its text."""
+
+    def __init__(self, source: str) -> None:
+        super().__init__()
+        self.elements: list[str] = []
+        self.text = ""
+        self.feed(source)
+        self.text = _without_hash(self.text.replace("\u200b", ""))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        named = [f"{name}={value}" for name, value in attrs if not (tag.startswith("h") and name == "id")]
+        self.elements.append(f"<{tag} {' '.join(named)}>")
+
+    def handle_endtag(self, tag: str) -> None:
+        self.elements.append(f"</{tag}>")
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+    def handle_comment(self, data: str) -> None:
+        self.elements.append("<!-- -->")
+
+
+@pytest.mark.parametrize("compiler", compilers(), ids=lambda compiler: compiler.name)
+def test_compilers_make_the_same_of_it(compiler: Compiler, tmp_path: Path) -> None:
+    """All hostile texts at once, from another one on in each turn, so that they meet different places."""
+    objects = [_object([HARMLESS], compiler, tmp_path / "harmless")]
+    objects += [_object(HOSTILE[n:] + HOSTILE[:n], compiler, tmp_path / str(n)) for n in (0, 17, 40)]
+    assert objects[1:] == objects[:1] * 3
+
+
+def _object(say: Sequence[str], compiler: Compiler, folder: Path) -> bytes:
+    turns = itertools.cycle(say)
+    described = [filled(lambda: next(turns), folder)]
+    include = write(described, folder) / "include"
+    (folder / "all.c").write_text(everything(include, headers(described)), "utf-8")
+    compiler.run("c99", *WARNINGS, "-Wcomment", "-O2", f"-I{include}", "-c", folder / "all.c", "-o", folder / "all.o")
+    return (folder / "all.o").read_bytes()
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_the_terminal_shows_a_text_as_it_is(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "2000")
+    hostile, harmless = _shown(text, tmp_path), _shown(HARMLESS, tmp_path)
+    assert hostile == harmless.replace(HARMLESS, " ".join(text.split()))
+    assert harmless.count(HARMLESS) > 8
+
+
+def _shown(text: str, folder: Path) -> str:
+    filled(lambda: text, folder)
+    result = CliRunner().invoke(main, ["show", "dim", "--spec", str(folder / "lamp.yaml")], catch_exceptions=False)
+    assert result.exit_code == 0
+    return " ".join(result.output.split())
+
+
+@pytest.mark.parametrize("text", REFUSED, ids=ascii)
+def test_a_text_that_cannot_be_seen_is_refused(text: str, tmp_path: Path) -> None:
+    """As it is and as an escape, in the text, in a comment, and in a key."""
+    plain, escaped = f'"{text}"', '"' + "".join(f"\\U{ord(c):08X}" for c in text) + '"'
+    places = ("title: X\n" + SPEC, SPEC.replace("notes: []", "X: []"))
+    specs = [place.replace("X", one) for place in places for one in (plain, escaped)]
+    for spec in (*specs, f"{SPEC}# {text}\n"):
+        (tmp_path / "x.yaml").write_bytes(spec.encode("utf-8"))
+        with pytest.raises(SpecError) as refused:
+            load(tmp_path / "x.yaml")
+        assert "unsafe-character" in {d.rule for d in refused.value.diagnostics}
+        assert all(c.isprintable() for c in str(refused.value).replace("\n", ""))
