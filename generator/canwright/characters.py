@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import unicodedata
 from collections.abc import Iterator
 
@@ -16,9 +17,12 @@ CANNOT_BE_SEEN = "\N{REPLACEMENT CHARACTER}"
 
 def unseen(text: str) -> list[str]:
     """The characters of a text that cannot be seen, each once, in order; tabs and line feeds are none of them."""
+    if text.isascii() and text.isprintable():
+        return []
     return sorted(filter(_is_unseen, set(text)), key=text.index)
 
 
+@functools.lru_cache(maxsize=1 << 14)
 def _is_unseen(character: str) -> bool:
     code = ord(character)
     is_no_character = code & 0xFFFE == 0xFFFE or 0xFDD0 <= code <= 0xFDEF

@@ -21,7 +21,7 @@ from . import characters
 from .diagnostics import Diagnostic, Position, Severity, SpecError
 from .model import Path
 
-MAX_BYTES = 1 << 20
+MAX_BYTES = 1 << 23
 MAX_DEPTH = 24
 MAX_FINDINGS = 100
 """How many findings of reading are told in one run."""

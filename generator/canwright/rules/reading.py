@@ -5,7 +5,7 @@ from __future__ import annotations
 from .rule import Rule
 
 READING: tuple[Rule, ...] = (
-    Rule("file-size", "A file has at most 1 MiB."),
+    Rule("file-size", "A file has at most 8 MiB."),
     Rule("encoding", "A file is UTF-8 text."),
     Rule("unsafe-character", "A text has no character that cannot be seen or changes how others are shown."),
     Rule("yaml", "A file is one YAML document, a mapping with plain keys and a value behind each."),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import unicodedata
 from collections.abc import Collection, Mapping
@@ -27,8 +28,11 @@ def number(value: Fraction) -> str:
     return digits.rstrip("0").rstrip(".") if "." in digits else digits
 
 
+@functools.lru_cache(maxsize=1 << 16)
 def text(written: str) -> str:
     """A text on one line of ASCII without quotes and backslashes; nothing where it has letters beyond ASCII."""
+    if written.isascii() and written.isprintable():
+        return " ".join(written.translate(_ASCII).split())
     plain = unicodedata.normalize("NFKD", written).translate(_ASCII)
     kept = [c if c.isprintable() else " " for c in plain if not unicodedata.combining(c)]
     if any(c.isalpha() and not c.isascii() for c in kept):

@@ -57,6 +57,7 @@ class Pages:
         self._golden = golden
         self._labels = labels
         self._language = language
+        self._errata = {command.name: edition.errata_of(command) for command in edition.commands}
 
     def overview(self) -> Mapping[str, Any]:
         """The first page of the edition."""
@@ -83,7 +84,7 @@ class Pages:
             "mode": next((mode for mode in self.edition.bus.modes if mode.name == command.mode), None),
             "previous": commands[at - 1] if at else None,
             "following": commands[at + 1] if at + 1 < len(commands) else None,
-            "errata": self.edition.errata_of(command),
+            "errata": self._errata[command.name],
         }
 
     def _half(self, command: Command, direction: Direction) -> Half:
@@ -126,4 +127,4 @@ class Pages:
 
     def erratum_links(self, erratum: Erratum) -> list[str]:
         """The commands that an erratum touches."""
-        return [c.name for c in self.edition.commands if erratum in self.edition.errata_of(c)]
+        return [name for name, errata in self._errata.items() if erratum in errata]

@@ -1,0 +1,140 @@
+"""How long `canwright generate` takes, as a whole process: `python -m tests.benchmarks.generate_speed`.
+
+Beside it stands what cannot be avoided: a process that imports PyYAML and Jinja2, and the time that Jinja2 spends on
+compiling and rendering the templates. Specs of 1, 10 and 100 times the commands show how time and memory grow.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import yaml
+from canwright.load import spec_files
+
+from ..spec_texts import ROOT
+
+MAIN = ROOT / "spec/mwd_motor/v2.35.yaml"
+ROUNDS = 3
+
+WATCHED = """
+import json, sys, time
+import jinja2
+spent = {"rendering": 0.0, "depth": 0}
+def watched(function):
+    def call(*arguments, **named):
+        if spent["depth"]:
+            return function(*arguments, **named)
+        spent["depth"] += 1
+        start = time.process_time()
+        try:
+            return function(*arguments, **named)
+        finally:
+            spent["rendering"] += time.process_time() - start
+            spent["depth"] -= 1
+    return call
+jinja2.Environment.get_template = watched(jinja2.Environment.get_template)
+jinja2.Template.render = watched(jinja2.Template.render)
+from canwright.cli import main
+try:
+    main(sys.argv[1:])
+except SystemExit:
+    print(json.dumps(spent["rendering"]))
+"""
+
+
+def cpu(*arguments: str) -> tuple[float, str]:
+    """The least processor seconds of a few runs of Python with these arguments, and what the last printed."""
+    found, printed = [], ""
+    for _ in range(ROUNDS):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        done = subprocess.run([sys.executable, *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise SystemExit(done.stdout + done.stderr)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        found.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+        printed = done.stdout
+    return min(found), printed
+
+
+def memory(*arguments: str) -> int:
+    """The megabytes that Python with these arguments holds at most."""
+    code = "import resource, subprocess, sys; subprocess.run([sys.executable, *sys.argv[1:]], check=True); "
+    code += "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    return int(done.stdout.split()[-1]) // 1024
+
+
+def multiplied(folder: Path, times: int) -> Path:
+    """The first edition with its commands so many times, each time on an address of its own, for two nodes."""
+    data: dict[str, Any] = yaml.safe_load(MAIN.read_text("utf-8").replace("date: 2023-03", "date: '2023-03'"))
+    data["errata"] = []
+    addresses, commands = data["addresses"], data["commands"]
+    data["addresses"], data["commands"] = {}, {}
+    for i in range(times):
+        for name, address in addresses.items():
+            base = int(str(address["id"]).split(" ")[0], 16 if isinstance(address["id"], str) else 10)
+            one = copy.deepcopy(address)
+            one |= {
+                "extended": True,
+                "id": f"0x{(i + 1) << 12 | base:X} + node" if "nodes" in address else (i + 1) << 12 | base,
+            }
+            data["addresses"][f"{name}_{i}"] = one | ({"nodes": "1..4"} if "nodes" in address else {})
+        for name, command in commands.items():
+            one = copy.deepcopy(command) | {"address": f"{command.get('address', 'motor')}_{i}"}
+            if isinstance(one["reply"], dict) and "of" in one["reply"]:
+                one["reply"]["of"] += f"_{i}"
+            data["commands"][f"{name}_{i}"] = one
+    file = folder / f"times{times}.yaml"
+    file.write_text(yaml.safe_dump(data, allow_unicode=True, sort_keys=False), "utf-8")
+    return file
+
+
+def main() -> None:
+    libraries, _ = cpu("-c", "import yaml, jinja2")
+    for name, specs in {
+        "one edition": [MAIN],
+        "all editions": spec_files(ROOT / "spec"),
+    }.items():
+        options = [part for spec in specs for part in ("--spec", str(spec))]
+        with tempfile.TemporaryDirectory() as folder:
+            whole, _ = cpu("-m", "canwright", "generate", *options, "--out", folder)
+            _, printed = cpu("-c", WATCHED, "generate", *options, "--out", folder)
+            checked, _ = cpu("-m", "canwright", "check", *options, "--out", folder)
+        alone, _ = cpu("-m", "canwright", "check", *options)
+        rendering = json.loads(printed.splitlines()[-1])
+        print(
+            f"{name}: generate {whole:.2f} s, importing {libraries:.2f} s and rendering {rendering:.2f} s, "
+            f"ratio {whole / (libraries + rendering):.2f}; check {checked:.2f} s, check of the specs alone {alone:.2f} s"
+        )
+    print("growth, each to the one before it:")
+    before = (0.0, 0)
+    for times in (1, 10, 100):
+        with tempfile.TemporaryDirectory() as folder:
+            spec = multiplied(Path(folder), times)
+            arguments = ("-m", "canwright", "generate", "--spec", str(spec), "--out", f"{folder}/out")
+            start = time.perf_counter()
+            whole, _ = cpu(*arguments)
+            held = memory(*arguments)
+            ratio = (
+                f", {whole / before[0]:.1f} times the time, {held / before[1]:.1f} times the memory"
+                if before[1]
+                else ""
+            )
+            print(
+                f"  {times:3} times the commands: {whole:.2f} s, {held} MB{ratio} ({time.perf_counter() - start:.0f} s)"
+            )
+            before = (whole, held)
+
+
+if __name__ == "__main__":
+    main()
