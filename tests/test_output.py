@@ -4,7 +4,8 @@ import os
 from pathlib import Path
 
 import pytest
-from canwright.output import MANIFEST, STAGING, Changes, Content, OutputError, difference, write
+from canwright.folder import MANIFEST, STAGING, OutputError
+from canwright.output import Changes, Content, difference, write
 
 
 def content(

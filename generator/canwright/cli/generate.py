@@ -9,9 +9,10 @@ from pathlib import Path
 import click
 
 from ..diagnostics import Diagnostic, Position, Severity
+from ..folder import OutputError
 from ..generate import TARGETS, generate as make
 from ..model import Assignment
-from ..output import Content, OutputError, difference, write
+from ..output import Content, difference, write
 from ..targets import Described
 from .common import (
     FINDINGS,
@@ -48,7 +49,7 @@ def generate(
     content = _content(read(specs, printer), targets, settings)
     try:
         changes = write(out, content, force=force)
-    except (OutputError, OSError) as error:
+    except OutputError as error:
         stop(str(error))
     for path in changes.removed:
         click.echo(f"removed {out.as_posix()}/{path}")
@@ -82,7 +83,7 @@ def check(
     out = out or OUT_FOLDER
     try:
         found = list(difference(out, _content(described, targets, settings)))
-    except (OutputError, OSError) as error:
+    except OutputError as error:
         stop(str(error))
     if not found:
         _report(warnings, f"{names}: right, and {out.as_posix()}/ is what would be generated", printer, strict)
