@@ -7,10 +7,8 @@ is undone.
 
 from __future__ import annotations
 
-import os
 import shutil
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -65,8 +63,6 @@ def stage(out: Path, files: Mapping[str, bytes | None]) -> None:
         journal = out / JOURNAL
         unfinished = journal.with_suffix(".tmp")
         _save(unfinished, Journal(steps=steps).json_bytes())
-        for file in (*(_new(out, path) for path, data in files.items() if data is not None), unfinished):
-            _settle(file)
         unfinished.replace(journal)
     except BaseException:
         shutil.rmtree(out / STAGING, ignore_errors=True)
@@ -159,23 +155,12 @@ def _back_up(out: Path, path: str) -> None:
 
 
 def _save(file: Path, data: bytes) -> None:
+    """Does not wait for the disk, which takes longer than all else: what was lost with the power shows by its digest."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    with _naming(file), file.open("wb") as stream:
-        stream.write(data)
-
-
-def _settle(file: Path) -> None:
-    """Waits until the file is on disk. Asked of all files at the end, it costs little more than for one."""
-    with _naming(file), file.open("rb+") as stream:
-        os.fsync(stream.fileno())
-
-
-@contextmanager
-def _naming(file: Path) -> Iterator[None]:
-    """What fails with an open file does not tell which one."""
     try:
-        yield
-    except OSError as error:
+        with file.open("wb") as stream:
+            stream.write(data)
+    except OSError as error:  # of a write, it does not tell which file
         raise OSError(error.errno, error.strerror, str(file)) from error
 
 
