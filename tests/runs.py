@@ -1,12 +1,14 @@
 """Runs of the real command line, each in a process of its own that can be killed at a step or bound by a limit.
 
-One process has everything imported and forks for each run, so that hundreds of runs take seconds. The steps of a run are
-the calls that change something on disk, counted from the first one inside the watched folder.
+One process has everything imported and forks for each run. Where many runs are alike it goes as far as their first step
+and forks there, so that a hundred of them take seconds. Steps are the calls that change something on disk, counted from
+the first one inside the watched folder, or from where the run was forked.
 """
 
 from __future__ import annotations
 
 import ctypes
+import gc
 import json
 import os
 import resource
@@ -55,15 +57,15 @@ class Ended:
 
 
 class Runs:
-    """Use as a context manager. `text` is the file that output goes to."""
+    """Texts of the runs go to `folder`. With `arguments`, all runs are that one, forked at its first step in `watched`."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *arguments: str, watched: Path | None = None, inside: Sequence[str] = ()) -> None:
         self._folder = folder
         self._count = 0
         self._texts: dict[int, Path] = {}
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "tests.runs"], cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
+        command = [*inside, sys.executable, "-m", "tests.runs", *([str(watched)] if watched else []), *arguments]
+        self._process = subprocess.Popen(command, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.process = self._process.pid
 
     def __enter__(self) -> Runs:
         return self
@@ -97,9 +99,10 @@ class Runs:
         return int(self._process.stdout.readline())
 
 
-def _serve() -> None:
-    from canwright.cli import main
-
+def _serve() -> list[str]:
+    """Answers questions; in a run that was asked for, returns its arguments."""
+    gc.collect()
+    gc.freeze()
     for line in sys.stdin:
         question = json.loads(line)
         if "wait" in question:
@@ -112,9 +115,22 @@ def _serve() -> None:
                 os.dup2(descriptor, 1)
                 os.dup2(descriptor, 2)
                 _bind(Binding(**question["bound"]))
-                main(question["start"])
+                return list(question["start"])
         sys.stdout.write(f"{answer}\n")
         sys.stdout.flush()
+    os._exit(0)
+
+
+def _serve_at_first_step(watched: str) -> None:
+    stands = False
+
+    def at_step(event: str, arguments: Sequence[object]) -> None:
+        nonlocal stands
+        if not stands and event in _STEPS and any(_inside(argument, watched) for argument in arguments):
+            stands = True
+            _serve()
+
+    sys.addaudithook(at_step)
 
 
 def _bind(bound: Binding) -> None:
@@ -161,5 +177,21 @@ def _drop_rights() -> None:
         raise OSError(ctypes.get_errno(), "capset")
 
 
+def _main() -> None:
+    from canwright.cli import main
+
+    status: object = 0
+    try:
+        if sys.argv[1:]:
+            _serve_at_first_step(sys.argv[1])
+            main(sys.argv[2:])
+        main(_serve())
+    except SystemExit as end:
+        status = end.code
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status if isinstance(status, int) else 0)  # to take the interpreter down takes longer than most runs
+
+
 if __name__ == "__main__":
-    _serve()
+    _main()
