@@ -137,7 +137,8 @@ def told(out: Path, doing: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        where = Path(str(error.filename)).as_posix() if error.filename is not None else out.as_posix()
+        named = error.filename2 or error.filename
+        where = out.as_posix() if named is None else Path(str(named)).as_posix()
         hint = _HINTS.get(error.errno or 0, "mend that and run again, or choose another folder with --out")
         state = "the next run completes what was begun" if _begun(out) else "nothing was changed"
         raise OutputError(f"cannot {doing} {where}: {error.strerror or error}; {hint}; {state}") from error

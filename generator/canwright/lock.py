@@ -57,8 +57,9 @@ def _take(file: Path) -> int | None:
     if not _own(lock, made) or not _same(lock, file):
         os.close(lock)
         return None
-    os.truncate(lock, 0)
-    os.write(lock, str(os.getpid()).encode())
+    with suppress(OSError):  # it is only to be told
+        os.truncate(lock, 0)
+        os.write(lock, str(os.getpid()).encode())
     return lock
 
 

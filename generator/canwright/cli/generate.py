@@ -35,7 +35,11 @@ from .common import (
 @set_option
 @format_option
 @click.option(
-    "--out", type=FilePath(file_okay=False), default=OUT_FOLDER, show_default=True, help="Folder to write to."
+    "--out",
+    type=FilePath(file_okay=False, readable=False),
+    default=OUT_FOLDER,
+    show_default=True,
+    help="Folder to write to.",
 )
 @click.option("--force", is_flag=True, help="Overwrite files edited by hand, and drop editions not in this run.")
 def generate(
@@ -64,7 +68,9 @@ def generate(
 @target_option
 @set_option
 @format_option
-@click.option("--out", type=FilePath(file_okay=False), help="Folder to compare with.  [default: generated]")
+@click.option(
+    "--out", type=FilePath(file_okay=False, readable=False), help="Folder to compare with.  [default: generated]"
+)
 @click.option("--strict", is_flag=True, help="Exit 1 when there are warnings.")
 def check(
     specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], printer: str, out: Path | None, strict: bool
