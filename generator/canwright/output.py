@@ -13,6 +13,7 @@ from pathlib import Path, PurePosixPath
 
 from .folder import (
     JOURNAL,
+    LOCK,
     MANIFEST,
     Digest,
     GeneratedPath,
@@ -86,7 +87,8 @@ def write(out: Path, content: Content, *, force: bool = False, patience: float =
     """
     with told(out, "write"):
         _refuse_outside(out, content)
-        refuse_in_the_way(out, MANIFEST)
+        for own in (MANIFEST, LOCK):
+            refuse_in_the_way(out, own)
         out.mkdir(parents=True, exist_ok=True)
         with locked(out, patience):
             complete(out, force=force)
