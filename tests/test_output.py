@@ -1,10 +1,10 @@
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import pytest
-from canwright.output import MANIFEST, STAGING, Changes, Content, OutputError, difference, write
+from canwright.folder import MANIFEST, OutputError
+from canwright.output import Changes, Content, difference, write
 
 
 def content(
@@ -87,40 +87,6 @@ def test_nothing_is_written_outside(tmp_path: Path, path: str) -> None:
     with pytest.raises(OutputError, match="outside"):
         write(tmp_path / "out", content({path: "a\n"}))
     assert not (tmp_path / "a.h").exists()
-
-
-def test_a_run_that_fails_while_staging_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    write(tmp_path, content({"c/a.h": "old\n", "c/b.h": "old\n"}))
-    calls = []
-
-    def full(descriptor: int) -> None:
-        calls.append(descriptor)
-        if len(calls) == 2:
-            raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(OSError, match="No space left"):
-        write(tmp_path, content({"c/a.h": "new\n", "c/b.h": "new\n"}))
-    assert tree(tmp_path) == {"c/a.h": "old\n", "c/b.h": "old\n"}
-    assert not (tmp_path / STAGING).exists()
-
-
-def test_a_run_that_was_cut_short_is_completed_by_the_next(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    write(tmp_path, content({"c/a.h": "old\n", "c/b.h": "old\n", "c/gone.h": "old\n"}))
-    replace = Path.replace
-
-    def cut(self: Path, target: Path) -> Path:
-        if self.name == "b.h":
-            raise KeyboardInterrupt
-        return replace(self, target)
-
-    new = content({"c/a.h": "new\n", "c/b.h": "new\n"})
-    with monkeypatch.context() as patch:
-        patch.setattr(Path, "replace", cut)
-        with pytest.raises(KeyboardInterrupt):
-            write(tmp_path, new)
-    assert list(difference(tmp_path, new)) == []
-    assert tree(tmp_path) == {"c/a.h": "new\n", "c/b.h": "new\n"}
 
 
 def test_the_difference_is_a_unified_diff(tmp_path: Path) -> None:

@@ -9,9 +9,10 @@ from pathlib import Path
 import click
 
 from ..diagnostics import Diagnostic, Position, Severity
+from ..folder import OutputError
 from ..generate import TARGETS, generate as make
 from ..model import Assignment
-from ..output import Content, OutputError, difference, write
+from ..output import Content, difference, write
 from ..targets import Described
 from .common import (
     FINDINGS,
@@ -34,7 +35,11 @@ from .common import (
 @set_option
 @format_option
 @click.option(
-    "--out", type=FilePath(file_okay=False), default=OUT_FOLDER, show_default=True, help="Folder to write to."
+    "--out",
+    type=FilePath(file_okay=False, readable=False),
+    default=OUT_FOLDER,
+    show_default=True,
+    help="Folder to write to.",
 )
 @click.option("--force", is_flag=True, help="Overwrite files edited by hand, and drop editions not in this run.")
 def generate(
@@ -48,7 +53,7 @@ def generate(
     content = _content(read(specs, printer), targets, settings)
     try:
         changes = write(out, content, force=force)
-    except (OutputError, OSError) as error:
+    except OutputError as error:
         stop(str(error))
     for path in changes.removed:
         click.echo(f"removed {out.as_posix()}/{path}")
@@ -63,7 +68,9 @@ def generate(
 @target_option
 @set_option
 @format_option
-@click.option("--out", type=FilePath(file_okay=False), help="Folder to compare with.  [default: generated]")
+@click.option(
+    "--out", type=FilePath(file_okay=False, readable=False), help="Folder to compare with.  [default: generated]"
+)
 @click.option("--strict", is_flag=True, help="Exit 1 when there are warnings.")
 def check(
     specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], printer: str, out: Path | None, strict: bool
@@ -82,7 +89,7 @@ def check(
     out = out or OUT_FOLDER
     try:
         found = list(difference(out, _content(described, targets, settings)))
-    except (OutputError, OSError) as error:
+    except OutputError as error:
         stop(str(error))
     if not found:
         _report(warnings, f"{names}: right, and {out.as_posix()}/ is what would be generated", printer, strict)
