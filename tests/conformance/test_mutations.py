@@ -25,9 +25,7 @@ MOST = 120
 
 EVERYWHERE = {
     "mwd_motor/v2.35": (
-        "types.voltage.scale 1",
         "types.torque_current.scale.MG 1",
-        "types.torque_current.raw_range gone",
         "layouts.status_1.fields.voltage.at 4",
     ),
     "blower/v1": ("types.speed.byte_order big", "commands.set_speed.request.trim.raw u16"),
