@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-Data = dict[str, Any]
+Data = dict[Any, Any]
 Change = Callable[[Data], None]
 Mutant = tuple[str, Change]
 Path = tuple[str | int, ...]

@@ -48,7 +48,12 @@ RULES: tuple[Rule, ...] = (
         ambiguous_message.check,
         whole=True,
     ),
-    Rule("id-collision", "No id belongs to two addresses of one direction, unless all their ids are the same.", id_collision.check, whole=True),
+    Rule(
+        "id-collision",
+        "No id belongs to two addresses of one direction, unless all their ids are the same.",
+        id_collision.check,
+        whole=True,
+    ),
     Rule("id-bits", "Fields and selectors in the id leave the bits of the address alone.", id_bits.check),
     Rule("unknown-node", "The nodes that reply are nodes of their address.", unknown_node.check, whole=True),
     Rule("name-collision", "No two names become one in C or Python.", name_collision.check, whole=True),
