@@ -15,7 +15,7 @@ from canwright.golden import Frame, GoldenFrames
 from canwright.load import described
 from canwright.targets import Described, dbc
 
-from ..spec_texts import SMALL, called
+from ..spec_texts import MINIMAL, SMALL, called
 
 ROOT = Path(__file__).parents[2]
 CASES = Path(__file__).parent / "dbc"
@@ -54,6 +54,14 @@ def texts(request: pytest.FixtureRequest) -> Mapping[str, str]:
 @pytest.mark.parametrize("name", ["lamp-v1-small-reply-node1.dbc", "lamp-v1-small-command.dbc"])
 def test_text_of_a_small_spec(name: str) -> None:
     assert made(CASES / "tiny.yaml")[name] == (CASES / name).read_text("ascii")
+
+
+def test_of_very_many_nodes_the_first_are_listed(tmp_path: Path) -> None:
+    spec = tmp_path / "v1.yaml"
+    spec.write_text(MINIMAL.replace("nodes: 1..4}", "nodes: 1..16777215, extended: true}"), "utf-8")
+    written = made(spec)
+    assert written["lamp-v1-command.dbc"].count("\nBO_ ") == 256
+    assert "of the nodes up to 16777215, the files list those up to 256" in written["README.md"]
 
 
 def test_a_choice_among_names_splits_the_files() -> None:

@@ -133,3 +133,10 @@ def _shown(text: str) -> str:
     assert "<a " not in rendered
     assert "<script" not in rendered
     return html.unescape(re.sub(r"<[^>]*>", "", rendered)).replace("\u200b", "").strip()
+
+
+def test_what_fixed_frames_leave_over_says_so() -> None:
+    joint = described(ROOT / "tests/specs/joint/v1.yaml")
+    pages = {output.path: output.text for output in docs.generate([joint], {})}
+    said = "being none of the other commands with this id"
+    assert [path for path, text in pages.items() if said in text] == ["en/v1/commands/control.md"]

@@ -8,6 +8,9 @@ from fractions import Fraction
 
 from ...model import Address, Assignment, Command, Direction, Edition, Field, IdRule, Key, Message, Space
 
+MOST_NODES = 256
+"""A DBC names every id, so the files list the first nodes of an address that has more."""
+
 
 @dataclass(frozen=True)
 class Scope:
@@ -20,8 +23,8 @@ class Scope:
     first_node_only: bool = False
 
     def nodes(self, rule: IdRule) -> range | None:
-        """The nodes of a rule that the file is for; None when the id is fixed."""
-        return rule.nodes[:1] if self.first_node_only and rule.nodes else rule.nodes
+        """The nodes of a rule that the file is for, as many as a file can list; None when the id is fixed."""
+        return rule.nodes[: 1 if self.first_node_only else MOST_NODES] if rule.nodes else rule.nodes
 
 
 @dataclass(frozen=True)

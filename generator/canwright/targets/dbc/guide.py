@@ -10,7 +10,7 @@ from ...golden import Frame as GoldenFrame
 from ...model import Direction, Edition
 from .. import Described, header
 from .files import KIND
-from .frames import Part, Scope, frames, obstacle, overlaid
+from .frames import MOST_NODES, Part, Scope, frames, obstacle, overlaid
 from .selectors import joined_span
 from .signals import LETTER
 from .text import number
@@ -112,6 +112,14 @@ def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
             if message.name in reasons:
                 yield kind, message.command, f"left out: {reasons[message.name]}"
         for frame in frames(scope):
+            nodes = frame.rule.nodes or range(0)
+            if len(nodes) > MOST_NODES:
+                last = nodes[MOST_NODES - 1]
+                yield (
+                    kind,
+                    frame.parts[0].command.name,
+                    f"of the nodes up to {nodes[-1]}, the files list those up to {last}",
+                )
             length = max(part.message.dlc for part in frame.parts)
             for part in frame.parts:
                 if len(part.selectors) > 1 and joined_span(part) is None:

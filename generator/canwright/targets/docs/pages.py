@@ -91,6 +91,8 @@ class Pages:
         labels = self._labels
         message = command.request if direction is Direction.REQUEST else command.reply
         facts = list(tables.facts(message, labels)) if message else []
+        if message and self._is_rest(message):
+            facts.append((labels["selector_of"], labels["rest"]))
         if direction is Direction.REPLY:
             facts += tables.reply_facts(command, labels)
         elif message is None:
@@ -105,6 +107,11 @@ class Pages:
             tuple(self._pictures(command, message)),
             tuple(examples(self._golden, message, command.name, labels, self._language)),
         )
+
+    def _is_rest(self, message: Message) -> bool:
+        """Whether a message has no selector, and others of its ids have one."""
+        same = (m for m in self.edition.messages(message.direction) if (m.id, m.remote) == (message.id, message.remote))
+        return not message.keys and any(other.keys for other in same)
 
     def _pictures(self, command: Command, message: Message) -> Iterator[Picture]:
         variants = [v for v in message.layout.variants if self._can_be(command, message, v)]

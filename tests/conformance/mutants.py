@@ -1,0 +1,240 @@
+"""Small changes of a spec, each of which means another protocol: what a replay of golden frames must notice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+Data = dict[Any, Any]
+Change = Callable[[Data], None]
+Mutant = tuple[str, Change]
+Path = tuple[str | int, ...]
+
+
+def mutants(data: Data) -> Iterator[Mutant]:
+    """Every address, selector, type, field, index, code and reply form of a spec, changed a little."""
+    order = data.get("byte_order", "little")
+    yield _set(("byte_order",), "little" if order == "big" else "big")
+    yield _set(("bus", "dlc"), 7)
+    for name, address in data["addresses"].items():
+        yield from _address(("addresses", name), address)
+    if "selector" in data:
+        yield from _selector(("selector",), data["selector"])
+    for name, type_ in data.get("types", {}).items():
+        only_in_id = all(str(field["at"]).startswith("id.") for field in _fields_of(data, name))
+        yield from _type(("types", name), type_, "" if only_in_id else order)
+    for name, layout in data.get("layouts", {}).items():
+        yield from _fields(("layouts", name, "fields"), layout["fields"])
+    for name, table in data.get("tables", {}).items():
+        yield from _table(("tables", name), table)
+    halves = [half for c in data["commands"].values() for half in (c, c.get("request"), c.get("reply"))]
+    codes = {half.get("code") for half in halves if isinstance(half, dict)}
+    free = next(number for number in range(1, 1 << 8) if number not in codes)
+    for name, command in data["commands"].items():
+        yield from _command(("commands", name), command, free)
+
+
+def _fields_of(part: object, type_: str) -> Iterator[Data]:
+    """Every field of a type, anywhere in a spec."""
+    if isinstance(part, dict):
+        if "at" in part and part.get("type") == type_:
+            yield part
+        for inner in part.values():
+            yield from _fields_of(inner, type_)
+
+
+def _address(path: Path, address: Data) -> Iterator[Mutant]:
+    for key in ("id", "request", "reply"):
+        if key not in address:
+            continue
+        written = str(address[key])
+        moved = f"{written} + 0x400" if "node" in written else f"0x{int(written, 0) ^ 2:X}"
+        yield _set((*path, key), moved)
+        if "<<" in written:
+            yield _set((*path, key), written.replace("<< ", "<< 1"))
+        elif "node" in written:
+            yield _set((*path, key), written.replace("node", "node << 1"))
+    yield _set((*path, "extended"), not address.get("extended", False))
+    if "nodes" in address:
+        low, high = map(int, address["nodes"].split(".."))
+        for changed in ((low, high + 1), (low, high - 1), (low + 1, high), *([(low - 1, high)] if low else [])):
+            yield _set((*path, "nodes"), f"{changed[0]}..{changed[1]}")
+    for key in ("selector", "reply_selector"):
+        if key in address:
+            yield from _selector((*path, key), address[key])
+
+
+def _selector(path: Path, selector: Data) -> Iterator[Mutant]:
+    for at in _moved(selector["at"]):
+        yield _set((*path, "at"), at)
+    width = int(selector["raw"][1:])
+    yield _set((*path, "raw"), f"u{width - 1}")
+
+
+def _table(path: Path, table: Data) -> Iterator[Mutant]:
+    for name, entry in table["entries"].items():
+        at = (*path, "entries", name)
+        index = entry["index"]
+        if isinstance(index, list):
+            for i in range(len(index)):
+                yield _set((*at, "index"), [n + 0x50 if i == j else n for j, n in enumerate(index)])
+        else:
+            yield _set((*at, "index"), index + 0x50)
+        if isinstance(entry["layout"], dict):
+            yield from _fields((*at, "layout"), entry["layout"])
+
+
+def _command(path: Path, command: Data, free: int) -> Iterator[Mutant]:
+    if "code" in command:
+        yield _set((*path, "code"), free)
+    for half in ("request", "reply"):
+        written = command.get(half)
+        if written == "echo":
+            yield _set((*path, half), "none")
+        if not isinstance(written, dict):
+            continue
+        long = {"layout", "fields", "of", "from_each", "code", "accept", "address", "dlc", "remote"} & set(written)
+        if not long:
+            yield from _fields((*path, half), written)
+            continue
+        for key in ("layout", "fields"):
+            if isinstance(written.get(key), dict):
+                yield from _fields((*path, half, key), written[key])
+        if "of" not in written:
+            dlc = written.get("dlc", 8)
+            if not written.get("remote"):
+                yield _set((*path, half, "dlc"), dlc + 1 if dlc < 8 else dlc - 1)
+            yield _set((*path, half, "remote"), not written.get("remote", False))
+        if "code" in written:
+            yield _set((*path, half, "code"), free)
+        for i in range(len(written.get("accept", ()))):
+            yield _set((*path, half, "accept"), [n for j, n in enumerate(written["accept"]) if j != i])
+        if "from_each" in written:
+            low, high = written["from_each"].split("..")
+            yield _set((*path, half, "from_each"), f"{low}..{int(high) + 1}")
+            yield _set((*path, half, "from_each"), f"{low}..{int(high) - 1}")
+
+
+def _fields(path: Path, fields: Data) -> Iterator[Mutant]:
+    for name, field in fields.items():
+        at = (*path, name)
+        yield _drop(at)
+        for place in _moved(field["at"]):
+            yield _set((*at, "at"), place)
+        if "only" in field:
+            yield _drop((*at, "only"))
+        if "constant" in field:
+            yield _set((*at, "constant"), field["constant"] ^ 1)
+        if "array" in field:
+            low, high = map(int, field["array"].split(".."))
+            yield _set((*at, "array"), f"{low}..{high - 1}")
+        if "raw" in field and "constant" not in field:
+            yield from _raw((*at, "raw"), field["raw"])
+    for one, other in zip(list(fields), list(fields)[1:], strict=False):
+        if fields[one]["at"] != fields[other]["at"]:  # in one place under two parameter values: nothing would change
+            yield f"{_dotted(path)} {one}<->{other}", _swap(path, one, other)
+
+
+def _type(path: Path, type_: Data, order: str) -> Iterator[Mutant]:
+    """`order` is that of the edition; empty where no byte order matters."""
+    raw, is_number = type_["raw"], "enum" not in type_ and "flags" not in type_
+    if "flags" not in type_:
+        yield from _raw((*path, "raw"), raw)
+    if int(raw[1:]) > 8 and order:
+        yield _set((*path, "byte_order"), "little" if type_.get("byte_order", order) == "big" else "big")
+    is_float = raw[0] == "f"
+    if is_number and not is_float:
+        yield _set((*path, "offset"), 1 if type_.get("offset", 0) != 1 else 2)
+    scale = type_.get("scale", 1)
+    if isinstance(scale, dict):
+        yield from (
+            _set((*path, "scale", case), 2 if scale[case] == 1 else 1)
+            for case in scale
+            if case != "by" and scale[case] != "none"
+        )
+    elif is_number and not is_float:
+        yield _set((*path, "scale"), 2 if scale == 1 else 1)
+    for key in ("range", "raw_range"):
+        limits = type_.get(key)
+        if isinstance(limits, dict):
+            for case in limits:
+                if case != "by" and limits[case] != "none":
+                    yield from (_set((*path, key, case), changed) for changed in _spans(limits[case]))
+        elif limits is not None:
+            yield _drop((*path, key))
+            yield from (_set((*path, key), changed) for changed in _spans(limits))
+    for kind, key in (("enum", "value"), ("flags", "bit")):
+        for member, one in type_.get(kind, {}).items():
+            yield _set((*path, kind, member, key), one[key] + 2)
+
+
+def _raw(path: Path, raw: str) -> Iterator[Mutant]:
+    """Another sign, and another width; a float of another width."""
+    width = int(raw[1:])
+    if raw[0] == "f":
+        yield _set(path, "f64" if width == 32 else "f32")
+        return
+    yield _set(path, ("u" if raw[0] == "i" else "i") + raw[1:])
+    if width > 1:
+        yield _set(path, f"{raw[0]}{width - 1}")
+
+
+def _spans(limits: str) -> Iterator[str]:
+    """A range with each of its ends moved by one, or without what depends on a parameter."""
+    low, high = limits.split("..")
+    if low.lstrip("-").isdigit():
+        yield f"{int(low) + 1}..{high}"
+        if int(low):
+            yield f"{int(low) - 1}..{high}"
+    if high.lstrip("-").isdigit():
+        yield f"{low}..{int(high) - 1}"
+        yield f"{low}..{int(high) + 1}"
+    else:
+        yield f"{low}..{high.replace('*', '0*', 1)}"
+
+
+def _moved(at: object) -> Iterator[str]:
+    """The places a step before and behind: a byte, or a bit where one is given."""
+    text = str(at)
+    if text.startswith("id."):
+        bit = int(text[3:])
+        yield from (f"id.{n}" for n in (bit - 1, bit + 1) if n >= 0)
+    elif "." in text:
+        byte, bit = map(int, text.split("."))
+        yield from (f"{n // 8}.{n % 8}" for n in (byte * 8 + bit - 1, byte * 8 + bit + 1) if n >= 0)
+    else:
+        yield from (str(n) for n in (int(text) - 1, int(text) + 1) if n >= 0)
+
+
+def _set(path: Path, value: object) -> Mutant:
+    def change(data: Data) -> None:
+        for step in path[:-1]:
+            data = data.setdefault(step, {})
+        data[path[-1]] = value
+
+    return f"{_dotted(path)} {value}", change
+
+
+def _drop(path: Path) -> Mutant:
+    def change(data: Data) -> None:
+        del _walk(data, path[:-1])[path[-1]]
+
+    return f"{_dotted(path)} gone", change
+
+
+def _swap(path: Path, one: str, other: str) -> Change:
+    def change(data: Data) -> None:
+        fields = _walk(data, path)
+        fields[one]["at"], fields[other]["at"] = fields[other]["at"], fields[one]["at"]
+
+    return change
+
+
+def _walk(data: Data, path: Path) -> Data:
+    for step in path:
+        data = data[step]
+    return data
+
+
+def _dotted(path: Path) -> str:
+    return ".".join(map(str, path))
