@@ -210,7 +210,7 @@ def try_out(folder: Path, spec: Data, frames: Data | None) -> str:
     return outcome(folder / "x.yaml")
 
 
-@bounded(300)
+@bounded(150)
 @given(st.binary(max_size=200) | st.text(max_size=200).map(lambda text: text.encode("utf-8", "surrogatepass")))
 def test_bytes(tmp_path: Path, content: bytes) -> None:
     file = tmp_path / "bytes.yaml"
@@ -219,7 +219,7 @@ def test_bytes(tmp_path: Path, content: bytes) -> None:
         outcome(file)
 
 
-@bounded(250)
+@bounded(150)
 @given(st.randoms(use_true_random=False))
 def test_a_small_spec_with_mistakes(tmp_path: Path, chance: random.Random) -> None:
     try_out(tmp_path, mutated(yaml.safe_load(MINIMAL), chance), None)
@@ -232,7 +232,7 @@ def test_a_value_may_have_no_fields(values: str, tmp_path: Path) -> None:
     assert outcome(tmp_path / "x.yaml") == "made"
 
 
-@bounded(80)
+@bounded(60)
 @given(st.randoms(use_true_random=False), st.booleans())
 def test_a_spec_of_everything_with_mistakes(
     everything: tuple[Data, Data], tmp_path: Path, chance: random.Random, in_frames: bool
@@ -241,7 +241,7 @@ def test_a_spec_of_everything_with_mistakes(
     try_out(tmp_path, spec if in_frames else mutated(spec, chance), mutated(frames, chance) if in_frames else frames)
 
 
-@bounded(20)
+@bounded(12)
 @given(st.randoms(use_true_random=False))
 def test_a_large_spec_with_mistakes(large: tuple[Data, Data], tmp_path: Path, chance: random.Random) -> None:
     spec, frames = large
