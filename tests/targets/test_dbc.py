@@ -115,7 +115,7 @@ def test_every_code_that_only_this_reply_takes_is_defined() -> None:
     [
         '";\nBO_ 1 Evil: 8 Desk\n SG_ evil : 0|8@1+ (1,0) [0|0] "" Desk',
         'a\\"; BA_ "DBName" "evil";',
-        "\u2028CM_ \u202e\u0085*/ {{ 7 * 7 }} {% raw %}",
+        "CM_ */ {{ 7 * 7 }} {% raw %}",
         "电机",
         "'\"`;\\",
     ],

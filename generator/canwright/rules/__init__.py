@@ -34,7 +34,7 @@ from .rule import Finding as Finding, Rule as Rule, Subject as Subject
 WARNING = Severity.WARNING
 
 RULES: tuple[Rule, ...] = (
-    Rule("too-large", "A spec describes no more than can be written and used.", too_large.check),
+    Rule("too-large", "A spec has at most 5000 commands, 64 combinations of choices, 2500000 lines.", too_large.check),
     Rule("overlap", "No two fields of one message share a bit, nor a field and a key.", overlap.check),
     Rule("beyond-frame", "Every field lies within the data bytes, or the bits of the id.", beyond_frame.check),
     Rule("beyond-width", "A range and a constant lie within what the bits hold.", beyond_width.check),

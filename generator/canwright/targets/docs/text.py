@@ -14,7 +14,7 @@ _LINKED = re.compile(
     r":(?=//|[A-Za-z0-9_+-]+:)|\bwww\.|@(?=[A-Za-z0-9-]+\.[A-Za-z])|(?<![A-Za-z0-9])@(?=[A-Za-z0-9])", re.IGNORECASE
 )
 """Where an address, a person or an emoji would be made of a text; a space that has no width stops that."""
-_STARTS = re.compile(r"^([#>+=:-]|[!?](?=[!?]{2})|[0-9]+(?=[.)]\s|$))")
+_STARTS = re.compile(r"^([#>+=:-]|[!?](?=[!?]{2})|[0-9]+(?=[.)]\s))")
 
 
 def markdown(text: str) -> str:
@@ -27,11 +27,11 @@ def markdown(text: str) -> str:
 
 
 def _escaped_start(match: re.Match[str]) -> str:
-    """What would start a heading, a list or a quotation, and does not; a number may have a full stop behind it."""
+    """What would start a heading, a list or a quotation, and does not."""
     start = match.group()
-    if start.isdigit() and match.end() < len(match.string):
+    if start.isdigit():
         return f"{start}\\"
-    return f"\\{start}" if start in "#>+-" else f"&#{ord(start[0])};{start[1:]}"
+    return f"\\{start}" if start in "#>+-" else f"&#{ord(start)};"
 
 
 def code(text: str) -> str:
