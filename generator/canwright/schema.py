@@ -139,7 +139,7 @@ class EditionSpec(Titled):
     )
     bus: Annotated[Bus, Field(description="What host and nodes must agree on.")] = Bus()
     addresses: Annotated[
-        dict[Name, Address], Field(min_length=1, max_length=64, description="Addresses; the first is the usual one.")
+        dict[Name, Address], Field(min_length=1, max_length=256, description="Addresses; the first is the usual one.")
     ]
     selector: Annotated[Selector | None, Field(description="What tells one command from another.")] = None
     parameters: Annotated[dict[Name, ParameterSpec], Field(max_length=256, description="Parameters, by name.")] = {}
