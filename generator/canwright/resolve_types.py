@@ -26,6 +26,7 @@ from .model import (
     Type,
     Unit,
 )
+from .notation import Printed
 
 T = TypeVar("T")
 
@@ -178,16 +179,25 @@ class _TypeResolver:
         return Member(name, value, self.context.title((*self.path, *at), title, name))
 
     def _linear(self, spec: schema.Type) -> Dependent[Linear]:
-        offset = spec.offset or Fraction(0)
-        if spec.scale is None:
-            return Dependent.always(Linear(Fraction(1), offset))
-        if isinstance(spec.scale, schema.ScaleBy):
-            cases = self._cases("scale", spec.scale.by, spec.scale.__pydantic_extra__)
-            linear = {n: None if s is None else Linear(s.value, offset, s.text) for n, s in cases.items()}
-            return Dependent(spec.scale.by, None, linear)
-        if spec.scale == "none":
-            return Dependent.always(None)
-        return Dependent.always(Linear(spec.scale.value, offset, spec.scale.text))
+        scale, offset = self._scale(spec.scale), self._offset(spec.offset)
+        if scale.parameter and offset.parameter not in (None, scale.parameter):
+            self.context.report((*self.path, "offset"), "two-parameters", "scale and offset depend on two parameters")
+            offset = Dependent.always(Fraction(0))
+        by = scale.parameter or offset.parameter
+        if by is None:
+            return Dependent.always(_linear_of(scale.constant, offset.constant))
+        names = scale.cases if scale.parameter else offset.cases
+        return Dependent(by, None, {n: _linear_of(scale.at({by: n}), offset.at({by: n})) for n in names})
+
+    def _scale(self, written: schema.Scale | None) -> Dependent[Printed]:
+        if isinstance(written, schema.ScaleBy):
+            return Dependent(written.by, None, self._cases("scale", written.by, written.__pydantic_extra__))
+        return Dependent.always(Printed(Fraction(1), "") if written is None else _none_or(written))
+
+    def _offset(self, written: Fraction | schema.OffsetBy | None) -> Dependent[Fraction]:
+        if isinstance(written, schema.OffsetBy):
+            return Dependent(written.by, None, self._cases("offset", written.by, written.__pydantic_extra__))
+        return Dependent.always(written or Fraction(0))
 
     def _cases(self, key: str, parameter_name: str, written: Mapping[str, Literal["none"] | T]) -> dict[str, T | None]:
         """One entry for every value of the parameter, in the parameter's order; findings for what is amiss."""
@@ -240,6 +250,10 @@ class _TypeResolver:
 
 def _none_or(value: Literal["none"] | T) -> T | None:
     return None if value == "none" else value
+
+
+def _linear_of(scale: Printed | None, offset: Fraction | None) -> Linear | None:
+    return None if scale is None or offset is None else Linear(scale.value, offset, scale.text)
 
 
 def _raw_of(span: Range | None, linear: Linear | None) -> Range | None:

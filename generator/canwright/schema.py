@@ -19,7 +19,15 @@ from .schema_messages import (
     Selector as Selector,
     Table as Table,
 )
-from .schema_types import Concept as Concept, RangeBy as RangeBy, ScaleBy as ScaleBy, Titled as Titled, Type as Type
+from .schema_types import (
+    Concept as Concept,
+    OffsetBy as OffsetBy,
+    RangeBy as RangeBy,
+    Scale as Scale,
+    ScaleBy as ScaleBy,
+    Titled as Titled,
+    Type as Type,
+)
 from .written import (
     IdText,
     Language as Language,

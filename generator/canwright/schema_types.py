@@ -30,6 +30,9 @@ def _none_or_plain(value: object) -> str:
 CaseScale = Annotated[
     Annotated[Literal["none"], Tag("none")] | Annotated[Printed, Tag("plain")], Discriminator(_none_or_plain)
 ]
+CaseOffset = Annotated[
+    Annotated[Literal["none"], Tag("none")] | Annotated[Rational, Tag("plain")], Discriminator(_none_or_plain)
+]
 CaseSpan = Annotated[
     Annotated[Literal["none"], Tag("none")] | Annotated[Span, Tag("plain")], Discriminator(_none_or_plain)
 ]
@@ -40,6 +43,14 @@ class ScaleBy(Concept):
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, CaseScale]
+    by: Annotated[Name, Field(description="The parameter that decides.")]
+
+
+class OffsetBy(Concept):
+    """An offset for each value of a choice parameter; `none` where the manual gives none."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, CaseOffset]
     by: Annotated[Name, Field(description="The parameter that decides.")]
 
 
@@ -54,6 +65,9 @@ class RangeBy(Concept):
 Scale = Annotated[
     Annotated[Literal["none"], Tag("none")] | Annotated[Printed, Tag("plain")] | Annotated[ScaleBy, Tag("map")],
     Discriminator(lambda value: "none" if value == "none" else is_map(value)),
+]
+OffsetChoice = Annotated[
+    Annotated[Rational, Tag("plain")] | Annotated[OffsetBy, Tag("map")], Discriminator(is_map)
 ]
 SpanChoice = Annotated[Annotated[Span, Tag("plain")] | Annotated[RangeBy, Tag("map")], Discriminator(is_map)]
 
@@ -80,7 +94,7 @@ class Type(Titled):
         Scale | None,
         Field(description="value = raw * scale + offset. As printed: 0.01, 1/64, 16.5/2048; `none` if none is known."),
     ] = None
-    offset: Annotated[Rational | None, Field(description="Added after scaling, in the unit.")] = None
+    offset: Annotated[OffsetChoice | None, Field(description="Added after scaling, in the unit.")] = None
     raw_range: Annotated[SpanChoice | None, Field(description="Allowed raw integers, when the manual says so.")] = None
     range: Annotated[SpanChoice | None, Field(description="Allowed values in the unit, when the manual says so.")] = (
         None
