@@ -15,19 +15,21 @@ Deciding = dict[str, frozenset[str]]
 def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
     """The commands with a key in place of each constant that tells a message from others of the same id and code.
 
+    The others are also those of its id that have no code, or no index: what is left when the message is not meant.
+
     A layout with a name of its own keeps its constants: it is the same in all its messages.
     """
     deciding: Deciding = {}
     for direction in Direction:
-        alike: dict[object, list[Message]] = {}
+        together: dict[object, list[Message]] = {}
         for message in _distinct(commands, direction):
-            selected = tuple((k.space, k.segments, k.value) for k in message.keys)
-            alike.setdefault((message.id, message.remote, selected), []).append(message)
-        for together in alike.values():
-            found = [_constants(message) for message in together]
-            for message, mine in zip(together, found, strict=True):
+            together.setdefault((message.id, message.remote), []).append(message)
+        for messages in together.values():
+            found = [(_selected(m), _constants(m)) for m in messages]
+            for message, (selected, mine) in zip(messages, found, strict=True):
                 if not message.layout.shared:
-                    names = (f.name for at, f in mine.items() if any(_holds(o.get(at)) != f.constant for o in found))
+                    others = [constants for theirs, constants in found if theirs <= selected]
+                    names = (f.name for at, f in mine.items() if any(_holds(o.get(at)) != f.constant for o in others))
                     deciding[message.name] = frozenset(names)
     for command in commands:
         if command.reply_form is ReplyForm.ECHO and command.request and command.reply:
@@ -43,6 +45,11 @@ def _distinct(commands: Sequence[Command], direction: Direction) -> Iterator[Mes
         message = command.request if direction is Direction.REQUEST else command.reply
         if message is not None and message.command == command.name:
             yield message
+
+
+def _selected(message: Message) -> frozenset[tuple[object, ...]]:
+    """What the selectors of a message have to hold."""
+    return frozenset((key.space, key.segments, key.value) for key in message.keys)
 
 
 def _constants(message: Message) -> dict[Place, Field]:
@@ -89,7 +96,8 @@ def with_claims(commands: Sequence[Command]) -> tuple[Command, ...]:
         for value, message in by_right + by_sending + by_accepting:
             first, *others = message.keys
             rest = tuple((k.segments, k.value) for k in others)
-            place = (message.id, message.remote, first.space, first.segments, rest, value)
+            length = None if message.remote else message.dlc
+            place = (message.id, message.remote, length, first.space, first.segments, rest, value)
             if place not in taken:
                 taken.add(place)
                 claims.setdefault(message.name, []).append(value)

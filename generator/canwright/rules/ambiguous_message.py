@@ -20,7 +20,7 @@ def check(subject: Subject) -> Found:
                     text = (
                         f"nothing tells this {direction.value} from that of `{other.command}`, but their fields differ"
                     )
-                    hint = "give one of them another code or id, a constant that the other has not, or let them share a layout"
+                    hint = "give one of them another code, id or dlc, a constant that the other has not, or let them share a layout"
                     yield Finding(message.path, text, hint)
 
 
@@ -28,6 +28,8 @@ def _same_frame(one: Message, other: Message) -> bool:
     if not messages_meet(one, other):
         return False
     first, second = _fixed(one), _fixed(other)
+    if (one.id, first) == (other.id, second) and one.dlc != other.dlc and not one.remote:
+        return False
     differ = any(second.get(bit, value) != value for bit, value in first.items())
     return not (differ or _is_rest(one, first, second) or _is_rest(other, second, first))
 

@@ -19,10 +19,12 @@ def check(subject: Subject) -> Found:
 
 
 def sends_the_same(one: Command, other: Command) -> bool:
-    """Whether the requests of two commands have the same code and the same index, at the same address."""
+    """Whether the requests of two commands have the same code, the same index and as many bytes, at the same address."""
     if one.request is None or other.request is None or one.code is None:
         return False
     if (one.request.id, one.request.remote) != (other.request.id, other.request.remote):
+        return False
+    if one.request.dlc != other.request.dlc and not one.request.remote:
         return False
     return [(k.space, k.segments, k.value) for k in one.request.keys] == [
         (k.space, k.segments, k.value) for k in other.request.keys
@@ -34,4 +36,4 @@ def _finding(command: Command, other: Command) -> Finding:
         text = f"two entries of its table have the same index, so `{command.name}` and `{other.name}` are one command"
         return Finding((*command.path, "table"), text, "give each entry its own `index`")
     text = f"`{other.group}` has the code 0x{command.code:02X} as well"
-    return Finding((*command.path, "code"), text, "check both codes, or give one of them another `address`")
+    return Finding((*command.path, "code"), text, "check both codes, or give one of them another `address`, or another `dlc`")

@@ -70,7 +70,11 @@ class DocsAdapter:
         if answering is not None:
             ours = [entry for entry in ours if entry[0] == answering]
         rank = {"sent": 0, "accepted": 1}
-        fits = [(rank[fit], -len(page.keys), i) for i, (_, page, _) in enumerate(ours) if (fit := _fit(page, frame))]
+        fits = [
+            (rank[fit], -len(page.keys), len(frame.data) != page.dlc, i)
+            for i, (_, page, _) in enumerate(ours)
+            if (fit := _fit(page, frame))
+        ]
         if not fits:
             return Refused(Refusal.UNKNOWN_CODE)
         name, page, node = ours[min(fits)[-1]]

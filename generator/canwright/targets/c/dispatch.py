@@ -94,38 +94,46 @@ class _Tree:
         self._names, self._edition = names, edition
         self._any_length = messages[0].remote or len({m.dlc for m in messages}) == 1
 
-    def from_key(self, messages: Sequence[Message], depth: int) -> Node:
-        """Tells messages apart by their keys from `depth` on; one without a further key is what is left."""
+    def from_key(self, messages: Sequence[Message], depth: int, rest: Node = Refuse("UNKNOWN_CODE")) -> Node:
+        """Tells messages apart by their keys from `depth` on; one without a further key is what is left, then `rest`."""
         ends = [m for m in messages if len(m.keys) <= depth]
-        node: Node = self._found(ends[0]) if ends else Refuse("UNKNOWN_CODE")
+        node = self._by_length(ends) if ends else rest
         places: dict[tuple[object, ...], list[Message]] = {}
         for message in messages:
             if len(message.keys) > depth:
                 key = message.keys[depth]
                 places.setdefault((key.space, key.segments), []).append(message)
         for together in reversed(places.values()):
-            node = Select(bits.key_value(together[0].keys[depth]), self._cases(together, depth), node)
+            node = Select(bits.key_value(together[0].keys[depth]), self._cases(together, depth, node), node)
         return node
 
-    def _cases(self, messages: Sequence[Message], depth: int) -> tuple[Case, ...]:
+    def _cases(self, messages: Sequence[Message], depth: int, rest: Node) -> tuple[Case, ...]:
         by_value: dict[int, list[Message]] = {}
         for message in messages:
             for value in message.claims if depth == 0 else (message.keys[depth].value,):
                 by_value.setdefault(value, []).append(message)
         merged: list[Case] = []
         for value, same in by_value.items():
-            case = Case(tuple(bits.labels(messages[0].keys[depth], [value])), self.from_key(same, depth + 1))
+            case = Case(tuple(bits.labels(messages[0].keys[depth], [value])), self.from_key(same, depth + 1, rest))
             if merged and merged[-1].then == case.then:
                 merged[-1] = replace(merged[-1], labels=merged[-1].labels + case.labels)
             else:
                 merged.append(case)
         return tuple(merged)
 
-    def _found(self, message: Message) -> Found:
+    def _by_length(self, messages: Sequence[Message]) -> Node:
+        """The message that has the keys; by the number of data bytes where several have the same ones."""
+        by_length = {m.dlc: m for m in reversed(messages)}
+        if messages[0].remote or len(by_length) == 1:
+            return self._found(messages[0])
+        cases = (Case((f"{dlc}u",), self._found(by_length[dlc], any_length=True)) for dlc in sorted(by_length))
+        return Select("frame->dlc", tuple(cases), Refuse("WRONG_LENGTH"))
+
+    def _found(self, message: Message, *, any_length: bool = False) -> Found:
         unused = address_mask(self._edition, message.address, message.direction) & ~message.id_mask
         refusals = (
             (f"(frame->id & 0x{unused:X}u) != 0u" if unused else "", "UNKNOWN_ID"),
-            ("" if self._any_length else _other_length(message.dlc), "WRONG_LENGTH"),
+            ("" if self._any_length or any_length else _other_length(message.dlc), "WRONG_LENGTH"),
             (constant_mismatch(message), "WRONG_CONSTANT"),
         )
         command = self._names.upper("command", message.command)

@@ -90,11 +90,23 @@ def obstacle(message: Message) -> str:
 def overlaid(scope: Scope) -> dict[str, str]:
     """The messages of an id that one multiplexor does not tell apart from the others there, each with the reason."""
     return {
-        part.message.name: "fixed bytes tell it from the other messages of its id, which no multiplexor can say"
+        part.message.name: f"{what} it from the other messages of its id, which no multiplexor can say"
         for parts in _by_id(scope).values()
         for part in parts
-        if part not in _shown(parts)
+        if (what := _overlaid(part, parts))
     }
+
+
+def _overlaid(part: Part, parts: Sequence[Part]) -> str:
+    if not _has_length(part, parts):
+        return "only its length tells"
+    return "" if part in _shown(parts) else "fixed bytes tell"
+
+
+def _has_length(part: Part, parts: Sequence[Part]) -> bool:
+    """Whether a part is as long as the first with its selectors: a DBC tells nothing by the length."""
+    first = next(other for other in parts if other.selectors == part.selectors)
+    return first.message.dlc == part.message.dlc
 
 
 def messages(scope: Scope) -> Iterator[Message]:
@@ -113,7 +125,8 @@ def _shown(parts: Sequence[Part]) -> tuple[Part, ...]:
     """What is left where no selector is, otherwise the messages whose selectors start in one place."""
     places = [part.selectors[0][0].segments if part.selectors else () for part in parts]
     shown = () if () in places else places[0]
-    return tuple(part for part, place in zip(parts, places, strict=True) if place == shown)
+    there = (part for part, place in zip(parts, places, strict=True) if place == shown)
+    return tuple(part for part in there if _has_length(part, parts))
 
 
 def _by_id(scope: Scope) -> dict[tuple[IdRule, int], list[Part]]:

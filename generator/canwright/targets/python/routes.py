@@ -30,7 +30,10 @@ def _route(messages: list[Message]) -> str:
     if messages[0].remote:
         arguments.append("remote=True")
     by_place: dict[object, list[Message]] = {}
-    for message in messages:
+    of_length = _of_length(messages)
+    others_of_length = {name for names in of_length.values() for name in names}
+    first = [m for m in messages if text.class_name(m.name) not in others_of_length]
+    for message in first:
         if message.keys:
             by_place.setdefault((message.keys[0].space, message.keys[0].segments), []).append(message)
     shortest = min(0 if m.remote else m.dlc for m in messages)
@@ -42,11 +45,25 @@ def _route(messages: list[Message]) -> str:
         arguments += [f"selector={selectors[0][0]}", f"messages={selectors[0][1]}"]
     if len(selectors) > 1:
         arguments.append(f"more=({', '.join(f'({read}, {codes})' for read, codes in selectors[1:])},)")
-    arguments += [f"single={text.class_name(m.name)}" for m in messages if not m.keys][:1]
+    arguments += [f"single={text.class_name(m.name)}" for m in first if not m.keys][:1]
+    if of_length:
+        listed = (f"{name}: ({', '.join(others)},)" for name, others in of_length.items())
+        arguments.append(f"of_length={{{', '.join(listed)}}}")
     unused = {text.class_name(m.name): mask & ~m.id_mask for m in messages if mask & ~m.id_mask}
     if unused:
         arguments.append(f"unused={{{', '.join(f'{name}: 0x{bits_:X}' for name, bits_ in unused.items())}}}")
     return f"Route({', '.join(arguments)})"
+
+
+def _of_length(messages: list[Message]) -> dict[str, list[str]]:
+    """The messages that only their length tells from a message before them, by that one."""
+    found: dict[tuple[object, ...], dict[int, str]] = {}
+    for message in (m for m in messages if not m.remote):
+        keys = tuple((k.space, k.segments, k.value) for k in message.keys)
+        if message.claims or not message.keys:
+            found.setdefault((keys, message.claims), {}).setdefault(message.dlc, text.class_name(message.name))
+    alike = [list(by_length.values()) for by_length in found.values()]
+    return {first: others for first, *others in alike if others}
 
 
 def _entries(messages: list[Message], shortest: int) -> Iterator[str]:
