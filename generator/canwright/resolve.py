@@ -134,7 +134,7 @@ def _command(
         form.name,
         form.command,
         of,
-        written.code,
+        messages.code_of(form),
         messages.address_of(form.command),
         _mode(context, path, written, modes),
         only,

@@ -33,6 +33,7 @@ class Form:
     entry: str | None
     layout: Layout | None
     keys: tuple[Key, ...]
+    kind: str | None = None
 
     @property
     def name(self) -> str:
@@ -190,7 +191,7 @@ class MessageResolver:
             layout = self._own(at, layout_name, fields, command)
         if spec.fields:
             layout = self._resolver.joined((*path, "fields"), layout_name, layout, spec.fields)
-        code = spec.code if spec.code is not None else self._spec.commands[command].code
+        code = self.code_of(form) if spec.code is None else self._code((*path, "code"), form, spec.code)
         return Message(
             f"{form.name}_{direction.value}",
             form.name,
@@ -205,6 +206,25 @@ class MessageResolver:
             layout,
             path,
         )
+
+    def code_of(self, form: Form) -> int | None:
+        """The code of a command, or of what an entry's kind makes of it."""
+        return self._code(("commands", form.command, "code"), form, self._spec.commands[form.command].code)
+
+    def _code(self, path: Path, form: Form, written: schema.Code | None) -> int | None:
+        if not isinstance(written, dict):
+            return written
+        if form.entry is None:
+            text = f"`{form.command}` has no table, so its code cannot depend on an entry"
+            self._context.report(path, "entry-of-nothing", text, "write one code, or name the `table` of the command")
+            return None
+        if form.kind is None:
+            at: Path = ("tables", self._spec.commands[form.command].table or "", "entries", form.entry)
+            text = f"`{form.entry}` has no `kind`, and the code of `{form.command}` differs by it"
+            self._context.report(at, "missing-key", text, f"kind: {' or '.join(written)}", key=True)
+            return None
+        at = ("tables", self._spec.commands[form.command].table or "", "entries", form.entry, "kind")
+        return self._context.find(at, f"code of `{form.command}` for the kind", form.kind, written)
 
     def _own(self, path: Path, name: str, fields: schema.Fields, command: str) -> Layout:
         written = self._spec.commands[command]
@@ -254,7 +274,9 @@ class MessageResolver:
                 self._key("index" if i == 0 else f"index_{i + 1}", selector, value, place)
                 for i, (selector, value, place) in enumerate(zip(selectors, values, places, strict=False))
             )
-            entries[name] = Form("", name, self._entry_layout(path, f"{table}_{name}", written, entry), tuple(keys))
+            entries[name] = Form(
+                "", name, self._entry_layout(path, f"{table}_{name}", written, entry), tuple(keys), entry.kind
+            )
         return entries
 
     def _entry_layout(self, path: Path, name: str, table: schema.Table, entry: schema.Entry) -> Layout | None:

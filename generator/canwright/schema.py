@@ -10,6 +10,7 @@ from pydantic import Field
 from .model import Level, Order
 from .schema_messages import (
     EMPTY_RAW as EMPTY_RAW,
+    Code as Code,
     Command as Command,
     Entry as Entry,
     Fields as Fields,

@@ -8,7 +8,7 @@ from pydantic import Discriminator, Field, Tag
 
 from .model import Encoding, Order
 from .schema_types import Concept, Titled
-from .written import Byte, Indices, Name, Nodes, Only, Raw, Section, Start, Text
+from .written import Byte, Indices, Name, Nodes, Only, Raw, Section, Start, Text, is_map
 
 
 class FieldSpec(Titled):
@@ -48,6 +48,12 @@ class LayoutSpec(Titled):
     manual: Annotated[Section | None, Field(description="Section of the manual.")] = None
 
 
+Code = Annotated[
+    Annotated[Byte, Tag("plain")] | Annotated[dict[Name, Byte], Field(min_length=1), Tag("map")], Discriminator(is_map)
+]
+"""A code, or one for each kind of the table's entries."""
+
+
 class MessageSpec(Concept):
     """A request or reply that needs more said than its fields."""
 
@@ -60,7 +66,13 @@ class MessageSpec(Concept):
     from_each: Annotated[
         Nodes | None, Field(description="The nodes that reply, one frame each, in this order.", examples=["1..4"])
     ] = None
-    code: Annotated[Byte | None, Field(description="Code, when not the command's.")] = None
+    code: Annotated[
+        Code | None,
+        Field(
+            description="Code, when not the command's; or one for each `kind` of the table's entries.",
+            examples=[0x60, {"byte": 0x4F, "word": 0x4B}],
+        ),
+    ] = None
     accept: Annotated[list[Byte] | None, Field(max_length=256, description="Further codes that a receiver takes.")] = (
         None
     )
@@ -102,6 +114,9 @@ class Entry(Titled):
         Field(description="Value of the index; a list where the index is one, and then it may be shorter."),
     ]
     layout: Annotated[Name | Fields, Field(description="Fields, or a shared layout's name.")]
+    kind: Annotated[
+        Name | None, Field(description="A name of your own for entries alike, where a command's codes differ by it.")
+    ] = None
     only: Only = None
     effects: Annotated[list[Name], Field(description="What writing it does, besides the command's effects.")] = []
     manual: Annotated[Section | None, Field(description="Section of the manual, when not the command's.")] = None
@@ -122,7 +137,13 @@ class Table(Titled):
 class Command(Titled):
     """A code with its request and its reply."""
 
-    code: Annotated[Byte | None, Field(description="Value of the selector; left out when there is none.")] = None
+    code: Annotated[
+        Code | None,
+        Field(
+            description="Value of the selector, or one for each `kind` of the table's entries; left out when there is none.",
+            examples=[0x10, {"byte": 0x2F, "word": 0x2B}],
+        ),
+    ] = None
     address: Annotated[Name | None, Field(description="Address, when not the first.")] = None
     mode: Annotated[Name | None, Field(description="Bus mode, when not the first.")] = None
     table: Annotated[

@@ -66,9 +66,7 @@ Scale = Annotated[
     Annotated[Literal["none"], Tag("none")] | Annotated[Printed, Tag("plain")] | Annotated[ScaleBy, Tag("map")],
     Discriminator(lambda value: "none" if value == "none" else is_map(value)),
 ]
-OffsetChoice = Annotated[
-    Annotated[Rational, Tag("plain")] | Annotated[OffsetBy, Tag("map")], Discriminator(is_map)
-]
+OffsetChoice = Annotated[Annotated[Rational, Tag("plain")] | Annotated[OffsetBy, Tag("map")], Discriminator(is_map)]
 SpanChoice = Annotated[Annotated[Span, Tag("plain")] | Annotated[RangeBy, Tag("map")], Discriminator(is_map)]
 
 

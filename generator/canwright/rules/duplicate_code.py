@@ -36,4 +36,6 @@ def _finding(command: Command, other: Command) -> Finding:
         text = f"two entries of its table have the same index, so `{command.name}` and `{other.name}` are one command"
         return Finding((*command.path, "table"), text, "give each entry its own `index`")
     text = f"`{other.group}` has the code 0x{command.code:02X} as well"
-    return Finding((*command.path, "code"), text, "check both codes, or give one of them another `address`, or another `dlc`")
+    return Finding(
+        (*command.path, "code"), text, "check both codes, or give one of them another `address`, or another `dlc`"
+    )
