@@ -18,7 +18,7 @@ from .spec_texts import MINIMAL, findings, places
         ("scale: 0.1", "scale: 1/0", "7:39 value", ""),
         ("scale: 0.1", "scale: yes", "7:39 ambiguous-scalar", "in quotes"),
         ('manual: "1"', "manual: 2.10", "11:13 type", "put it in quotes"),
-        ("  dim:", "  Dim:", "9:3 name", "^[a-z]"),
+        ("  dim:", "  Dim:", "9:3 name", "small letters, digits and `_`: `dim`"),
         ("code: 0x10", "code: [1]", "10:11 value", ""),
         ("at: 2,", "at: 2, typ: x,", "12:30 unknown-key", "did you mean `type`?"),
         ("reply: echo", "reply: {layout: x, cod: 1}", "13:24 unknown-key", "did you mean `code`?"),

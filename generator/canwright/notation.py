@@ -40,7 +40,9 @@ ID_PATTERN = rf"^{_TERM}(?: *\+ *{_TERM})*$"
 def number(text: str) -> Fraction:
     """One number as written, exact: `-2048`, `0x1F`, `16.5`."""
     if not NUMBER.fullmatch(text):
-        raise ValueError(f"`{text}` is not a number; write an integer, a hexadecimal like 0x1F or a decimal like 0.01")
+        raise ValueError(
+            f"`{text}` is not a number; write an integer, a hexadecimal like 0x1F, a decimal like 0.01 or a quotient like 33/2048"
+        )
     if len(text) > DIGITS:
         raise ValueError(f"`{text}` has more than {DIGITS} digits")
     if "x" in text:
@@ -111,7 +113,9 @@ def indices(text: str) -> range:
 
 def _numbers(text: str) -> range:
     if not re.fullmatch(NODES_PATTERN, text.replace(" ", "")):
-        raise ValueError(f"`{text}` is not a range of whole numbers; write it as 1..32")
+        number = re.fullmatch(r"(?:([0-9]{1,9})[ -]*)?([0-9]{1,9})", text)
+        meant = f"{number[1] or 1}..{number[2]}" if number else "1..32"
+        raise ValueError(f"`{text}` is not a range of whole numbers; write it as {meant}")
     first, last = (int(part) for part in text.replace(" ", "").split(".."))
     if last > LAST_ID:
         raise ValueError(f"the range `{text}` goes beyond {LAST_ID}, the last CAN id")
@@ -143,7 +147,8 @@ def id_expression(text: str) -> IdExpression:
         elif re.fullmatch(rf"0x[0-9A-Fa-f]+|{_WHOLE}", term):
             base += int(term, 0)
         else:
-            raise ValueError(f"`{term}` does not belong in an id; write it like 0x100 + node, node << 5 or 0x200")
+            more = "; what else stands in the id is told by `selector`, and by fields at id.0" if "|" in term else ""
+            raise ValueError(f"`{term}` does not belong in an id; write it like 0x100 + node, node << 5 or 0x200{more}")
     return IdExpression(base, shift)
 
 

@@ -171,7 +171,18 @@ def _address(context: Context, name: str, written: schema.Address) -> Address:
     path: Path = ("addresses", name)
     request, reply = written.request or written.id, written.reply or written.id
     if request is None or reply is None:
-        context.report(path, "missing-key", f"`{name}` says nothing of its id", "write `id`, or `request` and `reply`")
+        lacking = "its id" if request is reply else "the id of requests" if request is None else "the id of replies"
+        context.report(
+            path, "missing-key", f"`{name}` says nothing of {lacking}", "write `id`, or `request` and `reply`"
+        )
+    elif written.id is not None and (written.request or written.reply):
+        hint = "keep `id`, or `request` and `reply`"
+        context.report(
+            (*path, "id"), "address-id", "`id` is that of both directions, and one has its own", hint, key=True
+        )
+    elif written.nodes is not None and request.node_shift is None and reply.node_shift is None:
+        hint = f"write the id with `node`, like 0x{request.base:X} + node, or leave `nodes` out"
+        context.report((*path, "nodes"), "address-id", "there are nodes, but no id depends on `node`", hint, key=True)
     return Address(
         name,
         _id_rule(context, path, request or IdExpression(0, None), written),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 
-from . import schema
+from . import hints, schema
 from .model import Element, Field, Layout, Order, Parameter, Path, Segment, Space, Text, Type, Variant
 from .notation import At, frame_bits
 from .resolve_types import Context, bare_type
@@ -136,7 +136,11 @@ class LayoutResolver:
             if bare.order is not self._order:
                 bare = dataclasses.replace(bare, name=f"{bare.name}_{bare.order.value}")
             return self.bare_types.setdefault(bare.name, bare)
-        found = self._context.find((*path, "type"), "type", written.type, self._types) if written.type else None
+        if written.type is None:
+            return bare_type(self._context, schema.EMPTY_RAW, self._order, path)
+        raw = hints.raw_format(written.type)
+        hint = f"write `raw: {raw}`" if raw and written.type not in self._types else ""
+        found = self._context.find((*path, "type"), "type", written.type, self._types, hint)
         return found or bare_type(self._context, schema.EMPTY_RAW, self._order, path)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from . import schema
+from .diagnostics import near
 from .model import (
     Address,
     Direction,
@@ -21,6 +22,8 @@ from .resolve_types import Context
 
 ENTRY = "entry"
 """In place of a layout's name: the layout of the table's entry."""
+FORMS = (ENTRY, "echo", "none")
+"""The words that stand in place of a layout's name."""
 LONGEST_CHAIN = 20
 """How many commands may take their reply one from the next."""
 
@@ -184,7 +187,8 @@ class MessageResolver:
             hint = "name the `table` of the command"
             self._context.report(path, "entry-of-nothing", f"`{command}` has no table with an entry", hint)
         elif isinstance(spec.layout, str):
-            layout = self._context.find(path, "layout", spec.layout, self._shared)
+            hint = f"did you mean `{meant}`?" if (meant := near(spec.layout, [*self._shared, *FORMS])) else ""
+            layout = self._context.find(path, "layout", spec.layout, self._shared, hint)
         if layout is None:
             fields = spec.layout if isinstance(spec.layout, dict) else {}
             at = (*path, "layout") if isinstance(written, schema.MessageSpec) else path
@@ -238,6 +242,8 @@ class MessageResolver:
         here = self._spec.addresses[address]
         of_reply = here.reply_selector if direction is Direction.REPLY else None
         selector = of_reply or here.selector or self._spec.selector
+        if selector is None and self._context.is_lost("selector"):
+            return ()
         if selector is None:
             self._context.report(
                 path,

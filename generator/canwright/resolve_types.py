@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeVar
 
-from . import resources, schema, source, words
+from . import hints, resources, schema, source, words
 from .diagnostics import MOST_FINDINGS, Diagnostic, nearest
 from .model import (
     IDENTITY,
@@ -51,11 +51,18 @@ class Context:
         if path not in self._lacking and len(self.diagnostics) < MOST_FINDINGS:
             self.diagnostics.append(self.document.finding(path, rule, message, hint, key=key))
 
-    def find(self, path: Path, kind: str, name: str, known: Mapping[str, T], *, key: bool = False) -> T | None:
+    def find(
+        self, path: Path, kind: str, name: str, known: Mapping[str, T], hint: str = "", *, key: bool = False
+    ) -> T | None:
         """`known[name]`, or a finding that there is no such thing, at the value or at the `key` that names it."""
-        if name not in known and name not in self._lost:
-            self.report(path, "unknown-reference", f"there is no {kind} `{name}`", nearest(name, known), key=key)
+        if name not in known and name not in self._lost and not self.is_lost(f"{kind}s"):
+            hint = hint or nearest(name, known)
+            self.report(path, "unknown-reference", f"there is no {kind} `{name}`", hint, key=key)
         return known.get(name)
+
+    def is_lost(self, key: str) -> bool:
+        """Whether all that stands under a key of the edition could not be read."""
+        return (key,) in self.dropped
 
     def text(self, path: Path, written: schema.Text | None) -> Text:
         """A text in every language; a plain one stands for the only language."""
@@ -164,24 +171,43 @@ class _TypeResolver:
             width,
             encoding,
             spec.byte_order or self.order,
-            self.context.find((*self.path, "unit"), "unit", spec.unit, self.units) if spec.unit else None,
+            self._unit(spec.unit),
             linear,
             self._raw_range(spec, linear),
-            tuple(self._member(("enum", n), n, m.value, m.title) for n, m in (spec.enum or {}).items()),
-            tuple(self._member(("flags", n), n, f.bit, f.title) for n, f in (spec.flags or {}).items()),
+            tuple(self._member(("enum", n), n, m) for n, m in (spec.enum or {}).items()),
+            tuple(self._member(("flags", n), n, f) for n, f in (spec.flags or {}).items()),
             self._spans("plausible", spec.plausible).constant,
             self.context.title(self.path, spec.title, name),
             self.context.text((*self.path, "about"), spec.about),
             self.path,
         )
 
-    def _member(self, at: Path, name: str, value: int, title: schema.Text | None) -> Member:
+    def _unit(self, name: str | None) -> Unit | None:
+        if name is not None and name not in self.units:
+            text, hint = f"there is no unit `{name}`", hints.unit(name, self.units)
+            self.context.report((*self.path, "unit"), "unknown-reference", text, hint)
+        return self.units.get(name or "")
+
+    def _member(self, at: Path, name: str, written: int | schema.Member | schema.Flag) -> Member:
+        title = None if isinstance(written, int) else written.title
+        value = (
+            written
+            if isinstance(written, int)
+            else written.value
+            if isinstance(written, schema.Member)
+            else written.bit
+        )
         return Member(name, value, self.context.title((*self.path, *at), title, name))
 
     def _linear(self, spec: schema.Type) -> Dependent[Linear]:
         scale, offset = self._scale(spec.scale), self._offset(spec.offset)
         if scale.parameter and offset.parameter not in (None, scale.parameter):
-            self.context.report((*self.path, "offset"), "two-parameters", "scale and offset depend on two parameters")
+            self.context.report(
+                (*self.path, "offset"),
+                "two-parameters",
+                "scale and offset depend on two parameters",
+                "let both name one parameter",
+            )
             offset = Dependent.always(Fraction(0))
         by = scale.parameter or offset.parameter
         if by is None:
@@ -226,11 +252,20 @@ class _TypeResolver:
         raw = self._spans("raw_range", spec.raw_range)
         if spec.range is None:
             return raw
+        if spec.scale == "none":
+            text = "`range` is in the unit, and without a scale no value is"
+            self.context.report((*self.path, "range"), "two-ranges", text, "write `raw_range`", key=True)
+            return raw
         span = self._spans("range", spec.range)
         if spec.raw[0] is Encoding.FLOAT:
             return span
         if linear.parameter is not None and span.parameter not in (None, linear.parameter):
-            self.context.report((*self.path, "range"), "two-parameters", "scale and range depend on two parameters")
+            self.context.report(
+                (*self.path, "range"),
+                "two-parameters",
+                "scale and range depend on two parameters",
+                "let both name one parameter",
+            )
             return raw
         by = linear.parameter or span.parameter
         if by is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag
 
 from .model import Level, Order
 from .schema_messages import (
@@ -22,6 +22,8 @@ from .schema_messages import (
 )
 from .schema_types import (
     Concept as Concept,
+    Flag as Flag,
+    Member as Member,
     OffsetBy as OffsetBy,
     RangeBy as RangeBy,
     Scale as Scale,
@@ -39,6 +41,7 @@ from .written import (
     Section,
     Text as Text,
     ValueName,
+    is_map,
 )
 
 
@@ -88,12 +91,21 @@ class NumberRange(Concept):
     max: Annotated[Rational | None, Field(description="Largest value.")] = None
 
 
+Choice = Annotated[
+    Annotated[int, Tag("number")] | Annotated[ValueName, Tag("name")],
+    Discriminator(lambda value: "number" if isinstance(value, int) else "name"),
+]
+
+
 class ParameterSpec(Titled):
     """What the integrator knows of a node and no frame says: a choice among values, or a number."""
 
     values: Annotated[
-        Annotated[list[int | ValueName], Field(max_length=256)]
-        | Annotated[dict[ValueName, Titled], Field(max_length=256)]
+        Annotated[
+            Annotated[list[Choice], Field(max_length=256), Tag("plain")]
+            | Annotated[dict[ValueName, Titled], Field(max_length=256), Tag("map")],
+            Discriminator(is_map),
+        ]
         | None,
         Field(
             description="The values of a choice: a list of numbers or names, or names with a title.",

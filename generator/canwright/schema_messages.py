@@ -84,7 +84,9 @@ class MessageSpec(Concept):
 def _message_kind(value: object) -> str:
     if not isinstance(value, dict):
         return "name"
-    return "long" if set(value) & set(MessageSpec.model_fields) else "fields"
+    keys = set(value) & set(MessageSpec.model_fields)
+    named = keys and all(isinstance(field, dict) and "at" in field for field in value.values())
+    return "long" if keys and not named else "fields"
 
 
 Message = Annotated[

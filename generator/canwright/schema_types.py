@@ -76,10 +76,17 @@ class Member(Titled):
     value: Annotated[int, Field(description="The raw value that has this name.")]
 
 
+BitNumber = Annotated[int, Field(ge=0, le=63)]
+
+
 class Flag(Titled):
     """A name for one bit."""
 
-    bit: Annotated[int, Field(ge=0, le=63, description="The bit, 0 is the least significant.")]
+    bit: Annotated[BitNumber, Field(description="The bit, 0 is the least significant.")]
+
+
+Value = Annotated[Annotated[int, Tag("plain")] | Annotated[Member, Tag("map")], Discriminator(is_map)]
+Bit = Annotated[Annotated[BitNumber, Tag("plain")] | Annotated[Flag, Tag("map")], Discriminator(is_map)]
 
 
 class Type(Titled):
@@ -105,8 +112,20 @@ class Type(Titled):
             examples=["6..100"],
         ),
     ] = None
-    enum: Annotated[dict[Name, Member] | None, Field(description="The raw values that have a name.")] = None
-    flags: Annotated[dict[Name, Flag] | None, Field(description="The bits that have a name.")] = None
+    enum: Annotated[
+        dict[Name, Value] | None,
+        Field(
+            description="The raw values that have a name: the value, or a mapping where there is a title to it.",
+            examples=[{"idle": 0, "running": 1}, {"idle": {"value": 0, "title": "Waits"}}],
+        ),
+    ] = None
+    flags: Annotated[
+        dict[Name, Bit] | None,
+        Field(
+            description="The bits that have a name, 0 is the least significant: the bit, or a mapping with a title.",
+            examples=[{"hot": 0, "stuck": 7}, {"hot": {"bit": 0, "title": "Too hot"}}],
+        ),
+    ] = None
     differs: Annotated[
         Text | None, Field(description="Why this scale or unit is another one than that of its like.")
     ] = None

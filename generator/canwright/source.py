@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 
 import yaml
 
-from . import characters
+from . import characters, hints
 from .diagnostics import Diagnostic, Position, Severity, SpecError
 from .model import Path
 
@@ -35,6 +35,7 @@ Data = Scalar | list[Any] | dict[str, Any]
 
 _INTEGER = re.compile(r"-?(?:0|[1-9][0-9]{0,30})|0x[0-9A-Fa-f]{1,16}")
 _DECIMAL = re.compile(r"-?(?:0|[1-9][0-9]{0,30})\.[0-9]{1,30}")
+_LONG = re.compile(r"-?[1-9][0-9]{31,}|0x[0-9A-Fa-f]{17,}")
 _AMBIGUOUS = re.compile(
     r"""(?aix) (?: yes|no|on|off | true|false | ~|null | [-+]?\.(?:inf|nan) | [-+]?0[obx][0-9a-f_]+
     | [-+]?[\d_]*\d[\d_]*(?:\.[\d_]*)?(?:e[-+]?\d+)? | [-+]?\.[\d_]+(?:e[-+]?\d+)?
@@ -157,7 +158,7 @@ class _Builder:
             mark = error.problem_mark or error.context_mark
             where = Mark(mark.line + 1, mark.column + 1, 1) if mark else Mark(1, 1, 1)
             what = " ".join(part for part in (error.context, error.problem) if part)
-            self._document._refuse(where, "yaml", f"this is not YAML: {what}")
+            self._document._refuse(where, "yaml", f"this is not YAML: {what}", hints.yaml(what))
         except (yaml.YAMLError, ValueError, OverflowError) as error:
             what = next(iter(str(error).splitlines()), "")
             self._document._refuse(Mark(1, 1, 1), "yaml", f"this is not YAML: {what}")
@@ -267,6 +268,9 @@ class _Builder:
             return Decimal(text)
         elif text in ("true", "false"):
             return text == "true"
+        elif _LONG.fullmatch(text):
+            hint = "a whole number has at most 31 digits, or 16 hexadecimal ones"
+            self._report("value", f"this number has {len(text)} characters, more than any that is meant", hint, path)
         elif _AMBIGUOUS.fullmatch(text):
             short = text if len(text) <= 40 else f"{text[:40]}…"
             hint = f'for a text write "{short}" in quotes; a number is written like 12, 0x1F or 0.01'

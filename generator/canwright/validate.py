@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import functools
 import itertools
+import re
 import typing
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -13,7 +14,8 @@ from typing import Annotated, Any, Generic, TypeVar, Union
 
 from pydantic import BaseModel, Tag, ValidationError
 
-from .diagnostics import MOST_FINDINGS, Diagnostic, SpecError, near, nearest
+from . import hints
+from .diagnostics import MOST_FINDINGS, Diagnostic, SpecError, near
 from .model import Path
 from .source import MERGE, Document
 
@@ -151,21 +153,63 @@ def _diagnostic(document: Document, concept: type[BaseModel], error: dict[str, A
             path, "missing-key", f"`{last}` is missing here", _describe(concept, location), key=True
         )
     if kind == "extra_forbidden":
-        return document.finding(
-            path, "unknown-key", f"unknown key `{last}`", nearest(last, _keys(concept, location[:-1])), key=True
-        )
+        return document.finding(path, "unknown-key", f"unknown key `{last}`", _instead(concept, error), key=True)
     if kind == "string_type":
-        hint = "put it in quotes" if not isinstance(error["input"], (dict, list)) else ""
+        hint = "put it in quotes" if not isinstance(error["input"], (dict, list)) else _describe(concept, location)
         return document.finding(path, "type", "expected a text here", hint, key=about_key)
     if kind in ("dict_type", "model_type"):
         return document.finding(path, "type", "expected a mapping here", _describe(concept, location))
+    if kind == "list_type":
+        return document.finding(path, "type", "expected a list here", _describe(concept, location))
     if kind in ("literal_error", "enum"):
-        return document.finding(path, "value", f"`{error['input']}` is not one of {context['expected']}", key=about_key)
+        return _not_one_of(document, path, error, about_key)
     if kind == "string_pattern_mismatch":
         message = f"`{error['input']}` is not a name that can be used here"
-        return document.finding(path, "name", message, f"it has to match {context['pattern']}", key=about_key)
+        return document.finding(path, "name", message, hints.name(error["input"], context["pattern"]), key=about_key)
+    if kind in ("int_type", "int_parsing", "int_from_float"):
+        message, hint = f"`{error['input']}` is not a whole number", hints.integer(error["input"])
+        return document.finding(path, "value", message if _is_scalar(error) else "expected a whole number here", hint)
+    if kind in ("less_than_equal", "greater_than_equal"):
+        limit = f"more than {context['le']}, the most" if "le" in context else f"less than {context['ge']}, the least"
+        message = f"{error['input']} is {limit} that can be here"
+        return document.finding(path, "value", message, _describe(concept, location))
+    if kind == "too_short":
+        return document.finding(
+            path, "value", "this is empty; at least one is needed here", _describe(concept, location)
+        )
     message = error["msg"].removeprefix("Value error, ")
-    return document.finding(path, "value", message[0].lower() + message[1:], key=about_key)
+    return document.finding(path, "value", message[0].lower() + message[1:], _near_raw(error), key=about_key)
+
+
+def _instead(concept: type[BaseModel], error: dict[str, Any]) -> str:
+    """What to write in place of an unknown key."""
+    location: Location = error["loc"]
+    keys, last = _keys(concept, location[:-1]), str(location[-1])
+    if isinstance(error["input"], dict) and "at" in error["input"] and {"layout", "fields"} <= set(keys):
+        return f"a field stands in `layout` here: {{layout: {{{last}: …}}, dlc: …}}"
+    return hints.key(last, keys)
+
+
+def _not_one_of(document: Document, path: Path, error: dict[str, Any], about_key: bool) -> Diagnostic:
+    expected: str = error["ctx"]["expected"]
+    known, written = re.findall(r"'([^']*)'", expected), str(error["input"])
+    if not _is_scalar(error):
+        message, hint = "expected one word here", f"one of {', '.join(known)}" if known else f"write {expected}"
+    elif known:
+        message, hint = f"`{written}` is not one of {expected}", f"write {near(written, known) or ' or '.join(known)}"
+    else:
+        message = f"`{written}` is not {expected}"
+        hint = f"write {expected}, without quotes" if isinstance(error["input"], str) else f"write {expected}"
+    return document.finding(path, "value", message, hint, key=about_key)
+
+
+def _near_raw(error: dict[str, Any]) -> str:
+    meant = hints.raw_format(str(error["input"])) if "is not a raw format" in error["msg"] else ""
+    return f"did you mean `{meant}`?" if meant else ""
+
+
+def _is_scalar(error: dict[str, Any]) -> bool:
+    return not isinstance(error["input"], (dict, list))
 
 
 def _path(document: Document, location: Location) -> Path:
@@ -223,5 +267,8 @@ def _describe(concept: type[BaseModel], location: Location) -> str:
         found = _at(concept, location[: end - 1])
         key = str(location[end - 1])
         if found and key in found.model_fields:
-            return found.model_fields[key].description or ""
+            field = found.model_fields[key]
+            example = next(iter(field.examples or ()), None)
+            shown = f" Like {hints.flow(example)}" if isinstance(example, (dict, list)) else ""
+            return f"{field.description or ''}{shown}"
     return ""

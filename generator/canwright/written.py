@@ -16,12 +16,12 @@ from .notation import At, IdExpression
 T = TypeVar("T")
 
 
-def _written(parse: Callable[[str], T]) -> BeforeValidator:
+def _written(parse: Callable[[str], T], example: str) -> BeforeValidator:
     """Validates a notation from its text; numbers come from the source exact, so their text is as written."""
 
     def validate(value: object) -> T:
         if isinstance(value, bool) or not isinstance(value, (str, int, Decimal)):
-            raise ValueError("expected a number or a short text here")
+            raise ValueError(f"expected a number or a short text here, like {example}")
         text = str(value)
         if len(text) > notation.LONGEST:
             raise ValueError(f"this is longer than {notation.LONGEST} characters; expected a number or a short text")
@@ -43,20 +43,28 @@ def _text_of(pattern: str, *examples: str) -> WithJsonSchema:
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=48)]
 ValueName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_]*$", max_length=32)]
 Rational = Annotated[
-    Fraction, _written(notation.rational), _number_or(notation.RATIONAL_PATTERN, 0.01, "1/64", "16.5/2048")
+    Fraction,
+    _written(notation.rational, "0.01 or 1/64"),
+    _number_or(notation.RATIONAL_PATTERN, 0.01, "1/64", "16.5/2048"),
 ]
 Printed = Annotated[
-    notation.Printed, _written(notation.printed), _number_or(notation.RATIONAL_PATTERN, 0.01, "1/64", "16.5/2048")
+    notation.Printed,
+    _written(notation.printed, "0.01 or 1/64"),
+    _number_or(notation.RATIONAL_PATTERN, 0.01, "1/64", "16.5/2048"),
 ]
-Span = Annotated[Range, _written(notation.span), _text_of(notation.RANGE_PATTERN, "-850..850", "0..100*size-1")]
-Nodes = Annotated[range, _written(notation.nodes), _text_of(notation.NODES_PATTERN, "1..32")]
-Indices = Annotated[range, _written(notation.indices), _text_of(notation.NODES_PATTERN, "1..4")]
-Start = Annotated[At, _written(notation.at), _number_or(notation.AT_PATTERN, 4, 4.3, "id.5")]
+Span = Annotated[
+    Range, _written(notation.span, "-850..850"), _text_of(notation.RANGE_PATTERN, "-850..850", "0..100*size-1")
+]
+Nodes = Annotated[range, _written(notation.nodes, "1..32"), _text_of(notation.NODES_PATTERN, "1..32")]
+Indices = Annotated[range, _written(notation.indices, "1..4"), _text_of(notation.NODES_PATTERN, "1..4")]
+Start = Annotated[At, _written(notation.at, "4, 4.3 or id.5"), _number_or(notation.AT_PATTERN, 4, 4.3, "id.5")]
 IdText = Annotated[
-    IdExpression, _written(notation.id_expression), _number_or(notation.ID_PATTERN, "0x100 + node", "node << 5", 640)
+    IdExpression,
+    _written(notation.id_expression, "0x100 + node"),
+    _number_or(notation.ID_PATTERN, "0x100 + node", "node << 5", 640),
 ]
 Raw = Annotated[
-    tuple[Encoding, int], _written(notation.raw_format), _text_of(notation.RAW_PATTERN, "u8", "i16", "i56", "f32")
+    tuple[Encoding, int], _written(notation.raw_format, "u8"), _text_of(notation.RAW_PATTERN, "u8", "i16", "i56", "f32")
 ]
 Byte = Annotated[int, Field(ge=0)]
 Section = Annotated[str, Field(min_length=1, max_length=80)]
