@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from .. import words
@@ -25,11 +25,30 @@ def check(subject: Subject) -> Found:
             yield Finding(("refused", i, "command"), text, hint, in_frames=True)
 
 
+    for key in ("frames", "refused", "exchanges"):
+        for i, entry in enumerate(getattr(subject.frames, key, ())):
+            for path, text, hint in _parameters(subject.edition, entry.parameters):
+                yield Finding((key, i, *path), text, hint, in_frames=True)
+
+
 Problem = tuple[Path, str, str]
+
+
+def _parameters(edition: Edition, given: Mapping[str, int | str]) -> Iterator[Problem]:
+    known = {parameter.name: parameter for parameter in edition.parameters}
+    for name, value in given.items():
+        path: Path = ("parameters", name)
+        if name not in known:
+            yield path, f"there is no parameter `{name}`", nearest(name, known) or "leave it out"
+        elif known[name].is_choice and str(value) not in (names := [v.name for v in known[name].values]):
+            yield path, f"`{name}` has no value `{value}`", nearest(str(value), names)
 
 
 def _frame(edition: Edition, frame: Frame) -> list[Problem]:
     direction = frame.direction.value
+    if not frame.command or (frame.request and frame.reply):
+        text = "this is no frame of a command" if not frame.command else "a frame is a request or a reply, not both"
+        return [((), text, "write `request: COMMAND` or `reply: COMMAND`")]
     both = ((c.name, c.request if frame.direction is Direction.REQUEST else c.reply) for c in edition.commands)
     messages = {name: message for name, message in both if message is not None}
     message = messages.get(frame.command)
@@ -58,7 +77,8 @@ def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
     if len(frame.data) != (0 if message.remote else message.dlc):
         return ("data",), f"{len(frame.data)} bytes, but {message.name} has {message.dlc}", "check `data` and `dlc`"
     if not is_message(message, can):
-        return ("data",), f"these bytes do not select {message.name}", "check the code"
+        keys = ", ".join(f"{words.place(k.space, k.segments)} 0x{k.value:02X}" for k in message.keys)
+        return ("data",), f"these bytes do not select {message.name}", f"check the code: it has {keys}"
     if node_of(message, can) != frame.node:
         return ("node",), f"the id 0x{frame.id:X} is that of node {node_of(message, can)}", "check `id` and `node`"
     return None
