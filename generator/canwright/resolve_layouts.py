@@ -104,7 +104,8 @@ class LayoutResolver:
                     segments_of(bits[first : first + type_.width], start.space),
                 )
             )
-        title = type_.title if written.title is None else self._context.text((*path, "title"), written.title)
+        of_type = type_.title if type_.title != self._context.title(path, None, type_.name) else {}
+        title = of_type if written.title is None else self._context.text((*path, "title"), written.title)
         if not any(title.values()):
             title = self._context.title(path, None, name)
         return Field(
