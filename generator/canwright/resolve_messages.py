@@ -88,7 +88,9 @@ class MessageResolver:
         if name is None:
             return [Form(command, None, None, ())]
         table = self._context.find(("commands", command, "table"), "table", name, self._tables) or {}
-        return [dataclasses.replace(entry, command=command) for entry in table.values()]
+        written = self._spec.tables[name].entries if table else {}
+        having = (entry for entry in table.values() if command in (written[entry.entry or ""].commands or (command,)))
+        return [dataclasses.replace(entry, command=command) for entry in having]
 
     def address_of(self, command: str) -> str:
         """The address that a command is sent to."""
@@ -271,6 +273,9 @@ class MessageResolver:
         entries = {}
         for name, entry in written.entries.items():
             path: Path = ("tables", table, "entries", name)
+            of_table = {n: c for n, c in self._spec.commands.items() if c.table == table}
+            for i, command in enumerate(entry.commands or ()):
+                self._context.find((*path, "commands", i), f"command of the table `{table}`:", command, of_table)
             values = entry.index if isinstance(entry.index, list) else [entry.index]
             if len(values) > len(selectors):
                 text = f"`{name}` has {len(values)} index values, the table only {len(selectors)}"

@@ -119,6 +119,14 @@ class Entry(Titled):
     kind: Annotated[
         Name | None, Field(description="A name of your own for entries alike, where a command's codes differ by it.")
     ] = None
+    commands: Annotated[
+        list[Name] | None,
+        Field(
+            min_length=1,
+            description="The commands that have it, when not all of the table: for what can only be read.",
+            examples=[["read"]],
+        ),
+    ] = None
     only: Only = None
     effects: Annotated[list[Name], Field(description="What writing it does, besides the command's effects.")] = []
     manual: Annotated[Section | None, Field(description="Section of the manual, when not the command's.")] = None

@@ -24,7 +24,6 @@ def check(subject: Subject) -> Found:
             hint = nearest(refused.command, commands)
             yield Finding(("refused", i, "command"), text, hint, in_frames=True)
 
-
     for key in ("frames", "refused", "exchanges"):
         for i, entry in enumerate(getattr(subject.frames, key, ())):
             for path, text, hint in _parameters(subject.edition, entry.parameters):
