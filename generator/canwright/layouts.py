@@ -51,6 +51,7 @@ class Field:
 
     `only` names the value of the layout's parameter under which the field is there; empty means always.
     `constant` is the raw value of a field that always holds it: it is written, checked, and not part of the message.
+    `holds_node` marks the field that says which node the frame is to or from.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Field:
     is_array: bool
     only: tuple[str, ...]
     constant: int | None
+    holds_node: bool
     title: Text
     about: Text
     manual: str

@@ -128,6 +128,14 @@ class Message:
     path: Path = field(compare=False)
 
     @property
+    def node_key(self) -> Key | None:
+        """The bits of the field that holds the node, as a key is read; None when there is no such field."""
+        field = next((f for f in self.layout.fields if f.holds_node), None)
+        if field is None:
+            return None
+        return Key(field.name, field.space, field.type.order, field.type.width, field.elements[0].segments, 0)
+
+    @property
     def id_mask(self) -> int:
         """Bits of the id that keys and fields fill; the rest is the id rule's."""
         segments = [s for k in self.keys if k.space is Space.ID for s in k.segments]

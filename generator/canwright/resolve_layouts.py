@@ -116,6 +116,7 @@ class LayoutResolver:
             written.array is not None,
             tuple(v for values in self.only(path, written.only).values() for v in values),
             written.constant,
+            written.holds == "node",
             title,
             self._context.text((*path, "about"), written.about),
             written.manual or manual,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, Tag
 
@@ -31,6 +31,13 @@ class FieldSpec(Titled):
     ] = None
     only: Only = None
     constant: Annotated[int | None, Field(description="The raw value that it always holds.")] = None
+    holds: Annotated[
+        Literal["node"] | None,
+        Field(
+            description="`node` when it says which node the frame is to or from, or the low bits of that: an answer "
+            "then comes from the node that was asked."
+        ),
+    ] = None
     manual: Annotated[Section | None, Field(description="Section of the manual, when not the command's.")] = None
 
 

@@ -83,6 +83,8 @@ def _field(found: Found, both: Editions, item: Item, old: Field, new: Field, use
             "constant",
             *("none" if c is None else str(c) for c in _constants(old, new)),
         )
+    if old.holds_node != new.holds_node:
+        add("holds-changed", Impact.LOUD, "holds", *("the node" if f.holds_node else "a value" for f in (old, new)))
     if (old.title, new.title) != (old.type.title, new.type.title):
         found.title(item, _at(old, new, "title"), (old.name, new.name), old.title, new.title)
     found.text("text-changed", item, _at(old, new, "about"), new.name, old.about, new.about)

@@ -42,6 +42,7 @@ _WIRE = (
     ("field-replaced", "Bits hold another field.", "{place} now holds `{new}`, held `{old}`"),
     ("field-moved", "A field stands in other bits.", "`{name}` moves from {old} to {new}"),
     ("field-condition-changed", "A field is there for others.", "`{name}` is there for {new}, was for {old}"),
+    ("holds-changed", "A field began or ceased to tell the node.", "`{name}` holds {new}, held {old}"),
     ("constant-changed", "A constant field holds something else.", "`{name}` holds {new}, held {old}"),
     ("array-changed", "An array has other elements.", "`{name}` has the elements {new}, had {old}"),
     ("width-changed", "A raw integer has another width.", "`{name}` has {new} bits, had {old}"),

@@ -243,9 +243,12 @@ class DocsAdapter:
         from_node = self._node(page, reply)
         if from_node == () or not _fit(page, reply) or len(reply.data) != page.dlc:
             return Refused(Refusal.NOT_ANSWER)
-        expected = page.from_each or ((node,) if node is not None else ())
-        if from_node[0] is not None and expected and from_node[0] not in expected:
-            return Refused(Refusal.NOT_ANSWER)
+        asked, told = _held(self._messages[Direction.REQUEST, name], request), _held(page, reply)
+        to, bits = ((node, -1), asked or (node, -1))[1 if not page.from_each else 0]
+        expected = page.from_each or ((to,) if to is not None else ())
+        for source, has in ((from_node[0], -1), told or (None, 0)):
+            if source is not None and expected and all((source ^ one) & bits & has for one in expected):
+                return Refused(Refusal.NOT_ANSWER)
         if page.form == "echo" and request.data != reply.data:
             return Refused(Refusal.NOT_ANSWER)
         return None
@@ -256,6 +259,12 @@ class DocsAdapter:
             if direction is Direction.REQUEST and (node := self._node(page, frame)) != () and _fit(page, frame):
                 return name, node[0]
         return Refused(Refusal.UNKNOWN_CODE)
+
+
+def _held(page: MessagePage, frame: CanFrame) -> tuple[int, int] | None:
+    """The node that a field of a frame holds, and which bits of it there are; None without such a field."""
+    row = next((row for row in page.rows if row.holds_node), None)
+    return None if row is None else (_raw(row, frame), (1 << len(row.bits.numbers)) - 1)
 
 
 def _fit(page: MessagePage, frame: CanFrame) -> str:

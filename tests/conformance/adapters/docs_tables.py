@@ -137,6 +137,7 @@ class FieldRow:
     ranges: Mapping[str, tuple[End, End]]
     constant: int | None
     only: tuple[str, tuple[str, ...]]
+    holds_node: bool
 
 
 @dataclass(frozen=True)
@@ -205,7 +206,7 @@ def _key(row: Sequence[str]) -> Key:
 
 
 def _field(row: Sequence[str]) -> FieldRow:
-    place, field, type_, raw, step, limits, _, only, _ = row
+    place, field, type_, raw, step, limits, _, only, what = row
     match = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", plain(field))
     assert match, field
     parameter, _, values = plain(only).partition(" ")
@@ -220,4 +221,5 @@ def _field(row: Sequence[str]) -> FieldRow:
         {} if constant is not None else {name: ends(text) for name, text in cases(limits).items() if text},
         constant,
         (parameter, tuple(values.split(", "))),
+        "the node: an answer comes from" in what,
     )

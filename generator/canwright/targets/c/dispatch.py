@@ -166,10 +166,30 @@ def _answer(forms: Forms, command: Command, request: Message, reply: Message) ->
         yield f"{bits.operand(frame_id(reply, 'reply') + rule.mask)} == {rule.id_macro}"
     if rule.has_nodes and command.from_each:
         yield _one_of("from", command.from_each)
-    elif rule.has_nodes and request.id.nodes is not None:
+    elif rule.has_nodes and request.id.nodes is not None and request.node_key is None:
         yield "from == to"
+    yield from _held_nodes(command, request, reply)
     if command.reply_form is ReplyForm.ECHO:
         yield "canwright_same_data(request, reply)"
+
+
+def _held_nodes(command: Command, request: Message, reply: Message) -> Iterator[str]:
+    """Conditions on the node where a field of the request or of the reply holds it, as many bits as both have."""
+    asked, told = request.node_key, reply.node_key
+    if told is not None and command.from_each:
+        nodes = sorted({node & (1 << told.width) - 1 for node in command.from_each})
+        yield _one_of(bits.operand(bits.key_value(told, "reply")), nodes)
+    if command.from_each or (asked is None and (told is None or request.id.nodes is None)):
+        return
+    sent_to = "to" if asked is None else bits.operand(bits.key_value(asked, "request"))
+    sources = ["from"] if reply.id.nodes is not None and asked is not None else []
+    for source in [*sources, *([bits.operand(bits.key_value(told, "reply"))] if told else [])]:
+        width = min(key.width for key in (asked, None if source == "from" else told) if key is not None)
+        sides = (
+            side if key is not None and key.width == width else f"({side} & 0x{(1 << width) - 1:X}u)"
+            for side, key in ((source, None if source == "from" else told), (sent_to, asked))
+        )
+        yield " == ".join(sides)
 
 
 def _answering_codes(

@@ -48,7 +48,9 @@ def rows(message: Message, command: Command, labels: Labels, language: str) -> I
                 code(words.raw_format(field.type, segments)),
                 *_numbers(field, message.layout, command, labels),
                 _only(message.layout, field),
-                markdown(field.title[language]) + _sentence(field.about[language]),
+                markdown(field.title[language])
+                + _sentence(field.about[language])
+                + (f"; {labels['holds_node']}" if field.holds_node else ""),
             )
 
 

@@ -94,4 +94,9 @@ def answers(edition: Edition) -> Iterator[str]:
         nodes = "".join(f"{node}, " for node in command.from_each)
         echo = command.reply_form is ReplyForm.ECHO
         names = text.class_name(command.request.name), text.class_name(reply.name)
-        yield f"{names[0]}: _Answer({names[1]}, ({selectors}), ({nodes}), {echo})"
+        held = "".join(
+            f", {word}=({_reader(key, 0 if m.remote else m.dlc)}, 0x{(1 << key.width) - 1:X})"
+            for word, m in (("asked", command.request), ("told", reply))
+            if (key := m.node_key) is not None
+        )
+        yield f"{names[0]}: _Answer({names[1]}, ({selectors}), ({nodes}), {echo}{held})"
