@@ -28,7 +28,8 @@ def mutants(data: Data) -> Iterator[Mutant]:
     for name, table in data.get("tables", {}).items():
         yield from _table(("tables", name), table)
     halves = [half for c in data["commands"].values() for half in (c, c.get("request"), c.get("reply"))]
-    codes = {half.get("code") for half in halves if isinstance(half, dict)}
+    written = [half.get("code") for half in halves if isinstance(half, dict)]
+    codes = {code for one in written for code in (one.values() if isinstance(one, dict) else (one,))}
     free = next(number for number in range(1, 1 << 8) if number not in codes)
     for name, command in data["commands"].items():
         yield from _command(("commands", name), command, free)
@@ -80,13 +81,25 @@ def _table(path: Path, table: Data) -> Iterator[Mutant]:
                 yield _set((*at, "index"), [n + 0x50 if i == j else n for j, n in enumerate(index)])
         else:
             yield _set((*at, "index"), index + 0x50)
+        if "kind" in entry:
+            yield _set((*at, "kind"), next(e["kind"] for e in table["entries"].values() if e["kind"] != entry["kind"]))
+        if "commands" in entry:
+            yield _drop((*at, "commands"))
         if isinstance(entry["layout"], dict):
             yield from _fields((*at, "layout"), entry["layout"])
 
 
+def _code(path: Path, code: int | Data, free: int) -> Iterator[Mutant]:
+    """Another code; where there is one for each kind of entry, another for each."""
+    if isinstance(code, dict):
+        yield from (_set((*path, kind), free) for kind in code)
+    else:
+        yield _set(path, free)
+
+
 def _command(path: Path, command: Data, free: int) -> Iterator[Mutant]:
     if "code" in command:
-        yield _set((*path, "code"), free)
+        yield from _code((*path, "code"), command["code"], free)
     for half in ("request", "reply"):
         written = command.get(half)
         if written == "echo":
@@ -106,7 +119,7 @@ def _command(path: Path, command: Data, free: int) -> Iterator[Mutant]:
                 yield _set((*path, half, "dlc"), dlc + 1 if dlc < 8 else dlc - 1)
             yield _set((*path, half, "remote"), not written.get("remote", False))
         if "code" in written:
-            yield _set((*path, half, "code"), free)
+            yield from _code((*path, half, "code"), written["code"], free)
         for i in range(len(written.get("accept", ()))):
             yield _set((*path, half, "accept"), [n for j, n in enumerate(written["accept"]) if j != i])
         if "from_each" in written:
@@ -123,6 +136,8 @@ def _fields(path: Path, fields: Data) -> Iterator[Mutant]:
             yield _set((*at, "at"), place)
         if "only" in field:
             yield _drop((*at, "only"))
+        if "holds" in field:
+            yield _drop((*at, "holds"))
         if "constant" in field:
             yield _set((*at, "constant"), field["constant"] ^ 1)
         if "array" in field:
@@ -165,7 +180,8 @@ def _type(path: Path, type_: Data, order: str) -> Iterator[Mutant]:
             yield from (_set((*path, key), changed) for changed in _spans(limits))
     for kind, key in (("enum", "value"), ("flags", "bit")):
         for member, one in type_.get(kind, {}).items():
-            yield _set((*path, kind, member, key), one[key] + 2)
+            at, value = ((), one) if isinstance(one, int) else ((key,), one[key])
+            yield _set((*path, kind, member, *at), value + 2)
 
 
 def _raw(path: Path, raw: str) -> Iterator[Mutant]:
