@@ -121,3 +121,106 @@ def test_addresses_that_run_into_each_other_are_found(tmp_path: Path) -> None:
 def test_texts_are_given_in_every_language(tmp_path: Path) -> None:
     text = MINIMAL.replace("edition: v1", "edition: v1\nlanguages: [en, zh]\ntitle: {en: Lamps}")
     assert places(findings(tmp_path, text)) == ["5:8 missing-language"]
+
+
+PACKED = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
+selector: {at: 0, raw: u8}
+parameters: {size: {values: {small: {}, large: {}, odd: {}}}, color: {values: {warm: {}, cold: {}}}}
+types:
+  angle: {raw: u16, unit: deg, scale: {by: size, small: 20/65535, large: 50/65535, odd: none}, offset: {by: size, small: -10, large: -25, odd: 0}}
+  height: {raw: u8, unit: mm, offset: {by: size, small: -1/2, large: 4, odd: none}}
+commands:
+  aim: {code: 1, manual: "1", request: {angle: {at: 2, type: angle}, low: {at: 4, type: height}}, reply: none}
+"""
+
+
+def test_an_offset_may_depend_on_a_parameter(tmp_path: Path) -> None:
+    angle, height = edition(tmp_path, PACKED).types
+    assert angle.linear == Dependent(
+        "size",
+        None,
+        {
+            "small": Linear(Fraction(20, 65535), Fraction(-10)),
+            "large": Linear(Fraction(50, 65535), Fraction(-25)),
+            "odd": None,
+        },
+    )
+    assert height.linear.at({"size": "small"}) == Linear(Fraction(1), Fraction(-1, 2))
+    assert height.linear.at({"size": "odd"}) is None
+    other = PACKED.replace(
+        "offset: {by: size, small: -10, large: -25, odd: 0}", "offset: {by: color, warm: 1, cold: 2}"
+    )
+    assert marked(findings(tmp_path, other)) == ["two-parameters: {"]
+    assert marked(findings(tmp_path, PACKED.replace(", odd: none}}\ncommands", "}}\ncommands"))) == [
+        "incomplete-choice: {"
+    ]
+
+
+def test_a_field_without_a_title_is_called_after_itself(tmp_path: Path) -> None:
+    def titles(text: str) -> list[str]:
+        (command,) = edition(tmp_path, text).commands
+        return [field.title["en"] for field in command.request.layout.fields] if command.request else []
+
+    assert titles(PACKED) == ["Angle", "Low"]
+    assert titles(PACKED.replace("raw: u8, unit: mm", "raw: u8, title: Above the desk, unit: mm")) == [
+        "Angle",
+        "Above the desk",
+    ]
+
+
+OBJECTS = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
+selector: {at: 0, raw: u8}
+tables:
+  objects:
+    index: {at: 1, raw: u16}
+    entries:
+      mode: {index: 1, kind: byte, layout: {mode: {at: 4, raw: u8}}}
+      level: {index: 2, kind: word, commands: [read], layout: {level: {at: 4, raw: u16}}}
+commands:
+  read: {code: 0x40, table: objects, manual: "1", reply: {layout: entry, code: {byte: 0x4F, word: 0x4B}}}
+  write: {code: {byte: 0x2F, word: 0x2B}, table: objects, manual: "1", request: entry, reply: {code: 0x60}}
+"""
+
+
+def test_codes_by_the_kind_of_an_entry(tmp_path: Path) -> None:
+    commands = edition(tmp_path, OBJECTS).commands
+    assert [(c.name, c.code, c.reply and c.reply.keys[0].value) for c in commands] == [
+        ("read_mode", 0x40, 0x4F),
+        ("read_level", 0x40, 0x4B),
+        ("write_mode", 0x2F, 0x60),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("index: 1, kind: byte", "index: 1", "missing-key: mode"),
+        ("kind: word", "kind: wrod", "unknown-reference: wrod"),
+        ("commands: [read]", "commands: [reed]", "unknown-reference: reed"),
+        ("write: {code: {byte: 0x2F, word: 0x2B}, table: objects", "write: {code: {a: 1}", "entry-of-nothing: {"),
+    ],
+)
+def test_kinds_and_commands_of_an_entry_are_there(tmp_path: Path, old: str, new: str, expected: str) -> None:
+    assert old in OBJECTS
+    assert expected in marked(findings(tmp_path, OBJECTS.replace(old, new)))
+
+
+def test_a_constant_tells_a_message_from_what_is_left(tmp_path: Path) -> None:
+    """A frame that has the code by chance and not the constant is the one without a code."""
+    text = MINIMAL.replace(
+        "commands:\n",
+        "commands:\n"
+        "  state: {manual: '2', request: none, reply: {place: {at: 0, raw: u32}}}\n"
+        "  ask: {code: 0x33, manual: '2', reply: {zero: {at: 1, raw: u8, constant: 0}, found: {at: 4, raw: u8}}}\n",
+    )
+    ask = edition(tmp_path, text).command("ask").reply
+    assert ask is not None
+    assert [(key.name, key.value) for key in ask.keys] == [("code", 0x33), ("zero", 0)]

@@ -114,6 +114,13 @@ def integer(written: object) -> str:
     )
 
 
+def word(written: str, known: Iterable[str]) -> str:
+    """Which of a few words is meant; or all of them."""
+    words = list(known)
+    inside = next((one for one in words if one in written.lower()), None)
+    return near(written, words) or inside or " or ".join(words)
+
+
 def unit(written: str, units: Mapping[str, Unit]) -> str:
     """The unit that another spelling stands for; or all that there are."""
     spelt = {spelling.casefold(): u for u in units.values() for spelling in (u.symbol, u.title["en"], u.dbc)}
@@ -133,13 +140,14 @@ def flow(example: object) -> str:
     return f"[{', '.join(map(flow, example))}]" if isinstance(example, list) else str(example)
 
 
-def yaml(problem: str) -> str:
-    """What is usually behind a complaint of the YAML reader."""
+def yaml(problem: str, line: str) -> str:
+    """What is usually behind a complaint of the YAML reader about a line."""
+    if "\t" in line[: len(line) - len(line.lstrip())]:
+        return "indent with spaces; YAML takes no tabs there"
     return next((hint for words, hint in _YAML.items() if words in problem), "")
 
 
 _YAML: Mapping[str, str] = {
-    "tab character": "indent with spaces; YAML takes no tabs there",
     "mapping values are not allowed": "is there a colon, and a space after it, on the line before? are lines that belong "
     "together indented alike? a text with a colon in it needs quotes",
     "did not find expected ',' or '}'": "is a `{` before this left open, or a comma missing?",

@@ -158,7 +158,9 @@ class _Builder:
             mark = error.problem_mark or error.context_mark
             where = Mark(mark.line + 1, mark.column + 1, 1) if mark else Mark(1, 1, 1)
             what = " ".join(part for part in (error.context, error.problem) if part)
-            self._document._refuse(where, "yaml", f"this is not YAML: {what}", hints.yaml(what))
+            self._document._refuse(
+                where, "yaml", f"this is not YAML: {what}", hints.yaml(what, self._document._at(where).text)
+            )
         except (yaml.YAMLError, ValueError, OverflowError) as error:
             what = next(iter(str(error).splitlines()), "")
             self._document._refuse(Mark(1, 1, 1), "yaml", f"this is not YAML: {what}")

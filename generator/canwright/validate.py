@@ -196,7 +196,7 @@ def _not_one_of(document: Document, path: Path, error: dict[str, Any], about_key
     if not _is_scalar(error):
         message, hint = "expected one word here", f"one of {', '.join(known)}" if known else f"write {expected}"
     elif known:
-        message, hint = f"`{written}` is not one of {expected}", f"write {near(written, known) or ' or '.join(known)}"
+        message, hint = f"`{written}` is not one of {expected}", f"write {hints.word(written, known)}"
     else:
         message = f"`{written}` is not {expected}"
         hint = f"write {expected}, without quotes" if isinstance(error["input"], str) else f"write {expected}"
