@@ -73,6 +73,8 @@ class Flag(Titled):
 class Type(Titled):
     """How raw bits become a value."""
 
+    model_config = ConfigDict(json_schema_extra={"not": {"required": ["range", "raw_range"]}})
+
     raw: Annotated[Raw, Field(description="Sign and width: u8, i16, i56 (1 to 64 bits), or f32, f64.")]
     byte_order: Annotated[Order | None, Field(description="Overrides the edition's byte order.", strict=False)] = None
     unit: Annotated[str | None, Field(description="A unit of units.yaml; left out for a bare number.")] = None
