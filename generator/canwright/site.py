@@ -12,7 +12,10 @@ from typing import Any
 
 import yaml
 
+from .output import Content, refuse_occupied, write
+
 LANGUAGES = {"en": "English", "zh": "中文"}
+_TARGET = "site"
 _PAGES = ("bus", "types", "parameters", "errata", "changes")
 _ACROSS = ("support.md", "new-edition.md")
 _COMMANDS = {"en": "Commands", "zh": "命令"}
@@ -43,8 +46,15 @@ class SiteError(Exception):
     """The site cannot be built; says why and what to do."""
 
 
-def build(docs: Path, site: Path) -> None:
-    """Builds the pages below `docs` into `site`. Raises SiteError, also for a link that leads nowhere."""
+def build(docs: Path, site: Path, *, force: bool = False) -> None:
+    """Builds the pages below `docs` into `site`, which is empty or an earlier site, and stays whole until the end.
+
+    Raises SiteError, also for a link that leads nowhere, and OutputError for what is in the way; `force` overwrites
+    pages that were edited by hand, nothing else.
+    """
+    refuse_occupied(site, (_TARGET,))
+    if docs.resolve() in (site.resolve(), *site.resolve().parents):
+        raise SiteError(f"{site.as_posix()} is among the pages; name a folder elsewhere with --out")
     missing = [name for name in _NEEDED if importlib.util.find_spec(name) is None]
     if missing:
         raise SiteError(f"the site needs {', '.join(missing)}; run: pip install 'canwright[site]'")
@@ -52,22 +62,24 @@ def build(docs: Path, site: Path) -> None:
     if not languages:
         raise SiteError(f"there are no pages in {docs.as_posix()}; run `canwright generate --target docs` first")
     with tempfile.TemporaryDirectory() as folder:
-        config, theme = Path(folder) / "mkdocs.yml", Path(folder) / "theme"
+        config, theme, made = (Path(folder) / name for name in ("mkdocs.yml", "theme", "site"))
         theme.mkdir()
         (theme / "main.html").write_text(_THEME, "utf-8")
-        settings = _config(docs, site, theme, languages)
+        settings = _config(docs, made, theme, languages)
         config.write_text(yaml.safe_dump(settings, allow_unicode=True, sort_keys=False), "utf-8")
         command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", str(config)]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
-    if result.returncode != 0:
-        raise SiteError(f"mkdocs stopped:\n{result.stdout}{result.stderr}")
+        if result.returncode != 0:
+            raise SiteError(f"mkdocs stopped:\n{result.stdout}{result.stderr}")
+        files = {f.relative_to(made).as_posix(): f.read_bytes() for f in sorted(made.rglob("*")) if f.is_file()}
+    write(site, Content((), (_TARGET,), files, alone=True), force=force)
 
 
 def _config(docs: Path, site: Path, theme: Path, languages: list[str]) -> dict[str, Any]:
     return {
         "site_name": "canwright",
         "docs_dir": str(docs.resolve()),
-        "site_dir": str(site.resolve()),
+        "site_dir": str(site),
         "theme": {
             "name": "material",
             "custom_dir": str(theme),
