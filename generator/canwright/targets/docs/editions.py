@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ... import words
 from ...compare import Category, Change, Impact, compare
 from ...model import Command, Edition
+from .tables import group_title
 from .text import code, markdown
 
 
@@ -105,15 +106,10 @@ def _commands(
             cells = rows.setdefault(key, ["—"] * len(editions))
             if cells[at] == "—":
                 cells[at] = _cell(folder, command, labels)
-                titles.setdefault(command.group, _title(command, language))
+                titles.setdefault(command.group, group_title(command, language))
     return tuple(
         SupportLine(code(name), markdown(titles[name]), tuple(cells)) for (_, _, name), cells in sorted(rows.items())
     )
-
-
-def _title(command: Command, language: str) -> str:
-    title = command.title[language]
-    return title.removesuffix(f": {command.entry.title[language]}") if command.entry else title
 
 
 def _cell(folder: str, command: Command, labels: Mapping[str, str]) -> str:

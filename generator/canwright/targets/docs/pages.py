@@ -8,9 +8,10 @@ from typing import Any
 
 from ... import words
 from ...golden import GoldenFrames
-from ...model import Command, Direction, Edition, Erratum, Message, Variant
+from ...model import Command, Direction, Edition, Erratum, Message, Segment, Space, Variant
 from . import picture, tables
 from .examples import Example, examples
+from .overview import index, overview
 from .tables import Labels, Row
 from .text import code, markdown
 
@@ -31,22 +32,11 @@ class Half:
 
     title: str
     about: str
+    reserved: str
     facts: tuple[tuple[str, str], ...]
     rows: tuple[Row, ...]
     pictures: tuple[Picture, ...]
     examples: tuple[Example, ...]
-
-
-@dataclass(frozen=True)
-class Line:
-    """A command in the overview."""
-
-    name: str
-    code: str
-    title: str
-    reply: str
-    only: str
-    effects: str
 
 
 class Pages:
@@ -61,24 +51,20 @@ class Pages:
 
     def overview(self) -> Mapping[str, Any]:
         """The first page of the edition."""
-        return {"lines": [self._line(command) for command in self.edition.commands]}
-
-    def _line(self, command: Command) -> Line:
-        return Line(
-            command.name,
-            code(f"0x{command.code:02X}") if command.code is not None else "",
-            markdown(command.title[self._language]),
-            tables.reply_form(command, self._labels, "commands/"),
-            code(words.condition(command.only)),
-            ", ".join(code(effect.name) for effect in command.effects),
-        )
+        return overview(self.edition, self._labels, self._language)
 
     def command(self, command: Command) -> Mapping[str, Any]:
         """The page of one command."""
         commands = self.edition.commands
         at = commands.index(command)
+        entry = command.entry
+        sections = dict.fromkeys(filter(None, (command.manual, entry.manual if entry else "")))
         return {
             "command": command,
+            "manual": ", ".join(map(markdown, sections)),
+            "table": self.edition.table(entry.table) if entry else None,
+            "index": code(index(command.request or command.reply)),
+            "also": [c for c in commands if entry and c.entry == entry and c is not command],
             "halves": [self._half(command, d) for d in Direction],
             "only": code(words.condition(command.only)),
             "mode": next((mode for mode in self.edition.bus.modes if mode.name == command.mode), None),
@@ -98,10 +84,15 @@ class Pages:
         elif message is None:
             facts.append((labels["form"], labels["no_request"]))
         if message is None:
-            return Half(labels[direction.value], "", tuple(facts), (), (), ())
+            return Half(labels[direction.value], "", "", tuple(facts), (), (), ())
+        layout = message.layout
+        if layout.manual not in ("", command.manual, command.entry.manual if command.entry else ""):
+            facts.append((labels["manual"], markdown(layout.manual)))
+        about = layout.about[self._language]
         return Half(
             labels[direction.value],
-            markdown(message.layout.about[self._language]),
+            "" if command.entry and about == command.entry.about[self._language] else markdown(about),
+            labels["reserved"] if self._has_free_bits(command, message) else "",
             tuple(facts),
             tuple(tables.rows(message, command, labels, self._language)),
             tuple(self._pictures(command, message)),
@@ -128,6 +119,15 @@ class Pages:
         allowed = command.only.get(message.layout.parameter or "", variant.values)
         return not variant.values or bool(set(variant.values) & set(allowed))
 
+    def _has_free_bits(self, command: Command, message: Message) -> bool:
+        """Whether some data bit belongs to no key and, under some parameter value that has the command, to no field."""
+        data = 0 if message.remote else 8 * message.dlc
+        return any(
+            sum(s.width for places in _data(message, v) for s in places) < data
+            for v in message.layout.variants
+            if self._can_be(command, message, v)
+        )
+
     def types(self) -> Mapping[str, Any]:
         """The page of types."""
         return {"named_types": [t for t in self.edition.types if t.path[0] == "types"], "tables": tables}
@@ -135,3 +135,9 @@ class Pages:
     def erratum_links(self, erratum: Erratum) -> list[str]:
         """The commands that an erratum touches."""
         return [name for name, errata in self._errata.items() if erratum in errata]
+
+
+def _data(message: Message, variant: Variant) -> Iterator[tuple[Segment, ...]]:
+    """The data bits that keys and fields take."""
+    yield from (key.segments for key in message.keys if key.space is Space.DATA)
+    yield from (e.segments for f in variant.fields if f.space is Space.DATA for e in f.elements)
