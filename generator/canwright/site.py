@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import importlib.util
 import re
 import subprocess
@@ -38,8 +39,10 @@ _WORDS = r"[\s\-\u200b]+|(?<=[\u3400-\u9fff])|(?=[\u3400-\u9fff])"
 """Where search ends a word. Chinese has no spaces, so each of its characters is one, and any part of a word is found."""
 
 
-_ROW = re.compile(r"^\|[^|]*\| \[[^]]*\]\(commands/(\w+)\.md\) \|", re.MULTILINE)
-"""A command in the table of the overview: its code, and the link to its page."""
+_ROW = re.compile(r"^\|[^|]*\| (\[(?:[^|\\]|\\.)*\]\([^)|]+\)) \| ((?:[^|\\]|\\.)*) \|", re.MULTILINE)
+"""A command in the table of the overview: its code; its name with a link; its title, with links to its entries."""
+
+_LINK = re.compile(r"\[((?:[^\]\\]|\\.)*)\]\(([^)]+\.md)\)")
 
 
 class SiteError(Exception):
@@ -96,13 +99,14 @@ def _config(docs: Path, site: Path, theme: Path, languages: list[str]) -> dict[s
                 "i18n": {
                     "docs_structure": "folder",
                     "reconfigure_material": True,
+                    "fallback_to_default": False,
                     "languages": [
                         {
                             "locale": name,
                             "name": LANGUAGES[name],
                             "build": True,
                             "default": name == languages[0],
-                            "nav_translations": {"Commands": _COMMANDS[name]},
+                            "nav": _nav(docs / name, _COMMANDS[name]),
                         }
                         for name in languages
                     ],
@@ -111,7 +115,6 @@ def _config(docs: Path, site: Path, theme: Path, languages: list[str]) -> dict[s
         ],
         "markdown_extensions": EXTENSIONS,
         "validation": {"links": {"anchors": "warn", "unrecognized_links": "warn"}},
-        "nav": _nav(docs / languages[0]),
         "extra": {"generator": False},
     }
 
@@ -120,13 +123,25 @@ def _toggle(icon: str) -> dict[str, str]:
     return {"icon": f"material/weather-{icon}", "name": "light / dark"}
 
 
-def _nav(folder: Path) -> list[Any]:
-    """Every edition with its pages, its commands in the order of its overview."""
+def _nav(folder: Path, commands: str) -> list[Any]:
+    """Every edition with its pages, in the order of the first page; its commands in the order of its overview."""
+    front = _LINK.findall((folder / "index.md").read_text("utf-8"))
     nav: list[Any] = ["index.md", *(name for name in _ACROSS if (folder / name).is_file())]
-    for overview in sorted(folder.glob("*/index.md")):
-        edition = overview.parent.name
-        names = _ROW.findall(overview.read_text("utf-8"))
+    for edition in (link.removesuffix("/index.md") for _, link in front if link.endswith("/index.md")):
         pages = [f"{edition}/{name}.md" for name in _PAGES if (folder / edition / f"{name}.md").is_file()]
-        commands = [f"{edition}/commands/{name}.md" for name in names]
-        nav.append({edition: [f"{edition}/index.md", {"Commands": commands}, *pages]})
+        rows = _ROW.findall((folder / edition / "index.md").read_text("utf-8"))
+        nav.append({edition: [f"{edition}/index.md", {commands: [_item(edition, *row) for row in rows]}, *pages]})
     return nav
+
+
+def _item(edition: str, link: str, what: str) -> Any:
+    """A command in the menu: its page, or its title with the pages of its entries."""
+    title, _, entries = what.partition("<br>")
+    if entries:
+        return {_shown(title): [{_shown(text): f"{edition}/{page}"} for text, page in _LINK.findall(entries)]}
+    return f"{edition}/{_LINK.findall(link)[0][1]}"
+
+
+def _shown(text: str) -> str:
+    """What a reader sees of a text in Markdown, as HTML, which titles in the menu are."""
+    return html.escape(html.unescape(re.sub(r"\\(.)", r"\1", text)))

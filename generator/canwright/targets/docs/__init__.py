@@ -32,7 +32,8 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
             id(d): d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}" for d in here
         }
         common = {"labels": labels[language], "lang": language}
-        listed = [(folders[id(d)], d.edition) for d in here]
+        by_edition = {id(d.edition): folders[id(d)] for d in here}
+        listed = [(by_edition[id(e)], e) for e in editions.in_order(d.edition for d in here)]
         tables = list(editions.support(listed, labels[language], language))
         front = env.get_template("language.md.j2").render(common, editions=listed, has_support=bool(tables))
         yield Output(f"{language}/index.md", front)
