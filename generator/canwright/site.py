@@ -29,18 +29,27 @@ _THEME = """{% extends "base.html" %}
 .md-grid { max-width: 80rem }
 .md-typeset table:not([class]) :is(td, th) { padding: .5em .7em; min-width: 0 }
 .md-typeset table:not([class]) code { white-space: nowrap }
-@media (max-width: 99.9em) { .md-main__inner:has(th:nth-child(9)) .md-sidebar--secondary { display: none } }
+@media (max-width: 99.9em) { .md-main__inner:has(th:nth-child(5)) .md-sidebar--secondary { display: none } }
+@media (max-width: 44.9em) {
+  .md-typeset table:not([class]) :is(td, th):first-child {
+    position: sticky; left: 0; z-index: 1; max-width: 45vw; background: var(--md-default-bg-color) }
+  .md-typeset table:not([class]) td:first-child, .md-typeset table:not(:has(th:nth-child(5))) {
+    code { white-space: normal; overflow-wrap: anywhere } }
+}
 </style>{% endblock %}
 """
-"""Byte tables are wide: more room for them, beside the contents only where there is plenty, and no break in a number."""
+"""Tables are wide: more room for them, beside the contents only where there is plenty, and no break in a number.
+
+On a phone, what a row is about stays in sight while the rest is moved, and leaves room for it.
+"""
 
 
 _WORDS = r"[\s\-\u200b]+|(?<=[\u3400-\u9fff])|(?=[\u3400-\u9fff])"
 """Where search ends a word. Chinese has no spaces, so each of its characters is one, and any part of a word is found."""
 
 
-_ROW = re.compile(r"^\|[^|]*\| (\[(?:[^|\\]|\\.)*\]\([^)|]+\)) \| ((?:[^|\\]|\\.)*) \|", re.MULTILINE)
-"""A command in the table of the overview: its code; its name with a link; its title, with links to its entries."""
+_ROW = re.compile(r"^\|[^|]*\| (\[(?:[^|\\]|\\.)*\]\([^)|]+\))<br>((?:[^|\\]|\\.)*) \|", re.MULTILINE)
+"""A command in the table of the overview: its code; its name with a link, its title, and links to its entries."""
 
 _LINK = re.compile(r"\[((?:[^\]\\]|\\.)*)\]\(([^)]+\.md)\)")
 

@@ -15,11 +15,10 @@ from .text import code, markdown
 
 @dataclass(frozen=True)
 class Line:
-    """A command as the spec has it, in Markdown; one that a table gives forms lists them by entry."""
+    """A command as the spec has it, in Markdown: name and title, and its entries where a table gives it forms."""
 
     code: str
     command: str
-    what: str
     reply: str
     only: str
     effects: str
@@ -47,15 +46,14 @@ def overview(edition: Edition, labels: Labels, language: str) -> Mapping[str, An
 
 def _line(forms: Sequence[Command], labels: Labels, language: str) -> Line:
     first = forms[0]
-    name, what = f"[{markdown(first.name)}](commands/{first.name}.md)", markdown(first.title[language])
+    what = f"[{markdown(first.name)}](commands/{first.name}.md)<br>{markdown(first.title[language])}"
     replies = {tables.reply_form(form, labels, "commands/") for form in forms}
     if first.entry:
         name = f"[{markdown(first.group)}](#tables.{first.entry.table})"
         links = (f"[{markdown(c.entry.title[language])}](commands/{c.name}.md)" for c in forms if c.entry)
-        what = f"{markdown(tables.group_title(first, language))}<br>{' · '.join(links)}"
+        what = f"{name}<br>{markdown(tables.group_title(first, language))}<br>{' · '.join(links)}"
     return Line(
         code(f"0x{first.code:02X}") if first.code is not None else "",
-        name,
         what,
         replies.pop() if len(replies) == 1 else labels["of_entry"],
         code(words.condition(first.only)) if all(form.only == first.only for form in forms) else "",
