@@ -2,25 +2,38 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 from canwright.cli import main
 from canwright.folder import OutputError
-from canwright.load import described
+from canwright.load import described, spec_files
 from canwright.site import SiteError, build
+from canwright.targets import docs
 from click.testing import CliRunner
 
-from .spec_texts import ROOT
+from .spec_texts import MINIMAL, ROOT
+
+
+def pages_of(specs: Sequence[Path], folder: Path) -> Path:
+    """A folder with the pages of some specs."""
+    for page in docs.generate([described(spec) for spec in specs], {}):
+        file = folder / page.path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(page.text, "utf-8")
+    return folder
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
-    build(ROOT / "generated/docs", folder)
-    return folder
+    build(pages_of(spec_files(ROOT / "spec"), folder / "docs"), folder / "site")
+    return folder / "site"
 
 
 def test_both_languages_are_there_with_a_switch(site: Path) -> None:
@@ -32,10 +45,18 @@ def test_both_languages_are_there_with_a_switch(site: Path) -> None:
     assert 'hreflang="en"' in chinese
 
 
-def test_the_menu_has_every_command_once_in_the_order_of_the_spec(site: Path) -> None:
-    page = (site / "v2.35/index.html").read_text("utf-8")
+@pytest.mark.parametrize("language", ["", "zh/"])
+@pytest.mark.parametrize("edition", ["v2.35", "v2.36-2025-03"])
+def test_the_menu_has_every_command_once_in_the_order_of_the_spec(site: Path, language: str, edition: str) -> None:
+    page = (site / f"{language}{edition}/index.html").read_text("utf-8")
     menu = re.findall(r'<a href="commands/(\w+)/" class="md-nav__link"', page)
-    assert menu == [command.name for command in described(ROOT / "spec/mwd_motor/v2.35.yaml").edition.commands]
+    assert menu == [command.name for command in described(ROOT / f"spec/mwd_motor/{edition}.yaml").edition.commands]
+
+
+def test_nothing_on_a_page_has_the_same_anchor(site: Path) -> None:
+    for page in site.rglob("v2.36-2025-03/**/*.html"):
+        found = Counter(re.findall(r'<\w[^>]* id="([^"]+)"', page.read_text("utf-8")))
+        assert not [name for name, count in found.items() if count > 1], page
 
 
 def test_search_finds_both_languages(site: Path) -> None:
@@ -64,6 +85,32 @@ def test_every_link_of_the_site_leads_somewhere(site: Path) -> None:
         for link in re.findall(r'<a [^>]*href="([^"#?:]+)[#"]', page.read_text("utf-8")):
             found = (page.parent / link).resolve() if not link.startswith("/") else site / link.lstrip("/")
             assert found.is_file() or (found / "index.html").is_file(), f"{page.relative_to(site)}: {link}"
+
+
+HOSTILE = "A <b>| [x](y)</b> {{ 7*7 }}"
+
+
+def test_the_menu_of_a_language_has_its_own_editions_and_texts_as_texts(tmp_path: Path) -> None:
+    index = "    index: {at: 1, raw: u8}\n    entries:\n      gain: {index: 1, layout: {gain: {at: 2, raw: u8}}, title: T}\n"
+    table = (
+        MINIMAL + "  read: {code: 0x20, manual: '2', table: gains, reply: entry, title: T}\ntables:\n  gains:\n" + index
+    )
+    both = table.replace("edition: v1", "edition: v2\nlanguages: [en, zh]")
+    specs = {
+        "v1": table.replace("title: T", f"title: '{HOSTILE}'"),
+        "v2": both.replace("title: T", f"title: {{en: '{HOSTILE}', zh: '{HOSTILE} 二'}}"),
+    }
+    for name, text in specs.items():
+        (tmp_path / f"{name}.yaml").write_text(text, "utf-8")
+    build(pages_of([tmp_path / f"{name}.yaml" for name in specs], tmp_path / "docs"), tmp_path / "site")
+    shown = html.escape(HOSTILE, quote=False)
+    for page, wanted in (("v2/index.html", ["v1", shown, "v2"]), ("zh/v2/index.html", ["v2", f"{shown} 二"])):
+        found = re.findall(
+            r'<span class="md-ellipsis">\s*(.*?)\s*</span>', (tmp_path / "site" / page).read_text("utf-8")
+        )
+        menu = [text for text in found if text in {"v1", "v2"} or "<b>" in text or "&lt;" in text]
+        assert list(dict.fromkeys(menu)) == wanted
+    assert not (tmp_path / "site/zh/v1").exists()
 
 
 @pytest.fixture

@@ -31,10 +31,12 @@ _THEME = """{% extends "base.html" %}
 .md-typeset table:not([class]) code { white-space: nowrap }
 @media (max-width: 99.9em) { .md-main__inner:has(th:nth-child(5)) .md-sidebar--secondary { display: none } }
 @media (max-width: 44.9em) {
-  .md-typeset table:not([class]) :is(td, th):first-child {
-    position: sticky; left: 0; z-index: 1; max-width: 45vw; background: var(--md-default-bg-color) }
-  .md-typeset table:not([class]) td:first-child, .md-typeset table:not(:has(th:nth-child(5))) {
-    code { white-space: normal; overflow-wrap: anywhere } }
+  .md-typeset table:has(th:nth-child(5)) :is(td, th):first-child {
+    position: sticky; left: 0; z-index: 1; background: var(--md-default-bg-color) }
+  {% if page and page.file.name in ("changes", "support") %}
+  .md-typeset table:not([class]) td:first-child { min-width: 9em }
+  .md-typeset table:not([class]) td code { white-space: normal; overflow-wrap: anywhere }
+  {% endif %}
 }
 </style>{% endblock %}
 """

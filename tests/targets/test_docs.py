@@ -90,7 +90,7 @@ def test_what_stands_in_the_id_is_in_table_and_picture(tmp_path: Path) -> None:
     spec.write_text(IN_THE_ID, "utf-8")
     pages = {output.path: output.text for output in docs.generate([described(spec)], {})}
     text = pages["en/v1/commands/set.md"]
-    assert "| `id bits 0..7` |  |  | `u8` |  | `0x21` |" in text
+    assert "| `id bits 0..7` |  | `u8` |  | `0x21` |" in text
     assert "| `id bits 12..17` | `part` |" in text
     assert "tells the command; Also accepted `0x23`" in text
     picture = re.findall(r"<text[^>]*>([^<]*)</text>", pages["en/v1/pictures/set-request.svg"])

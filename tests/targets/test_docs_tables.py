@@ -54,9 +54,9 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 def test_the_overview_has_a_command_once_with_its_entries(pages: dict[str, str]) -> None:
     lines = [line for line in pages["index.md"].splitlines() if line.startswith("| `0x4")]
     assert lines == [
-        "| `0x40` | [read_setting](#tables.settings) | Read setting<br>[Gains](commands/read_setting_gains.md) · "
+        "| `0x40` | [read_setting](#tables.settings)<br>Read setting<br>[Gains](commands/read_setting_gains.md) · "
         "[Level](commands/read_setting_level.md) | layout of the entry |  | `stays` |",
-        "| `0x42` | [write_setting](#tables.settings) | Write setting<br>[Gains](commands/write_setting_gains.md) · "
+        "| `0x42` | [write_setting](#tables.settings)<br>Write setting<br>[Gains](commands/write_setting_gains.md) · "
         "[Level](commands/write_setting_level.md) | layout of the entry |  | `stays` |",
     ]
 
@@ -80,8 +80,8 @@ def test_a_page_says_what_is_said_of_its_table_entry_and_command(pages: dict[str
     entry = "**Entry:** `gains` `0xA0` · [Things \\| set](../index.md#tables.settings) · [write_setting]"
     for said in (entry, "What the lamp starts with.", "Both at once.", "Slow.", "Two of them."):
         assert said in page
-    assert "| `DATA[0]` |  |  | `u8` |  | `0x40` |  |  | tells the command |" in page
-    assert "| `DATA[1]` |  |  | `u8` |  | `0xA0` |  |  | tells the entry |" in page
+    assert "| `DATA[0]` |  | `u8` |  | `0x40` | tells the command |" in page
+    assert "| `DATA[1]` |  | `u8` |  | `0xA0` | tells the entry |" in page
     level = pages["commands/write_setting_level.md"]
     assert level.count("| tells the entry |") == 4
 

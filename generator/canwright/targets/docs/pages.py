@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -28,13 +29,14 @@ class Picture:
 
 @dataclass(frozen=True)
 class Half:
-    """One direction of a command."""
+    """One direction of a command. Of its byte table, columns that would be empty are left out."""
 
     title: str
     about: str
     reserved: str
     facts: tuple[tuple[str, str], ...]
-    rows: tuple[Row, ...]
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
     pictures: tuple[Picture, ...]
     examples: tuple[Example, ...]
 
@@ -84,17 +86,20 @@ class Pages:
         elif message is None:
             facts.append((labels["form"], labels["no_request"]))
         if message is None:
-            return Half(labels[direction.value], "", "", tuple(facts), (), (), ())
+            return Half(labels[direction.value], "", "", tuple(facts), (), (), (), ())
         layout = message.layout
         if layout.manual not in ("", command.manual, command.entry.manual if command.entry else ""):
             facts.append((labels["manual"], markdown(layout.manual)))
         about = layout.about[self._language]
+        rows = list(tables.rows(message, command, labels, self._language))
+        kept = [field.name for field in dataclasses.fields(Row) if any(getattr(row, field.name) for row in rows)]
         return Half(
             labels[direction.value],
             "" if command.entry and about == command.entry.about[self._language] else markdown(about),
             labels["reserved"] if self._has_free_bits(command, message) else "",
             tuple(facts),
-            tuple(tables.rows(message, command, labels, self._language)),
+            tuple(labels[name] for name in kept),
+            tuple(tuple(getattr(row, name) for name in kept) for row in rows),
             tuple(self._pictures(command, message)),
             tuple(examples(self._golden, message, command.name, labels, self._language)),
         )

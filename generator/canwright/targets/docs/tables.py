@@ -61,7 +61,7 @@ def rows(message: Message, command: Command, labels: Labels, language: str) -> I
                 *_numbers(field, message.layout, command, labels),
                 _only(message.layout, field),
                 markdown(field.title[language])
-                + _sentence(field.about[language])
+                + _sentence(field.about[language], labels)
                 + _section(field, message, command, labels),
             )
 
@@ -76,8 +76,8 @@ def _only(layout: Layout, field: Field) -> str:
     return code(f"{layout.parameter} {', '.join(field.only)}") if field.only else ""
 
 
-def _sentence(about: str) -> str:
-    return f". {markdown(about)}" if about else ""
+def _sentence(about: str, labels: Labels) -> str:
+    return f"{labels['stop']}{markdown(about)}" if about else ""
 
 
 def _section(field: Field, message: Message, command: Command, labels: Labels) -> str:
