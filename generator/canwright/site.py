@@ -27,13 +27,13 @@ _NEEDED = ("mkdocs", "material", "mkdocs_static_i18n")
 _THEME = """{% extends "base.html" %}
 {% block extrahead %}<style>
 .md-grid { max-width: 80rem }
-.md-typeset table:not([class]) :is(td, th) { padding: .5em .7em; min-width: 0 }
+.md-typeset table:not([class]) :is(td, th) { padding: .5em .7em; min-width: 2.2em }
 .md-typeset table:not([class]) code { white-space: nowrap }
 @media (max-width: 99.9em) { .md-main__inner:has(th:nth-child(5)) .md-sidebar--secondary { display: none } }
 @media (max-width: 44.9em) {
   .md-typeset table:has(th:nth-child(5)) :is(td, th):first-child {
     position: sticky; left: 0; z-index: 1; background: var(--md-default-bg-color) }
-  {% if page and page.file.name in ("changes", "support") %}
+  {% if page and page.file.name in ("changes", "support", "new-edition") %}
   .md-typeset table:not([class]) td:first-child { min-width: 9em }
   .md-typeset table:not([class]) td code { white-space: normal; overflow-wrap: anywhere }
   {% endif %}
