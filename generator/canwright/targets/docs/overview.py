@@ -72,19 +72,23 @@ def _effects(effects: Sequence[Effect]) -> str:
 
 def _entries(table: Table, groups: Mapping[str, Sequence[Command]], labels: Labels, language: str) -> Entries:
     using = {n: forms for n, forms in groups.items() if forms[0].entry and forms[0].entry.table == table.name}
-    entries = dict.fromkeys(form.entry.name for forms in using.values() for form in forms if form.entry)
+    entries: dict[str, dict[str, Command]] = {}
+    for n, forms in using.items():
+        for form in forms:
+            if form.entry:
+                entries.setdefault(form.entry.name, {})[n] = form
     columns = [labels["index"], labels["entry"], labels["what"], *using, labels["only"], labels["effects"]]
+    common = {n: _common(forms) for n, forms in using.items()}
     rows = []
-    for name in entries:
-        forms = {n: next(c for c in forms if c.entry and c.entry.name == name) for n, forms in using.items()}
-        first = next(iter(forms.values()))
-        more = {e.name: e for n, form in forms.items() for e in form.effects if e not in _common(using[n])}
+    for name, of_entry in entries.items():
+        first = next(iter(of_entry.values()))
+        more = {e.name: e for n, form in of_entry.items() for e in form.effects if e not in common[n]}
         rows.append(
             (
                 code(index(first.request or first.reply)),
                 code(name),
                 markdown(first.entry.title[language]) if first.entry else "",
-                *(f"[{code(_code(form))}](commands/{form.name}.md)" for form in forms.values()),
+                *(f"[{code(_code(form))}](commands/{form.name}.md)" for form in of_entry.values()),
                 code(words.condition(first.only)),
                 _effects(list(more.values())),
             )

@@ -9,7 +9,7 @@ from typing import Any
 
 from ... import words
 from ...golden import GoldenFrames
-from ...model import Command, Direction, Edition, Erratum, Message, Segment, Space, Variant
+from ...model import Command, Direction, Edition, Erratum, Message, Path, Segment, Space, Variant
 from . import picture, tables
 from .examples import Example, examples
 from .overview import index, overview
@@ -49,6 +49,10 @@ class Pages:
         self._golden = golden
         self._labels = labels
         self._language = language
+        self._of_entry: dict[Path, list[Command]] = {}
+        for command in edition.commands:
+            if command.entry:
+                self._of_entry.setdefault(command.entry.path, []).append(command)
         self._errata = {command.name: edition.errata_of(command) for command in edition.commands}
 
     def overview(self) -> Mapping[str, Any]:
@@ -66,7 +70,7 @@ class Pages:
             "manual": ", ".join(map(markdown, sections)),
             "table": self.edition.table(entry.table) if entry else None,
             "index": code(index(command.request or command.reply)),
-            "also": [c for c in commands if entry and c.entry == entry and c is not command],
+            "also": [c for c in self._of_entry[entry.path] if c is not command] if entry else [],
             "halves": [self._half(command, d) for d in Direction],
             "only": code(words.condition(command.only)),
             "mode": next((mode for mode in self.edition.bus.modes if mode.name == command.mode), None),
