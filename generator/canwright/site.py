@@ -27,7 +27,7 @@ _NEEDED = ("mkdocs", "material", "mkdocs_static_i18n")
 _THEME = """{% extends "base.html" %}
 {% block extrahead %}<style>
 .md-grid { max-width: 80rem }
-.md-typeset table:not([class]) :is(td, th) { padding: .5em .7em; min-width: 2.2em }
+.md-typeset table:not([class]) :is(td, th) { padding: .5em .7em; min-width: 3.6em }
 .md-typeset table:not([class]) code { white-space: nowrap }
 @media (max-width: 99.9em) { .md-main__inner:has(th:nth-child(5)) .md-sidebar--secondary { display: none } }
 @media (max-width: 44.9em) {

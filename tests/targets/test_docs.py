@@ -147,7 +147,12 @@ def test_the_front_page_tells_editions_apart(tmp_path: Path) -> None:
         MINIMAL.replace("edition: v1\n", "edition: v1\ndate: '2023-01'\n")
         + "  glow: {code: 0x11, manual: '2', reply: none}\n"
     )
-    new = old.replace("v1", "v2").replace("2023", "2024").replace("0x11", "0x12").replace("id: 0x100", "id: 0x180")
+    new = (
+        old.replace("v1", "v2")
+        .replace("2023", "2024")
+        .replace("0x11", "0x12")
+        .replace("{id: 0x100", "{request: 0x100 + node, reply: 0x180")
+    )
     for name, text in (("a", new), ("b", old)):
         (tmp_path / f"{name}.yaml").write_text(text, "utf-8")
     made = docs.generate([described(tmp_path / f"{name}.yaml") for name in "ab"], {})

@@ -22,6 +22,7 @@ TABLE = (
 """,
     )
     + """\
+  dim_again: {code: 0x11, manual: "1", request: {level: {at: 2, raw: u8}}, reply: {of: dim}}
 layouts:
   pair: {manual: "8", about: Two of them., fields: {kp: {at: 4, raw: u16}, ki: {at: 6, raw: u16, manual: "9"}}}
 effects: {wears: {level: warning}, stays: {}}
@@ -112,6 +113,7 @@ def test_errata_reach_the_commands_that_meet_them(pages: dict[str, str]) -> None
         "write_setting_gains": [*of_table, "of_gains"],
         "write_setting_level": [*of_table, "of_level"],
         "dim": ["of_dim"],
+        "dim_again": ["of_dim"],
     }
 
 
