@@ -189,12 +189,25 @@ class Erratum:
 
 
 @dataclass(frozen=True)
+class Table:
+    """Things that several commands read and write by an index."""
+
+    name: str
+    title: Text
+    about: Text
+    manual: str
+    path: Path = field(compare=False)
+
+
+@dataclass(frozen=True)
 class Entry:
     """The entry of a table that a form of a command is of; its `path` is where it stands."""
 
     table: str
     name: str
     title: Text
+    about: Text
+    manual: str
     path: Path = field(compare=False)
 
 
@@ -255,6 +268,7 @@ class Edition:
     addresses: tuple[Address, ...]
     types: tuple[Type, ...]
     layouts: tuple[Layout, ...]
+    tables: tuple[Table, ...]
     commands: tuple[Command, ...]
     errata: tuple[Erratum, ...]
 
@@ -284,14 +298,25 @@ class Edition:
     def address(self, name: str) -> Address:
         return next(a for a in self.addresses if a.name == name)
 
+    def table(self, name: str) -> Table:
+        return next(t for t in self.tables if t.name == name)
+
     def errata_of(self, command: Command) -> tuple[Erratum, ...]:
-        """The errata that a user of `command` meets: its own and those of the layouts and types it uses."""
+        """The errata that a user of `command` meets: its own and those of the entry, layouts and types it uses."""
         messages = [m for m in (command.request, command.reply) if m is not None]
-        paths = [command.path, *(m.layout.path for m in messages)]
-        paths += [f.type.path for m in messages for f in m.layout.fields]
+        paths = [command.path, *(path for m in messages for path in (m.path, m.layout.path))]
+        paths += [path for m in messages for f in m.layout.fields for path in (f.path, f.type.path)]
+        paths += [command.entry.path] if command.entry else []
         touched = {".".join(map(str, path)) for path in paths}
+        table = f"tables.{command.entry.table}" if command.entry else None
 
         def meets(where: str) -> bool:
-            return any(where == path or where.startswith(path + ".") for path in touched)
+            of_table = table is not None and _within(where, table) and not where.startswith(f"{table}.entries.")
+            return of_table or any(_within(where, path) for path in touched)
 
         return tuple(e for e in self.errata if any(map(meets, e.where)))
+
+
+def _within(where: str, path: str) -> bool:
+    """Whether a dotted path is another one, or leads further."""
+    return where == path or where.startswith(f"{path}.")

@@ -31,15 +31,18 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
         folders = {
             id(d): d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}" for d in here
         }
-        common = {"labels": labels[language], "lang": language}
-        listed = [(folders[id(d)], d.edition) for d in here]
+        common: dict[str, object] = {"labels": labels[language], "lang": language}
+        by_edition = {id(d.edition): folders[id(d)] for d in here}
+        listed = [(by_edition[id(e)], e) for e in editions.in_order(d.edition for d in here)]
         tables = list(editions.support(listed, labels[language], language))
-        front = env.get_template("language.md.j2").render(common, editions=listed, has_support=bool(tables))
+        lines = list(editions.front(listed))
+        front = env.get_template("language.md.j2").render(common, editions=lines, has_support=bool(tables))
         yield Output(f"{language}/index.md", front)
         if tables:
             yield Output(f"{language}/support.md", env.get_template("support.md.j2").render(common, tables=tables))
             page = env.get_template(f"new_edition.{language}.md.j2").render(common)
             yield Output(f"{language}/new-edition.md", page)
+        common["by_command"] = editions.by_command(listed)
         for item in here:
             old = editions.previous(item.edition, [edition for _, edition in listed])
             folder = f"{language}/{folders[id(item)]}"
