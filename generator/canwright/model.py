@@ -6,10 +6,11 @@ is the least significant. Every number is an int or a Fraction; nothing here is 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
+from functools import cached_property
 
 from .layouts import (
     Element as Element,
@@ -127,7 +128,7 @@ class Message:
     layout: Layout
     path: Path = field(compare=False)
 
-    @property
+    @cached_property
     def id_mask(self) -> int:
         """Bits of the id that keys and fields fill; the rest is the id rule's."""
         segments = [s for k in self.keys if k.space is Space.ID for s in k.segments]
@@ -263,35 +264,69 @@ class Edition:
         """The edition's name as an identifier: `v2.35-2024-02` is `v2_35_2024_02`."""
         return "".join(c if c.isalnum() else "_" for c in self.name)
 
-    def messages(self, direction: Direction) -> Iterator[Message]:
+    def messages(self, direction: Direction) -> Sequence[Message]:
         """The distinct messages of one direction, in spec order."""
-        for command in self.commands:
-            message = command.request if direction is Direction.REQUEST else command.reply
-            if message is not None and message.command == command.name:
-                yield message
+        return self._index.messages[direction]
 
-    def all_messages(self) -> Iterator[Message]:
+    def all_messages(self) -> Sequence[Message]:
         """The distinct messages of both directions."""
-        for direction in Direction:
-            yield from self.messages(direction)
+        return self._index.all_messages
+
+    def of_rule(self, direction: Direction, rule: IdRule) -> Sequence[Message]:
+        """The messages of one direction that have an id rule."""
+        return self._index.of_rule.get((direction, rule), ())
+
+    def of_layout(self, layout: Layout) -> Sequence[Message]:
+        """The messages that have a layout: this very one, not one like it."""
+        return self._index.of_layout.get(id(layout), ())
 
     def command(self, name: str) -> Command:
-        return next(c for c in self.commands if c.name == name)
+        return self._index.commands[name]
 
     def parameter(self, name: str) -> Parameter:
         return next(p for p in self.parameters if p.name == name)
 
     def address(self, name: str) -> Address:
-        return next(a for a in self.addresses if a.name == name)
+        return self._index.addresses[name]
 
     def errata_of(self, command: Command) -> tuple[Erratum, ...]:
         """The errata that a user of `command` meets: its own and those of the layouts and types it uses."""
         messages = [m for m in (command.request, command.reply) if m is not None]
         paths = [command.path, *(m.layout.path for m in messages)]
         paths += [f.type.path for m in messages for f in m.layout.fields]
-        touched = {".".join(map(str, path)) for path in paths}
+        return self.errata_at(*paths)
 
-        def meets(where: str) -> bool:
-            return any(where == path or where.startswith(path + ".") for path in touched)
+    def errata_at(self, *paths: Path) -> tuple[Erratum, ...]:
+        """The errata about what stands at some paths, or within, in spec order."""
+        met = {number for path in paths for number in self._index.errata.get(".".join(map(str, path)), ())}
+        return tuple(self.errata[number] for number in sorted(met))
 
-        return tuple(e for e in self.errata if any(map(meets, e.where)))
+    @cached_property
+    def _index(self) -> _Index:
+        return _Index(self)
+
+
+class _Index:
+    """What is looked up in an edition again and again, found once. Of things of one name, the first is meant."""
+
+    def __init__(self, edition: Edition) -> None:
+        self.commands = {command.name: command for command in reversed(edition.commands)}
+        self.addresses = {address.name: address for address in reversed(edition.addresses)}
+        self.messages: dict[Direction, list[Message]] = {direction: [] for direction in Direction}
+        for command in edition.commands:
+            for direction, message in ((Direction.REQUEST, command.request), (Direction.REPLY, command.reply)):
+                if message is not None and message.command == command.name:
+                    self.messages[direction].append(message)
+        self.all_messages = [message for messages in self.messages.values() for message in messages]
+        self.of_rule: dict[tuple[Direction, IdRule], list[Message]] = {}
+        self.of_layout: dict[int, list[Message]] = {}
+        for message in self.all_messages:
+            self.of_rule.setdefault((message.direction, message.id), []).append(message)
+            self.of_layout.setdefault(id(message.layout), []).append(message)
+        self.errata: dict[str, list[int]] = {}
+        """The numbers of the errata, by every dotted path that leads to what they are about."""
+        for number, erratum in enumerate(edition.errata):
+            for where in erratum.where:
+                steps = where.split(".")
+                for end in range(1, len(steps) + 1):
+                    self.errata.setdefault(".".join(steps[:end]), []).append(number)

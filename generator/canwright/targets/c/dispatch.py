@@ -77,7 +77,7 @@ def entries(names: Names, edition: Edition, forms: Forms, direction: Direction) 
             forms.rule(edition.address(messages[0].address), direction),
             frame_id(messages[0]),
             " && ".join(_other_length(dlc) for dlc in dict.fromkeys(m.dlc for m in messages if not m.remote)),
-            _Tree(names, edition, messages).from_key(messages, 0),
+            _Tree(names, messages, address_mask(edition, messages[0].address, direction)).from_key(messages, 0),
         )
         for messages in grouped.values()
     ]
@@ -88,10 +88,10 @@ def _other_length(dlc: int) -> str:
 
 
 class _Tree:
-    """The search among messages that have one id rule."""
+    """The search among messages that have one id rule; `id_mask` are the bits of the id that some of them fills."""
 
-    def __init__(self, names: Names, edition: Edition, messages: Sequence[Message]) -> None:
-        self._names, self._edition = names, edition
+    def __init__(self, names: Names, messages: Sequence[Message], id_mask: int) -> None:
+        self._names, self._id_mask = names, id_mask
         self._any_length = messages[0].remote or len({m.dlc for m in messages}) == 1
 
     def from_key(self, messages: Sequence[Message], depth: int) -> Node:
@@ -122,7 +122,7 @@ class _Tree:
         return tuple(merged)
 
     def _found(self, message: Message) -> Found:
-        unused = address_mask(self._edition, message.address, message.direction) & ~message.id_mask
+        unused = self._id_mask & ~message.id_mask
         refusals = (
             (f"(frame->id & 0x{unused:X}u) != 0u" if unused else "", "UNKNOWN_ID"),
             ("" if self._any_length else _other_length(message.dlc), "WRONG_LENGTH"),

@@ -56,8 +56,7 @@ class LayoutView:
 
 
 def layout_view(names: Names, edition: Edition, layout: Layout) -> LayoutView:
-    users = [m for m in edition.all_messages() if m.layout is layout]
-    shared = {byte for message in users for byte in bits.key_bytes(message.keys)}
+    shared = {byte for message in edition.of_layout(layout) for byte in bits.key_bytes(message.keys)}
     check = _check(names, layout)
     facts = errata(edition, layout.path) if layout.shared else []
     return LayoutView(

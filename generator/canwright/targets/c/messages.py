@@ -91,12 +91,15 @@ class Forms:
         self._names, self._edition = names, edition
         examples = {form_of(message): message for message in edition.all_messages()}
         self._forms = {form: self._view(form, parts, examples[form]) for form, parts in named_forms(edition).items()}
+        self._at: dict[str, list[FormView]] = {}
+        for form, view in self._forms.items():
+            self._at.setdefault(form.address, []).append(view)
 
     def of(self, message: Message) -> FormView:
         return self._forms[form_of(message)]
 
     def at(self, address: Address) -> tuple[FormView, ...]:
-        return tuple(view for form, view in self._forms.items() if form.address == address.name)
+        return tuple(self._at.get(address.name, ()))
 
     def message(self, message: Message) -> MessageView:
         return MessageView(
