@@ -130,20 +130,22 @@ def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
 
 def _examples(described: Described, files: Sequence[File], direction: Direction) -> Iterator[Example]:
     """Golden frames that a file of this run reads without any other parameter than those in its name."""
-    for frame in described.frames.frames if described.frames else ():
-        for file in files:
+    golden = [f for f in described.frames.frames if f.direction is direction] if described.frames else []
+    whole = [file for file in files if file.kind == KIND[direction] and not file.part]
+    ids = [{message.id & ~EXTENDED: message for message in reversed(file.messages)} for file in whole]
+    for frame in golden:
+        for file, by_id in zip(whole, ids, strict=True):
             known = {str(value) for value in frame.parameters.values()}
-            if frame.direction is direction and file.kind == KIND[direction] and set(file.known) == known:
-                example = _example(described.edition, file, frame)
-                if example and not frame.decode_only and not file.part:
-                    yield example
+            view = by_id.get(frame.id) if set(file.known) == known else None
+            example = _example(described.edition, file, view, frame) if view else None
+            if example and not frame.decode_only:
+                yield example
 
 
-def _example(edition: Edition, file: File, frame: GoldenFrame) -> Example | None:
+def _example(edition: Edition, file: File, view: Message, frame: GoldenFrame) -> Example | None:
     command = edition.command(frame.command)
     message = command.request if frame.direction is Direction.REQUEST else command.reply
-    view = next((m for m in file.messages if m.id & ~EXTENDED == frame.id), None)
-    if message is None or view is None:
+    if message is None:
         return None
     code = Part(command, message, tuple(key.value for key in message.keys)).code
     signals = {signal.name: signal for signal in view.signals}

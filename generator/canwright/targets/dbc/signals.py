@@ -102,8 +102,10 @@ class Signals:
         for field, element in places:
             about = "" if signals else _about(part)
             signals += self._field(f"{prefix}_{field.name}", mux, title, field, element, about)
+        if signals:
+            return signals
         free = runs(set(range(part.message.dlc * 8)) - selector_bits(part) - set(taken))
-        if not signals and free:
+        if free:
             place = _Place(f"{prefix}_reserved", mux, max(free, key=len))
             comment = f"{title}: reserved, sent as 0.{_about(part)}"
             signals.append(self._integer(place, comment, documented=(0, 0)))

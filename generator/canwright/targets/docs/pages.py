@@ -57,7 +57,12 @@ class Pages:
         self._golden = golden
         self._labels = labels
         self._language = language
+        self._places = {command.name: place for place, command in enumerate(edition.commands)}
         self._errata = {command.name: edition.errata_of(command) for command in edition.commands}
+        self._touched: dict[str, list[str]] = {}
+        for name, errata in self._errata.items():
+            for erratum in errata:
+                self._touched.setdefault(erratum.id, []).append(name)
 
     def overview(self) -> Mapping[str, Any]:
         """The first page of the edition."""
@@ -76,7 +81,7 @@ class Pages:
     def command(self, command: Command) -> Mapping[str, Any]:
         """The page of one command."""
         commands = self.edition.commands
-        at = commands.index(command)
+        at = self._places[command.name]
         return {
             "command": command,
             "halves": [self._half(command, d) for d in Direction],
@@ -110,8 +115,8 @@ class Pages:
 
     def _is_rest(self, message: Message) -> bool:
         """Whether a message has no selector, and others of its ids have one."""
-        same = (m for m in self.edition.messages(message.direction) if (m.id, m.remote) == (message.id, message.remote))
-        return not message.keys and any(other.keys for other in same)
+        same = self.edition.of_rule(message.direction, message.id)
+        return not message.keys and any(other.keys and other.remote == message.remote for other in same)
 
     def _pictures(self, command: Command, message: Message) -> Iterator[Picture]:
         variants = [v for v in message.layout.variants if self._can_be(command, message, v)]
@@ -134,4 +139,4 @@ class Pages:
 
     def erratum_links(self, erratum: Erratum) -> list[str]:
         """The commands that an erratum touches."""
-        return [name for name, errata in self._errata.items() if erratum in errata]
+        return self._touched.get(erratum.id, [])
