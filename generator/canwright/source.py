@@ -9,11 +9,11 @@ from __future__ import annotations
 import codecs
 import re
 import stat
-from dataclasses import dataclass
+from collections.abc import Callable
 from decimal import Decimal
 from functools import cached_property
 from pathlib import Path as FilePath
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn, TypeVar
 
 import yaml
 
@@ -29,6 +29,8 @@ MERGE = "<<"
 """The key that would merge another mapping into this one."""
 LONGEST = 400
 """How much a finding says; texts of a file that are in it may be as long as the file."""
+
+T = TypeVar("T")
 
 Scalar = str | int | Decimal | bool
 Data = Scalar | list[Any] | dict[str, Any]
@@ -49,8 +51,7 @@ _MARKS = {
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
-@dataclass(frozen=True)
-class Mark:
+class Mark(NamedTuple):
     """Line and column from 1, and how many characters to underline."""
 
     line: int
@@ -134,8 +135,11 @@ class _Builder:
     def __init__(self, document: Document, text: str) -> None:
         self._document = document
         self._is_covered = bool(document.findings)
-        self._events = self._parse(text)
+        self._plain: dict[str, Scalar] = {}
+        """What plain texts read as, of those without a finding: most stand in a file again and again."""
         self._event: Any = None
+        parser = self._ask(lambda: _LOADER(text))
+        self._next_event: Callable[[], Any] = parser.get_event
 
     def build(self) -> Data:
         self._next()  # stream start
@@ -150,9 +154,10 @@ class _Builder:
             self._report("yaml", "a second document starts here", "a file holds one; remove the `---`")
         return data
 
-    def _parse(self, text: str) -> Any:
+    def _ask(self, parser: Callable[[], T]) -> T:
+        """What the parser answers, or what it refuses as a finding."""
         try:
-            yield from yaml.parse(text, Loader=_LOADER)
+            return parser()
         except yaml.MarkedYAMLError as error:
             mark = error.problem_mark or error.context_mark
             where = Mark(mark.line + 1, mark.column + 1, 1) if mark else Mark(1, 1, 1)
@@ -163,7 +168,7 @@ class _Builder:
             self._document._refuse(Mark(1, 1, 1), "yaml", f"this is not YAML: {what}")
 
     def _next(self) -> None:
-        self._event = next(self._events)
+        self._event = self._ask(self._next_event)
 
     def _mark(self) -> Mark:
         start, end = self._event.start_mark, self._event.end_mark
@@ -179,6 +184,13 @@ class _Builder:
         event = self._event
         if path is not None:
             self._document._values[path] = self._mark()
+        if isinstance(event, yaml.ScalarEvent) and event.anchor is None and event.tag is None and depth <= MAX_DEPTH:
+            return self._scalar(path)
+        return self._collection(path, depth)
+
+    def _collection(self, path: Path | None, depth: int) -> Data:
+        """A mapping or a list, or what is refused."""
+        event = self._event
         if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
             spoils = path if isinstance(event, yaml.AliasEvent) else None
             hint = "name a type or a layout and refer to it"
@@ -252,6 +264,15 @@ class _Builder:
 
     def _scalar(self, path: Path | None) -> Scalar:
         text: str = self._event.value
+        if not self._event.style and text in self._plain:
+            return self._plain[text]
+        found = len(self._document.findings)
+        value = self._checked(text, path)
+        if not self._event.style and len(self._document.findings) == found and not self._is_marked(text):
+            self._plain[text] = value
+        return value
+
+    def _checked(self, text: str, path: Path | None) -> Scalar:
         unseen = characters.unseen(text)
         for found in unseen:
             self._document._unseen(self._mark(), found)
