@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import hashlib
-import os
 import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -122,7 +121,7 @@ def refuse_in_the_way(out: Path, *paths: str) -> None:
 
 def _refuse_but(is_wanted: Callable[[int], bool], wanted: str, out: Path, path: str) -> None:
     try:
-        mode = os.lstat(os.path.join(out, path) if path else out).st_mode
+        mode = (out / path).lstat().st_mode
     except (FileNotFoundError, NotADirectoryError):
         return
     if stat.S_ISLNK(mode):
@@ -131,7 +130,9 @@ def _refuse_but(is_wanted: Callable[[int], bool], wanted: str, out: Path, path: 
             remedy = "name the folder that it leads to with --out"
         raise OutputError(f"{(out / path).as_posix()} is a symbolic link; {remedy}")
     if not is_wanted(mode):
-        raise OutputError(f"{(out / path).as_posix()} is not a {wanted}; move it away, a {wanted} of that name is generated")
+        raise OutputError(
+            f"{(out / path).as_posix()} is not a {wanted}; move it away, a {wanted} of that name is generated"
+        )
 
 
 def edited(out: Path, path: str) -> OutputError:

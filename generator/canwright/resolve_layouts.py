@@ -150,6 +150,4 @@ def segments_of(bits: Sequence[int], space: Space) -> tuple[Segment, ...]:
         return (Segment(0, bits[0], len(bits), 0),)
     starts = [raw for raw, bit in enumerate(bits) if raw == 0 or bit != bits[raw - 1] + 1 or bit % 8 == 0]
     ends = [*starts[1:], len(bits)]
-    return tuple(
-        Segment(bits[raw] // 8, bits[raw] % 8, end - raw, raw) for raw, end in zip(starts, ends, strict=True)
-    )
+    return tuple(Segment(bits[raw] // 8, bits[raw] % 8, end - raw, raw) for raw, end in zip(starts, ends, strict=True))

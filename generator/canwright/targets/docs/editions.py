@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from ... import words
-from ...compare import Category, Change, Impact, compare
+from ...compare import Category, Change, Impact
 from ...model import Command, Edition
 from .text import code, markdown
 
@@ -61,9 +61,10 @@ def previous(edition: Edition, editions: Sequence[Edition]) -> Edition | None:
     return family[at - 1] if at else None
 
 
-def changes(old: Edition, new: Edition, language: str, labels: Mapping[str, str], says: Mapping[str, str]) -> Changes:
-    """What changed from one edition to the next; `says` are the sentences in this language."""
-    found = compare(old, new)
+def changes(
+    old: Edition, found: Sequence[Change], language: str, labels: Mapping[str, str], says: Mapping[str, str]
+) -> Changes:
+    """What changed since an edition, as it was `found`; `says` are the sentences in this language."""
 
     def line(change: Change) -> ChangeLine:
         sentence = change.says(language, says.get(change.rule.id), markdown)
