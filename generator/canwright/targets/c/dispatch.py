@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from ...model import Command, Direction, Edition, IdRule, Message, ReplyForm
 from . import bits
@@ -12,27 +12,23 @@ from .messages import Forms, RuleView, constant_mismatch, frame_id
 from .names import Names
 
 
-@dataclass(frozen=True)
-class Refuse:
+class Refuse(NamedTuple):
     status: str
 
 
-@dataclass(frozen=True)
-class Found:
+class Found(NamedTuple):
     """A command, and what else a frame is refused for: a condition and the status, for each reason."""
 
     command: str
     refusals: tuple[tuple[str, str], ...]
 
 
-@dataclass(frozen=True)
-class Case:
+class Case(NamedTuple):
     labels: tuple[str, ...]
     then: Node
 
 
-@dataclass(frozen=True)
-class Select:
+class Select(NamedTuple):
     """A `switch` over `subject`."""
 
     subject: str
@@ -48,8 +44,7 @@ class Select:
 Node = Refuse | Found | Select
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """What is done with frames whose id belongs to an address. `other_length` holds when no message has the length."""
 
     rule: RuleView
@@ -58,8 +53,7 @@ class Entry:
     then: Node
 
 
-@dataclass(frozen=True)
-class AnswerView:
+class AnswerView(NamedTuple):
     """Commands that are answered alike. `conditions` hold when the frame `reply` is their answer."""
 
     commands: tuple[str, ...]
@@ -116,7 +110,7 @@ class _Tree:
         for value, same in by_value.items():
             case = Case(tuple(bits.labels(messages[0].keys[depth], [value])), self.from_key(same, depth + 1))
             if merged and merged[-1].then == case.then:
-                merged[-1] = replace(merged[-1], labels=merged[-1].labels + case.labels)
+                merged[-1] = merged[-1]._replace(labels=merged[-1].labels + case.labels)
             else:
                 merged.append(case)
         return tuple(merged)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...golden import Frame
 from ...model import Command, Direction, Encoding, Field, Message, ReplyForm, Type
@@ -20,8 +20,7 @@ COMMANDS = 4
 Raw = Mapping[str, int | list[int]]
 
 
-@dataclass(frozen=True)
-class ShownView:
+class ShownView(NamedTuple):
     """A field, or one element of an array, and how it is printed: by `type_` where that has a name or a value for it."""
 
     label: str
@@ -30,8 +29,7 @@ class ShownView:
     type_: TypeView
 
 
-@dataclass(frozen=True)
-class SideView:
+class SideView(NamedTuple):
     """One direction of a command: what is sent, and how what is received is shown."""
 
     frame: FrameView
@@ -39,8 +37,7 @@ class SideView:
     shown: tuple[ShownView, ...]
 
 
-@dataclass(frozen=True)
-class ExchangeView:
+class ExchangeView(NamedTuple):
     command: str
     enumerator: str
     node: int
@@ -48,8 +45,7 @@ class ExchangeView:
     reply: SideView
 
 
-@dataclass(frozen=True)
-class ExampleView:
+class ExampleView(NamedTuple):
     file: str
     parameters: tuple[str, ...]
     exchanges: tuple[ExchangeView, ...]

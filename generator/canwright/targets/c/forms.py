@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 from functools import reduce
 from operator import or_
+from typing import NamedTuple
 
 from ...model import Direction, Edition, Message, Segment, Space
 
 
-@dataclass(frozen=True)
-class Form:
+class Form(NamedTuple):
     """What messages have in common that are matched and stamped alike, but for length and codes."""
 
     address: str

@@ -83,7 +83,7 @@ def _contents(scope: Scope) -> Iterator[tuple[tuple[str, ...], Contents]]:
         for span, parts in by_span.items():
             if span not in names:
                 names[span] = fitting("-".join(key.name for key, _ in parts[0].selectors[1:]), names.values())
-            joined.setdefault(span, []).append((replace(frame, parts=tuple(parts)), Signals(scope).joined(parts, span)))
+            joined.setdefault(span, []).append((frame._replace(parts=tuple(parts)), Signals(scope).joined(parts, span)))
     for span, found in joined.items():
         yield (names[span],), found
 

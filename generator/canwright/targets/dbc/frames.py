@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import NamedTuple
 
 from ...model import Address, Assignment, Command, Direction, Edition, Field, IdRule, Key, Message, Space
 
@@ -64,8 +65,7 @@ class Part:
         return sum(value << low for low, value in placed)
 
 
-@dataclass(frozen=True)
-class Frame:
+class Frame(NamedTuple):
     """All that stands under one id of each node: `rule` and `id_bits` make the id."""
 
     rule: IdRule

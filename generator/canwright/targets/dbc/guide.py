@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...golden import Frame as GoldenFrame
 from ...model import Direction, Edition
@@ -19,8 +19,7 @@ from .view import EXTENDED, File, Message, Signal
 _HIGHEST_STANDARD_ID = 0x7FF
 
 
-@dataclass(frozen=True)
-class Section:
+class Section(NamedTuple):
     """The files of one edition as a table: a row for each combination of parameter values.
 
     `open_choices` are parameters that are not set, with their values; `lacking` is direction, command and reason.
@@ -35,8 +34,7 @@ class Section:
     lacking: tuple[tuple[str, str, str], ...]
 
 
-@dataclass(frozen=True)
-class Example:
+class Example(NamedTuple):
     """A golden frame with one of the files: the selector's signal and text, and each other signal's value."""
 
     file: File
@@ -64,8 +62,7 @@ class Example:
         return self.frame.data.hex(" ").upper()
 
 
-@dataclass(frozen=True)
-class Guide:
+class Guide(NamedTuple):
     """All that README.md shows; an example is None where there is no golden frame for it."""
 
     sections: tuple[Section, ...]

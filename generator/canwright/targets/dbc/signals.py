@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...model import IDENTITY, Direction, Element, Encoding, Field, Key, Level, Linear, Order, Space, Type
 from .frames import Part, Scope
@@ -23,8 +23,7 @@ _FLOAT_KINDS = {32: 1, 64: 2}
 _NO_LIMITS = (Fraction(0), Fraction(0))
 
 
-@dataclass(frozen=True)
-class _Place:
+class _Place(NamedTuple):
     """A signal's name, the selector value it stands under, and its bits from the least significant up."""
 
     name: str

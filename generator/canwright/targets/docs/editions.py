@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ... import words
 from ...compare import Category, Change, Impact
@@ -11,8 +11,7 @@ from ...model import Command, Edition
 from .text import code, markdown
 
 
-@dataclass(frozen=True)
-class ChangeLine:
+class ChangeLine(NamedTuple):
     """A row of the page of changes, its cells in Markdown."""
 
     what: str
@@ -21,8 +20,7 @@ class ChangeLine:
     host: str
 
 
-@dataclass(frozen=True)
-class Changes:
+class Changes(NamedTuple):
     """What changed since the edition before, by impact; texts and errata apart."""
 
     previous: Edition
@@ -30,8 +28,7 @@ class Changes:
     documents: tuple[ChangeLine, ...]
 
 
-@dataclass(frozen=True)
-class SupportLine:
+class SupportLine(NamedTuple):
     """A command or an entry, and what each edition has of it, in Markdown."""
 
     name: str
@@ -39,8 +36,7 @@ class SupportLine:
     cells: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class Support:
+class Support(NamedTuple):
     """Which command is in which edition of a family."""
 
     family: str

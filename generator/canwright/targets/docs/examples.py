@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from ... import words
 from ...golden import Frame, GoldenFrames, Value
@@ -15,8 +15,7 @@ from .text import code, markdown
 MOST = 4
 
 
-@dataclass(frozen=True)
-class Example:
+class Example(NamedTuple):
     """A frame and what it means, its parts in Markdown."""
 
     frame: str

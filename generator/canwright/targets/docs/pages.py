@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ... import words
 from ...golden import GoldenFrames
@@ -15,8 +14,7 @@ from .tables import Labels, Row
 from .text import code, markdown
 
 
-@dataclass(frozen=True)
-class Picture:
+class Picture(NamedTuple):
     """A picture file, and under which parameter values it holds."""
 
     file: str
@@ -25,8 +23,7 @@ class Picture:
     only: str
 
 
-@dataclass(frozen=True)
-class Half:
+class Half(NamedTuple):
     """One direction of a command."""
 
     title: str
@@ -37,8 +34,7 @@ class Half:
     examples: tuple[Example, ...]
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """A command in the overview."""
 
     name: str

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...model import Command, Edition, Field, Layout, Message, Order, Parameter, ReplyForm, Space, Variant
 from . import bits, text, types
@@ -34,8 +34,7 @@ class FieldView:
         return "tuple[int, ...]" if self.count else "int"
 
 
-@dataclass(frozen=True)
-class CaseView:
+class CaseView(NamedTuple):
     """What is read under some values of the layout's parameter: assignments, or one `struct`."""
 
     condition: str
@@ -46,8 +45,7 @@ class CaseView:
     constants: tuple[tuple[str, str, str], ...]
 
 
-@dataclass(frozen=True)
-class BodyView:
+class BodyView(NamedTuple):
     """What a class with fields has; `has_node` and `depends` decide its keywords."""
 
     fields: tuple[FieldView, ...]
@@ -57,8 +55,7 @@ class BodyView:
     depends: bool
 
 
-@dataclass(frozen=True)
-class MessageView:
+class MessageView(NamedTuple):
     """One class a message; `body` is None when its fields stand in a base class."""
 
     name: str
@@ -83,8 +80,7 @@ class MessageView:
     facts: tuple[tuple[str, str], ...]
 
 
-@dataclass(frozen=True)
-class LayoutView:
+class LayoutView(NamedTuple):
     """A base class for the messages that share a layout."""
 
     name: str
@@ -229,7 +225,7 @@ class MessageViews:
 
     def _encode(self, message: Message, variant: Variant, code: str) -> tuple[str, str]:
         """Under which condition, and the expression of the data bytes; `code` stands for the selector's value."""
-        keys = [dataclasses.replace(bits.key_place(k), target=code or f"0x{k.value:02X}") for k in message.keys]
+        keys = [bits.key_place(k)._replace(target=code or f"0x{k.value:02X}") for k in message.keys]
         places = [p for p in (*keys, *(p for _, p in self._places(variant.fields))) if p.space is Space.DATA]
         condition = self._condition(message.layout, variant)
         ordered = sorted(places, key=lambda p: p.first_byte)
@@ -238,7 +234,7 @@ class MessageViews:
             return condition, f'pack("{pattern}", {", ".join(p.target for p in ordered)})'
         wide = {p.order for p in places if len(p.segments) > 1}
         order = Order.BIG if wide == {Order.BIG} else Order.LITTLE
-        places = [p if len(p.segments) > 1 else dataclasses.replace(p, order=order) for p in places]
+        places = [p if len(p.segments) > 1 else p._replace(order=order) for p in places]
         sides = [
             " | ".join(f"({bits.write(p, message.dlc)})" for p in places if p.order is o) or "0"
             for o in (Order.LITTLE, Order.BIG)
