@@ -10,7 +10,8 @@ from .. import __version__
 
 COMMANDS = {
     **{name: name for name in ("generate", "copy", "diff", "identify", "explain", "show", "site", "schema")},
-    **{"check": "generate", "editions": "diff"},
+    "check": "generate",
+    "editions": "diff",
 }
 """The module of each command: only that one is imported."""
 
@@ -44,4 +45,3 @@ def main() -> None:
 
     Exit status: 0 when all is well, 1 when there are findings, 2 when it could not run.
     """
-

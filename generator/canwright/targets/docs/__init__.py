@@ -57,9 +57,8 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
 
 def _words(name: str) -> dict[str, dict[str, str]]:
     """A file of words of the documents, by language."""
-    found: dict[str, dict[str, str]] = yaml.safe_load(
-        (resources.TEMPLATES / "docs" / f"{name}.yaml").read_text("utf-8")
-    )
+    text = (resources.TEMPLATES / "docs" / f"{name}.yaml").read_text("utf-8")
+    found: dict[str, dict[str, str]] = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     return found
 
 
