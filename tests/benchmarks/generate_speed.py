@@ -7,6 +7,7 @@ compiling and rendering the templates. Specs of 1, 10 and 100 times the commands
 from __future__ import annotations
 
 import copy
+import functools
 import json
 import os
 import resource
@@ -25,10 +26,6 @@ from ..spec_texts import ROOT
 MAIN = ROOT / "spec/mwd_motor/v2.35.yaml"
 FRAMES = ROOT / "spec/mwd_motor/v2.35.frames.yaml"
 ROUNDS = 3
-COMPILED = tempfile.TemporaryDirectory()
-"""Where Python keeps compiled modules during the benchmark, so that none is left in the clone."""
-ENVIRONMENT = {**os.environ, "PYTHONPYCACHEPREFIX": COMPILED.name}
-ENVIRONMENT.pop("PYTHONDONTWRITEBYTECODE", None)
 
 WATCHED = """
 import json, sys, time
@@ -56,6 +53,16 @@ except SystemExit:
 """
 
 
+@functools.cache
+def compiled() -> tempfile.TemporaryDirectory[str]:
+    """Where Python keeps compiled modules during the benchmark, so that none is left in the clone."""
+    return tempfile.TemporaryDirectory()
+
+
+def environment() -> dict[str, str]:
+    return {**os.environ, "PYTHONPYCACHEPREFIX": compiled().name, "PYTHONDONTWRITEBYTECODE": ""}
+
+
 def cpu(*arguments: str, new: Path | None = None) -> tuple[float, str]:
     """The least processor seconds of a few runs of Python with these arguments, and what the last printed.
 
@@ -67,7 +74,7 @@ def cpu(*arguments: str, new: Path | None = None) -> tuple[float, str]:
         out = ("--out", str(new / str(number))) if new else ()
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         done = subprocess.run(
-            [sys.executable, *arguments, *out], cwd=ROOT, capture_output=True, text=True, check=False, env=ENVIRONMENT
+            [sys.executable, *arguments, *out], cwd=ROOT, capture_output=True, text=True, check=False, env=environment()
         )
         if done.returncode:
             raise SystemExit(done.stdout + done.stderr)
@@ -87,7 +94,7 @@ def memory(*arguments: str) -> int:
         capture_output=True,
         text=True,
         check=True,
-        env=ENVIRONMENT,
+        env=environment(),
     )
     return int(done.stdout.split()[-1]) // 1024
 
@@ -127,7 +134,7 @@ def multiplied(folder: Path, times: int) -> Path:
 
 def _moved(frame: dict[str, Any], i: int) -> dict[str, Any]:
     """A golden frame of the i-th copy of a command."""
-    names = {key: f"{frame[key]}_{i}" for key in ("request", "reply") if key in frame}
+    names: dict[str, Any] = {key: f"{frame[key]}_{i}" for key in ("request", "reply") if key in frame}
     return {**copy.deepcopy(frame), **names, "id": (i + 1) << 12 | frame["id"], "extended": True}
 
 
