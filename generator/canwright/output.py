@@ -92,8 +92,7 @@ def write(out: Path, content: Content, *, force: bool = False, patience: float =
     """
     with told(out, "write"):
         _refuse_outside(out, content)
-        for own in (MANIFEST, LOCK):
-            refuse_in_the_way(out, own)
+        refuse_in_the_way(out, MANIFEST, LOCK)
         out.mkdir(parents=True, exist_ok=True)
         with locked(out, patience):
             complete(out, force=force)
@@ -155,8 +154,7 @@ def _changes(out: Path, content: Content, manifest: _Manifest) -> Changes:
         and (out / path).is_file()
         and not (out / path).is_symlink()
     ]
-    for path in (*content.files, *removed):
-        refuse_in_the_way(out, path)
+    refuse_in_the_way(out, *content.files, *removed)
     written = [path for path, data in content.files.items() if content_of(out / path) != data]
     return Changes(tuple(sorted(written)), tuple(sorted(removed)), len(content.files) - len(written))
 

@@ -13,7 +13,7 @@ from .written import Name, Printed, Rational, Raw, Span, Text, is_map
 class Concept(BaseModel):
     """What all concepts share: no unknown keys, nothing changes once it is read."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, strict=True, defer_build=True)
 
 
 class Titled(Concept):

@@ -8,6 +8,7 @@ import jinja2
 import yaml
 
 from ... import resources, words
+from ...compare import Change, compare
 from ...model import Assignment
 from ...render import environment
 from .. import Described, Output, header
@@ -25,6 +26,7 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
         "docs",
         {"md": markdown, "code": code, "exact": words.exact, "raw_format": words.raw_format, "id_rule": words.id_rule},
     )
+    compared: dict[tuple[int, int], Sequence[Change]] = {}
     families = {d.edition.family for d in described}
     for language in [one for one in labels if any(one in d.edition.languages for d in described)]:
         here = [d for d in described if language in d.edition.languages]
@@ -48,16 +50,18 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
             folder = f"{language}/{folders[id(item)]}"
             yield from _edition(env, item, {**common, "has_changes": old is not None}, folder)
             if old is not None:
-                found = editions.changes(old, item.edition, language, labels[language], says.get(language, {}))
-                view = {**common, "edition": item.edition, "header": header(item.edition), "changes": found}
+                pair = (id(old), id(item.edition))
+                if pair not in compared:
+                    compared[pair] = compare(old, item.edition)
+                changes = editions.changes(old, compared[pair], language, labels[language], says.get(language, {}))
+                view = {**common, "edition": item.edition, "header": header(item.edition), "changes": changes}
                 yield Output(f"{folder}/changes.md", env.get_template("changes.md.j2").render(view))
 
 
 def _words(name: str) -> dict[str, dict[str, str]]:
     """A file of words of the documents, by language."""
-    found: dict[str, dict[str, str]] = yaml.safe_load(
-        (resources.TEMPLATES / "docs" / f"{name}.yaml").read_text("utf-8")
-    )
+    text = (resources.TEMPLATES / "docs" / f"{name}.yaml").read_text("utf-8")
+    found: dict[str, dict[str, str]] = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     return found
 
 

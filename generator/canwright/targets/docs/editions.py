@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ... import words
-from ...compare import Category, Change, Impact, compare
+from ...compare import Category, Change, Impact
 from ...model import Command, Direction, Edition
 from .tables import group_title
 from .text import code, markdown
 
 
-@dataclass(frozen=True)
-class ChangeLine:
+class ChangeLine(NamedTuple):
     """A row of the page of changes, its cells in Markdown."""
 
     what: str
@@ -22,8 +21,7 @@ class ChangeLine:
     host: str
 
 
-@dataclass(frozen=True)
-class Changes:
+class Changes(NamedTuple):
     """What changed since the edition before, by impact; texts and errata apart."""
 
     previous: Edition
@@ -31,16 +29,14 @@ class Changes:
     documents: tuple[ChangeLine, ...]
 
 
-@dataclass(frozen=True)
-class SupportLine:
+class SupportLine(NamedTuple):
     """A command or an entry with its title, and what each edition has of it, in Markdown."""
 
     name: str
     cells: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class Support:
+class Support(NamedTuple):
     """Which command is in which edition of a family."""
 
     family: str
@@ -61,8 +57,7 @@ def previous(edition: Edition, editions: Sequence[Edition]) -> Edition | None:
     return family[at - 1] if at else None
 
 
-@dataclass(frozen=True)
-class FrontLine:
+class FrontLine(NamedTuple):
     """An edition on the first page, in Markdown: what tells it from others, and whether others came before."""
 
     folder: str
@@ -99,9 +94,10 @@ def by_command(editions: Sequence[tuple[str, Edition]]) -> Mapping[tuple[str, st
     return found
 
 
-def changes(old: Edition, new: Edition, language: str, labels: Mapping[str, str], says: Mapping[str, str]) -> Changes:
-    """What changed from one edition to the next; `says` are the sentences in this language."""
-    found = compare(old, new)
+def changes(
+    old: Edition, found: Sequence[Change], language: str, labels: Mapping[str, str], says: Mapping[str, str]
+) -> Changes:
+    """What changed since an edition, as it was `found`; `says` are the sentences in this language."""
 
     def line(change: Change) -> ChangeLine:
         sentence = change.says(language, says.get(change.rule.id), markdown)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ... import words
 from ...golden import GoldenFrames
@@ -17,8 +15,7 @@ from .tables import Labels, Row
 from .text import code, markdown
 
 
-@dataclass(frozen=True)
-class Picture:
+class Picture(NamedTuple):
     """A picture file, and under which parameter values it holds."""
 
     file: str
@@ -27,8 +24,7 @@ class Picture:
     only: str
 
 
-@dataclass(frozen=True)
-class Half:
+class Half(NamedTuple):
     """One direction of a command. Of its byte table, columns that would be empty are left out."""
 
     title: str
@@ -53,7 +49,12 @@ class Pages:
         for command in edition.commands:
             if command.entry:
                 self._of_entry.setdefault(command.entry.path, []).append(command)
+        self._places = {command.name: place for place, command in enumerate(edition.commands)}
         self._errata = {command.name: edition.errata_of(command) for command in edition.commands}
+        self._touched: dict[str, list[str]] = {}
+        for name, errata in self._errata.items():
+            for erratum in errata:
+                self._touched.setdefault(erratum.id, []).append(name)
 
     def overview(self) -> Mapping[str, Any]:
         """The first page of the edition."""
@@ -62,7 +63,7 @@ class Pages:
     def command(self, command: Command) -> Mapping[str, Any]:
         """The page of one command."""
         commands = self.edition.commands
-        at = commands.index(command)
+        at = self._places[command.name]
         entry = command.entry
         sections = dict.fromkeys(filter(None, (command.manual, entry.manual if entry else "")))
         return {
@@ -96,7 +97,7 @@ class Pages:
             facts.append((labels["manual"], markdown(layout.manual)))
         about = layout.about[self._language]
         rows = list(tables.rows(message, command, labels, self._language))
-        kept = [field.name for field in dataclasses.fields(Row) if any(getattr(row, field.name) for row in rows)]
+        kept = [name for name in Row._fields if any(getattr(row, name) for row in rows)]
         return Half(
             labels[direction.value],
             "" if command.entry and about == command.entry.about[self._language] else markdown(about),
@@ -110,8 +111,8 @@ class Pages:
 
     def _is_rest(self, message: Message) -> bool:
         """Whether a message has no selector, and others of its ids have one."""
-        same = (m for m in self.edition.messages(message.direction) if (m.id, m.remote) == (message.id, message.remote))
-        return not message.keys and any(other.keys for other in same)
+        same = self.edition.of_rule(message.direction, message.id)
+        return not message.keys and any(other.keys and other.remote == message.remote for other in same)
 
     def _pictures(self, command: Command, message: Message) -> Iterator[Picture]:
         variants = [v for v in message.layout.variants if self._can_be(command, message, v)]
@@ -143,7 +144,7 @@ class Pages:
 
     def erratum_links(self, erratum: Erratum) -> list[str]:
         """The commands that an erratum touches."""
-        return [name for name, errata in self._errata.items() if erratum in errata]
+        return self._touched.get(erratum.id, [])
 
 
 def _data(message: Message, variant: Variant) -> Iterator[tuple[Segment, ...]]:

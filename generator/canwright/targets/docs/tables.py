@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ... import words
 from ...model import Assignment, Command, Field, Key, Layout, Message, Order, ReplyForm, Type
@@ -12,8 +12,7 @@ from .text import code, markdown
 Labels = Mapping[str, str]
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """One row of a byte table, its cells in Markdown."""
 
     place: str
