@@ -43,6 +43,20 @@ def test_leaves_other_targets_alone(tmp_path: Path) -> None:
     assert tree(tmp_path) == {"c/a.h": "a\n", "dbc/a.dbc": "d\n"}
 
 
+def test_a_target_that_needs_the_folder_for_itself(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    first, second = (Content((), ("site",), {name: b"a\n"}, alone=True) for name in ("a/x.html", "y.html"))
+    write(site, first)
+    assert write(site, second) == Changes(("y.html",), ("a/x.html",), 0)
+    for files in (content({"c/a.h": "a\n"}), content({"site/a.h": "a\n"}, targets=("site", "c"))):
+        other = tmp_path / str(len(files.targets))
+        write(other, files)
+        before = tree(other)
+        with pytest.raises(OutputError, match="not of an earlier site"):
+            write(other, second, force=True)
+        assert tree(other) == before
+
+
 def test_an_edited_file_is_kept_until_forced(tmp_path: Path) -> None:
     write(tmp_path, content({"c/a.h": "a\n", "c/b.h": "b\n"}))
     (tmp_path / "c/a.h").write_text("edited\n")

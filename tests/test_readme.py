@@ -33,12 +33,13 @@ def printed(name: str) -> str:
     return match.group(1)
 
 
-def test_the_python_example(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["python", "nodes"])
+def test_the_python_examples(name: str, tmp_path: Path) -> None:
     script = tmp_path / "example.py"
-    script.write_text(example("python"), "utf-8")
+    script.write_text(example(name), "utf-8")
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "generated/python")}
     result = subprocess.run([sys.executable, script], capture_output=True, text=True, env=environment, check=False)
-    assert (result.stdout, result.stderr) == (printed("python"), "")
+    assert (result.stdout, result.stderr) == (printed(name), "")
 
 
 def test_the_c_example(tmp_path: Path) -> None:
@@ -63,14 +64,6 @@ def test_the_spec_example_generates(tmp_path: Path) -> None:
         os.chdir(before)
     assert result.exit_code == 0, result.output
     assert (tmp_path / "out/c/include/lamp/v1.h").is_file()
-
-
-def test_the_example_of_several_editions(tmp_path: Path) -> None:
-    script = tmp_path / "example.py"
-    script.write_text(example("nodes"), "utf-8")
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "generated/python")}
-    result = subprocess.run([sys.executable, script], capture_output=True, text=True, env=environment, check=False)
-    assert (result.stdout, result.stderr) == (printed("nodes"), "")
 
 
 def run(command: str, folder: Path) -> str:

@@ -6,13 +6,15 @@ import json
 from pathlib import Path
 
 import pytest
+import yaml
 from canwright.cli import main
 from canwright.compare import CHANGES
 from canwright.diagnostics import Diagnostic, SpecError
 from canwright.load import load
-from canwright.resources import EXAMPLES
+from canwright.resources import EXAMPLES, SCHEMA
 from canwright.rules import EVERY
 from click.testing import CliRunner
+from jsonschema import Draft202012Validator
 
 from .spec_texts import MINIMAL
 
@@ -46,6 +48,28 @@ def test_what_a_rule_finds(rule: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert {(finding.rule, finding.severity) for finding in bad} == {(rule, EVERY[rule].severity)}
     assert all(finding.hint for finding in bad) or rule in ("value", "yaml")
     assert found(folder, "good.yaml", rule, monkeypatch) == []
+
+
+STRUCTURAL = (
+    *("field-type", "missing-key", "missing-reply", "name", "parameter-kind", "two-ranges", "type", "unknown-key"),
+    *("value", "ambiguous-scalar"),
+)
+"""Rules about the shape of a spec, which a JSON Schema can say as well."""
+
+
+@pytest.fixture(scope="module")
+def json_schema() -> Draft202012Validator:
+    return Draft202012Validator(json.loads(SCHEMA.read_text("utf-8")))
+
+
+@pytest.mark.parametrize("rule", FOLDERS)
+def test_the_json_schema_accepts_what_is_good(rule: str, json_schema: Draft202012Validator) -> None:
+    assert json_schema.is_valid(yaml.load((EXAMPLES / rule / "good.yaml").read_text("utf-8"), yaml.CSafeLoader))
+
+
+@pytest.mark.parametrize("rule", STRUCTURAL)
+def test_the_json_schema_rejects_what_has_a_wrong_shape(rule: str, json_schema: Draft202012Validator) -> None:
+    assert not json_schema.is_valid(yaml.load((EXAMPLES / rule / "bad.yaml").read_text("utf-8"), yaml.CSafeLoader))
 
 
 @pytest.mark.parametrize("rule", EVERY)

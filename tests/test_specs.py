@@ -104,7 +104,7 @@ def test_each_address_has_a_selector_of_its_own(tmp_path: Path) -> None:
 
 
 def test_a_selector_below_very_many_nodes(tmp_path: Path) -> None:
-    text = MINIMAL.replace("{id: 0x100 + node, nodes: 1..4}", "{id: node << 5, nodes: 0..16777215, extended: true}")
+    text = MINIMAL.replace("{id: 0x100 + node, nodes: 1..4}", "{id: node << 5, nodes: 0..65535, extended: true}")
     assert marked(findings(tmp_path, text.replace("{at: 0, raw: u8}", "{at: id.0, raw: u5}"))) == []
     assert marked(findings(tmp_path, text.replace("{at: 0, raw: u8}", "{at: id.1, raw: u5}"))) == ["id-bits: {"]
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import errno
 import hashlib
-from collections.abc import Iterator
+import stat
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Annotated, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, StringConstraints, ValidationError
@@ -102,20 +103,36 @@ def digest_of(file: Path) -> str | None:
     return None if data is None else digest(data)
 
 
-def refuse_in_the_way(out: Path, path: str) -> None:
-    """Raises OutputError where a file `path` below `out` would go through a link, or cannot be for what stands there."""
-    pure = PurePosixPath(path)
-    for part in (*reversed(pure.parents), pure):
-        there = out / part
-        if there.is_symlink():
-            remedy = "remove it, files are not written through links"
-            if part == PurePosixPath("."):
-                remedy = "name the folder that it leads to with --out"
-            raise OutputError(f"{there.as_posix()} is a symbolic link; {remedy}")
-        if part == pure and there.exists() and not there.is_file():
-            raise OutputError(f"{there.as_posix()} is not a file; move it away, a file of that name is generated")
-        if part != pure and there.exists() and not there.is_dir():
-            raise OutputError(f"{there.as_posix()} is not a folder; move it away, a folder of that name is generated")
+def refuse_in_the_way(out: Path, *paths: str) -> None:
+    """Raises OutputError where a file below `out` would go through a link, or cannot be for what stands there."""
+    passable: set[str] = set()
+
+    def go_through(folder: str) -> None:
+        if folder not in passable:
+            if folder:
+                go_through(folder.rpartition("/")[0])
+            _refuse_but(stat.S_ISDIR, "folder", out, folder)
+            passable.add(folder)
+
+    for path in paths:
+        go_through(path.rpartition("/")[0])
+        _refuse_but(stat.S_ISREG, "file", out, path)
+
+
+def _refuse_but(is_wanted: Callable[[int], bool], wanted: str, out: Path, path: str) -> None:
+    try:
+        mode = (out / path).lstat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return
+    if stat.S_ISLNK(mode):
+        remedy = "remove it, files are not written through links"
+        if not path:
+            remedy = "name the folder that it leads to with --out"
+        raise OutputError(f"{(out / path).as_posix()} is a symbolic link; {remedy}")
+    if not is_wanted(mode):
+        raise OutputError(
+            f"{(out / path).as_posix()} is not a {wanted}; move it away, a {wanted} of that name is generated"
+        )
 
 
 def edited(out: Path, path: str) -> OutputError:

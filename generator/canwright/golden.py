@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from enum import Enum
 from fractions import Fraction
+from functools import cached_property
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
@@ -195,3 +196,11 @@ class GoldenFrames(Concept):
     frames: Annotated[list[Frame], Field(description="Frames and what they mean.")]
     refused: Annotated[list[Refused], Field(description="Frames and values that must be refused.")] = []
     exchanges: Annotated[list[Exchange], Field(description="Requests with what came after them.")] = []
+
+    @cached_property
+    def of_command(self) -> dict[tuple[str, Direction], list[Frame]]:
+        """The frames of each direction of a command."""
+        found: dict[tuple[str, Direction], list[Frame]] = {}
+        for frame in self.frames:
+            found.setdefault((frame.command, frame.direction), []).append(frame)
+        return found

@@ -7,6 +7,7 @@ is undone.
 
 from __future__ import annotations
 
+import itertools
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -82,10 +83,11 @@ def complete(out: Path, *, force: bool) -> None:
         f"remove {(out / STAGING).as_posix()}, left by a run that was cut short, and run again",
     )
     if journal is not None:
-        for path, step in journal.steps.items():
-            _refuse(out, path, step, force)
+        places = [(path, f"{STAGING}/new/{path}", f"{STAGING}/old/{path}") for path in journal.steps]
+        refuse_in_the_way(out, *itertools.chain.from_iterable(places))
+        left = [(path, step) for path, step in journal.steps.items() if _is_left(out, path, step, force)]
         try:
-            for path, step in journal.steps.items():
+            for path, step in left:
                 _do(out, path, step)
         except OSError:
             for path, step in reversed(journal.steps.items()):
@@ -95,29 +97,23 @@ def complete(out: Path, *, force: bool) -> None:
     _clear(out)
 
 
-def _refuse(out: Path, path: str, step: Step, force: bool) -> None:
-    for place in (path, f"{STAGING}/new/{path}", f"{STAGING}/old/{path}"):
-        refuse_in_the_way(out, place)
+def _is_left(out: Path, path: str, step: Step, force: bool) -> bool:
+    """Whether a step has still to be done. One that was, and whose file was edited since, is left as it is."""
     there = digest_of(out / path)
     if there not in (None, step.old, step.new) and not force:
         raise foreign(out, path) if step.old is None else edited(out, path)
-    if there in (None, step.old) and there != step.new and not _staged(out, path, step):
+    is_staged = there == step.new or step.new is None or digest_of(_new(out, path)) == step.new
+    if there in (None, step.old) and not is_staged:
         raise OutputError(
             f"{_new(out, path).as_posix()} is damaged: it is not what the run that was cut short had made; remove "
             f"{(out / STAGING).as_posix()} and run again"
         )
-
-
-def _staged(out: Path, path: str, step: Step) -> bool:
-    return step.new is None or digest_of(_new(out, path)) == step.new
+    return there != step.new and is_staged
 
 
 def _do(out: Path, path: str, step: Step) -> None:
-    """Does a step that was not done. One that was, and whose file was edited since, is left as it is."""
     file = out / path
     there = digest_of(file)
-    if there == step.new or not _staged(out, path, step):
-        return
     if there is not None and digest_of(_old(out, path)) != there:
         _back_up(out, path)
     if step.new is None:

@@ -6,11 +6,19 @@ is the least significant. Every number is an int or a Fraction; nothing here is 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from fractions import Fraction
+from functools import cached_property
 
+from .facts import (
+    Bus as Bus,
+    Effect as Effect,
+    Erratum as Erratum,
+    Level as Level,
+    Mode as Mode,
+    Setting as Setting,
+)
 from .layouts import (
     Element as Element,
     Field as Field,
@@ -57,14 +65,6 @@ class ReplyForm(str, Enum):
     """The fields are those of a shared layout."""
     OTHER = "other"
     """The frame is the reply of another command."""
-
-
-class Level(str, Enum):
-    """How much an effect matters to whoever sends the command."""
-
-    NOTE = "note"
-    WARNING = "warning"
-    DANGER = "danger"
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ class Message:
             return None
         return Key(field.name, field.space, field.type.order, field.type.width, field.elements[0].segments, 0)
 
-    @property
+    @cached_property
     def id_mask(self) -> int:
         """Bits of the id that keys and fields fill; the rest is the id rule's."""
         segments = [s for k in self.keys if k.space is Space.ID for s in k.segments]
@@ -144,56 +144,14 @@ class Message:
 
 
 @dataclass(frozen=True)
-class Effect:
-    """What sending a command does besides its reply, as data for tools and a sentence for people."""
+class Table:
+    """Things that several commands read and write by an index."""
 
     name: str
-    level: Level
-    title: Text
-
-
-@dataclass(frozen=True)
-class Setting:
-    """A limit that is set on the node by other means than this protocol."""
-
-    name: str
-    only: Mapping[str, tuple[str, ...]]
-    title: Text
-
-
-@dataclass(frozen=True)
-class Mode:
-    """A way to run the bus; commands of different modes exclude each other."""
-
-    name: str
-    bit_rates_kbps: tuple[int, ...]
-    default_kbps: int | None
     title: Text
     about: Text
-
-
-@dataclass(frozen=True)
-class Bus:
-    """What host and nodes must agree on before the first frame."""
-
-    host: str
-    dlc: int
-    max_nodes: int | None
-    reply_within_ms: Fraction | None
-    modes: tuple[Mode, ...]
     manual: str
-
-
-@dataclass(frozen=True)
-class Erratum:
-    """Where the manual is wrong or silent, and what the spec does about it. `where` are dotted paths into the spec."""
-
-    id: str
-    where: tuple[str, ...]
-    manual: str
-    printed: Text
-    used: Text
-    why: Text
+    path: Path = field(compare=False)
 
 
 @dataclass(frozen=True)
@@ -203,6 +161,8 @@ class Entry:
     table: str
     name: str
     title: Text
+    about: Text
+    manual: str
     path: Path = field(compare=False)
 
 
@@ -263,6 +223,7 @@ class Edition:
     addresses: tuple[Address, ...]
     types: tuple[Type, ...]
     layouts: tuple[Layout, ...]
+    tables: tuple[Table, ...]
     commands: tuple[Command, ...]
     errata: tuple[Erratum, ...]
 
@@ -271,35 +232,85 @@ class Edition:
         """The edition's name as an identifier: `v2.35-2024-02` is `v2_35_2024_02`."""
         return "".join(c if c.isalnum() else "_" for c in self.name)
 
-    def messages(self, direction: Direction) -> Iterator[Message]:
+    def messages(self, direction: Direction) -> Sequence[Message]:
         """The distinct messages of one direction, in spec order."""
-        for command in self.commands:
-            message = command.request if direction is Direction.REQUEST else command.reply
-            if message is not None and message.command == command.name:
-                yield message
+        return self._index.messages[direction]
 
-    def all_messages(self) -> Iterator[Message]:
+    def all_messages(self) -> Sequence[Message]:
         """The distinct messages of both directions."""
-        for direction in Direction:
-            yield from self.messages(direction)
+        return self._index.all_messages
+
+    def of_rule(self, direction: Direction, rule: IdRule) -> Sequence[Message]:
+        """The messages of one direction that have an id rule."""
+        return self._index.of_rule.get((direction, rule), ())
+
+    def of_layout(self, layout: Layout) -> Sequence[Message]:
+        """The messages that have a layout: this very one, not one like it."""
+        return self._index.of_layout.get(id(layout), ())
 
     def command(self, name: str) -> Command:
-        return next(c for c in self.commands if c.name == name)
+        return self._index.commands[name]
 
     def parameter(self, name: str) -> Parameter:
         return next(p for p in self.parameters if p.name == name)
 
     def address(self, name: str) -> Address:
-        return next(a for a in self.addresses if a.name == name)
+        return self._index.addresses[name]
+
+    def table(self, name: str) -> Table:
+        return next(t for t in self.tables if t.name == name)
 
     def errata_of(self, command: Command) -> tuple[Erratum, ...]:
-        """The errata that a user of `command` meets: its own and those of the layouts and types it uses."""
+        """The errata that a user of `command` meets: its own and those of the entry, layouts and types it uses."""
         messages = [m for m in (command.request, command.reply) if m is not None]
-        paths = [command.path, *(m.layout.path for m in messages)]
-        paths += [f.type.path for m in messages for f in m.layout.fields]
-        touched = {".".join(map(str, path)) for path in paths}
+        paths = [command.path, *(path for m in messages for path in (m.path, m.layout.path))]
+        paths += [path for m in messages for f in m.layout.fields for path in (f.path, f.type.path)]
+        paths += [command.entry.path] if command.entry else []
+        met = self._errata_at(paths)
+        if command.entry is not None:
+            table = ("tables", command.entry.table)
+            met |= {n for n in self._errata_at([table]) if any(_is_about(w, table) for w in self.errata[n].where)}
+        return tuple(self.errata[number] for number in sorted(met))
 
-        def meets(where: str) -> bool:
-            return any(where == path or where.startswith(path + ".") for path in touched)
+    def errata_at(self, *paths: Path) -> tuple[Erratum, ...]:
+        """The errata about what stands at some paths, or within, in spec order."""
+        return tuple(self.errata[number] for number in sorted(self._errata_at(paths)))
 
-        return tuple(e for e in self.errata if any(map(meets, e.where)))
+    def _errata_at(self, paths: Iterable[Path]) -> set[int]:
+        return {number for path in paths for number in self._index.errata.get(".".join(map(str, path)), ())}
+
+    @cached_property
+    def _index(self) -> _Index:
+        return _Index(self)
+
+
+def _is_about(where: str, table: Path) -> bool:
+    """Whether a dotted path leads into a table, and not to one of its entries."""
+    dotted = ".".join(map(str, table))
+    return where == dotted or (where.startswith(f"{dotted}.") and not where.startswith(f"{dotted}.entries."))
+
+
+class _Index:
+    """What is looked up in an edition again and again, found once. Of things of one name, the first is meant."""
+
+    def __init__(self, edition: Edition) -> None:
+        self.commands = {command.name: command for command in reversed(edition.commands)}
+        self.addresses = {address.name: address for address in reversed(edition.addresses)}
+        self.messages: dict[Direction, list[Message]] = {direction: [] for direction in Direction}
+        for command in edition.commands:
+            for direction, message in ((Direction.REQUEST, command.request), (Direction.REPLY, command.reply)):
+                if message is not None and message.command == command.name:
+                    self.messages[direction].append(message)
+        self.all_messages = [message for messages in self.messages.values() for message in messages]
+        self.of_rule: dict[tuple[Direction, IdRule], list[Message]] = {}
+        self.of_layout: dict[int, list[Message]] = {}
+        for message in self.all_messages:
+            self.of_rule.setdefault((message.direction, message.id), []).append(message)
+            self.of_layout.setdefault(id(message.layout), []).append(message)
+        self.errata: dict[str, list[int]] = {}
+        """The numbers of the errata, by every dotted path that leads to what they are about."""
+        for number, erratum in enumerate(edition.errata):
+            for where in erratum.where:
+                steps = where.split(".")
+                for end in range(1, len(steps) + 1):
+                    self.errata.setdefault(".".join(steps[:end]), []).append(number)

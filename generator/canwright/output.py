@@ -7,10 +7,11 @@ removed, and none that was edited since, unless forced.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+from .characters import visible
 from .folder import (
     JOURNAL,
     LOCK,
@@ -38,11 +39,19 @@ PATIENCE = 5.0
 
 @dataclass(frozen=True)
 class Content:
-    """What a run makes: its editions, its targets, and every file by its path below the output folder."""
+    """What a run makes: its editions, its targets, and every file by its path below the output folder.
+
+    A target has a folder of its name there, or, `alone`, all of the output folder.
+    """
 
     editions: tuple[str, ...]
     targets: tuple[str, ...]
     files: Mapping[str, bytes]
+    alone: bool = False
+
+    def replaces(self, path: str) -> bool:
+        """Whether a file of an earlier run goes when it is not made again."""
+        return self.alone or PurePosixPath(path).parts[0] in self.targets
 
 
 @dataclass(frozen=True)
@@ -68,14 +77,10 @@ class _Manifest(Record):
 
     def after(self, content: Content) -> _Manifest:
         """The manifest once `content` is there; other targets stay as they are."""
-        kept = {path: hashed for path, hashed in self.files.items() if _target(path) not in content.targets}
+        kept = {path: hashed for path, hashed in self.files.items() if not content.replaces(path)}
         files = {**kept, **{path: digest(data) for path, data in content.files.items()}}
         editions = {**self.editions, **{target: list(content.editions) for target in content.targets}}
         return _Manifest(editions=dict(sorted(editions.items())), files=dict(sorted(files.items())))
-
-
-def _target(path: str) -> str:
-    return PurePosixPath(path).parts[0]
 
 
 def write(out: Path, content: Content, *, force: bool = False, patience: float = PATIENCE) -> Changes:
@@ -83,15 +88,16 @@ def write(out: Path, content: Content, *, force: bool = False, patience: float =
 
     Raises OutputError, with nothing changed, when a file that canwright did not make or that was edited by hand is in
     the way, or when an edition would be dropped, unless `force`; and whatever `force` says, when a link is in the way,
-    another run is at work, or the file system refuses.
+    a folder that has to be the target's alone is occupied, another run is at work, or the file system refuses.
     """
     with told(out, "write"):
         _refuse_outside(out, content)
-        for own in (MANIFEST, LOCK):
-            refuse_in_the_way(out, own)
+        refuse_in_the_way(out, MANIFEST, LOCK)
         out.mkdir(parents=True, exist_ok=True)
         with locked(out, patience):
             complete(out, force=force)
+            if content.alone:
+                refuse_occupied(out, content.targets)
             manifest = _Manifest.read(out)
             changes = _changes(out, content, manifest)
             if not force:
@@ -123,18 +129,32 @@ def difference(out: Path, content: Content) -> Iterator[str]:
             yield "".join(line if line.endswith("\n") else line + "\n" for line in lines)
 
 
+def refuse_occupied(out: Path, targets: Sequence[str]) -> None:
+    """Raises OutputError where a folder has files, and they are not of an earlier run of just these targets."""
+    with told(out, "read"):
+        refuse_in_the_way(out, MANIFEST)
+        there = sorted(file.name for file in out.iterdir() if file.name != LOCK) if out.is_dir() else []
+        begun = (out / JOURNAL).exists()
+        if not there or begun or list(_Manifest.read(out).editions) == list(targets):
+            return
+    named = ", ".join(there[:3]) + (", …" if len(there) > 3 else "")
+    raise OutputError(
+        f"{out.as_posix()} has files that are not of an earlier {'/'.join(targets)} ({visible(named)}); name a new or "
+        "empty folder with --out, or move them away"
+    )
+
+
 def _changes(out: Path, content: Content, manifest: _Manifest) -> Changes:
     """Raises OutputError where a link, or what is no file, is in the way."""
     removed = [
         path
         for path in manifest.files
-        if _target(path) in content.targets
+        if content.replaces(path)
         and path not in content.files
         and (out / path).is_file()
         and not (out / path).is_symlink()
     ]
-    for path in (*content.files, *removed):
-        refuse_in_the_way(out, path)
+    refuse_in_the_way(out, *content.files, *removed)
     written = [path for path, data in content.files.items() if content_of(out / path) != data]
     return Changes(tuple(sorted(written)), tuple(sorted(removed)), len(content.files) - len(written))
 

@@ -19,6 +19,7 @@ from .model import (
     Mode,
     Path,
     Setting,
+    Table,
 )
 from .notation import IdExpression
 from .resolve_keys import keyed_by_constants, with_claims
@@ -99,6 +100,7 @@ def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition
         tuple(addresses.values()),
         tuple({**types, **layouts.bare_types}.values()),
         messages.layouts,
+        tuple(_table(context, name, written) for name, written in spec.tables.items()),
         with_claims(keyed_by_constants(commands)),
         tuple(_erratum(context, i, written) for i, written in enumerate(spec.errata)),
     )
@@ -124,7 +126,14 @@ def _command(
     if form.entry is not None and written.table is not None:
         entry = tables[written.table].entries[form.entry]
         at: Path = ("tables", written.table, "entries", form.entry)
-        of = Entry(written.table, form.entry, context.title(at, entry.title, form.entry), at)
+        of = Entry(
+            written.table,
+            form.entry,
+            context.title(at, entry.title, form.entry),
+            context.text((*at, "about"), entry.about),
+            entry.manual or tables[written.table].manual or "",
+            at,
+        )
         title = {language: f"{text}: {of.title[language]}" for language, text in title.items()}
         asked = written.request.layout if isinstance(written.request, schema.MessageSpec) else written.request
         if asked == ENTRY:
@@ -153,6 +162,12 @@ def _command(
         written.manual or "",
         path,
     )
+
+
+def _table(context: Context, name: str, written: schema.Table) -> Table:
+    path: Path = ("tables", name)
+    title, about = context.title(path, written.title, name), context.text((*path, "about"), written.about)
+    return Table(name, title, about, written.manual or "", path)
 
 
 def _named(context: Context, path: Path, kind: str, names: Sequence[str], known: Mapping[str, T]) -> list[T]:

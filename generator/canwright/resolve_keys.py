@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 from .model import Command, Direction, Field, Key, Layout, Message, ReplyForm, Segment, Space, Variant
 
 Place = tuple[Space, tuple[Segment, ...]]
+Constants = dict[Place, Field]
 Deciding = dict[str, frozenset[str]]
 """Message to the names of the constants that tell it from others."""
 
@@ -25,12 +27,16 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
         for message in _distinct(commands, direction):
             together.setdefault((message.id, message.remote), []).append(message)
         for messages in together.values():
-            found = [(_selected(m), _constants(m)) for m in messages]
-            for message, (selected, mine) in zip(messages, found, strict=True):
-                if not message.layout.shared:
-                    others = [constants for theirs, constants in found if theirs <= selected]
-                    names = (f.name for at, f in mine.items() if any(_holds(o.get(at)) != f.constant for o in others))
-                    deciding[message.name] = frozenset(names)
+            holding: dict[frozenset[object], list[Constants]] = {}
+            for message in messages:
+                holding.setdefault(_selected(message), []).append(_constants(message))
+            for message in messages:
+                mine = {} if message.layout.shared else _constants(message)
+                selected = _selected(message) if mine else frozenset()
+                less = (frozenset(c) for size in range(len(selected) + 1) for c in combinations(selected, size))
+                others = [constants for keys in less for constants in holding.get(keys, ())]
+                names = (f.name for at, f in mine.items() if any(_holds(o.get(at)) != f.constant for o in others))
+                deciding[message.name] = frozenset(names)
     for command in commands:
         if command.reply_form is ReplyForm.ECHO and command.request and command.reply:
             both = deciding.get(command.request.name, frozenset()) | deciding.get(command.reply.name, frozenset())
@@ -47,12 +53,12 @@ def _distinct(commands: Sequence[Command], direction: Direction) -> Iterator[Mes
             yield message
 
 
-def _selected(message: Message) -> frozenset[tuple[object, ...]]:
+def _selected(message: Message) -> frozenset[object]:
     """What the selectors of a message have to hold."""
     return frozenset((key.space, key.segments, key.value) for key in message.keys)
 
 
-def _constants(message: Message) -> dict[Place, Field]:
+def _constants(message: Message) -> Constants:
     """The constants that are always there, by place."""
     fields = (f for f in message.layout.fields if f.constant is not None and not f.only and not f.is_array)
     return {(field.space, field.elements[0].segments): field for field in fields}

@@ -154,11 +154,6 @@ def segments_of(bits: Sequence[int], space: Space) -> tuple[Segment, ...]:
     """Runs of frame bits, from the least significant raw bit up, as segments within one byte each."""
     if space is Space.ID:
         return (Segment(0, bits[0], len(bits), 0),)
-    segments: list[Segment] = []
-    for raw, bit in enumerate(bits):
-        last = segments[-1] if segments else None
-        if last and last.byte == bit // 8 and last.low + last.width == bit % 8:
-            segments[-1] = dataclasses.replace(last, width=last.width + 1)
-        else:
-            segments.append(Segment(bit // 8, bit % 8, 1, raw))
-    return tuple(segments)
+    starts = [raw for raw, bit in enumerate(bits) if raw == 0 or bit != bits[raw - 1] + 1 or bit % 8 == 0]
+    ends = [*starts[1:], len(bits)]
+    return tuple(Segment(bits[raw] // 8, bits[raw] % 8, end - raw, raw) for raw, end in zip(starts, ends, strict=True))

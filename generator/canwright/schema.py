@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from .model import Level, Order
 from .schema_messages import (
@@ -47,6 +47,8 @@ from .written import (
 
 class Address(Titled):
     """A rule from node to CAN id, and back."""
+
+    model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": ["id"]}, {"required": ["request", "reply"]}]})
 
     id: Annotated[
         IdText | None, Field(description="Id of both directions: `0x100 + node`, `node << 5`, or a fixed one.")
@@ -99,6 +101,8 @@ Choice = Annotated[
 
 class ParameterSpec(Titled):
     """What the integrator knows of a node and no frame says: a choice among values, or a number."""
+
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["values"]}, {"required": ["number"]}]})
 
     values: Annotated[
         Annotated[
@@ -178,5 +182,21 @@ JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 def schema_text(concept: type[Concept]) -> str:
     """The JSON Schema of a file that holds `concept`, as text, for editors and other tools."""
-    schema = {"$schema": JSON_SCHEMA_DIALECT, **concept.model_json_schema()}
+    schema = {"$schema": JSON_SCHEMA_DIALECT, **_strict(concept.model_json_schema())}
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
+
+
+def _strict(schema: Any) -> Any:
+    """A JSON Schema as strict as reading is: a key that is given has a value, and a name fits its pattern."""
+    if isinstance(schema, list):
+        return [_strict(part) for part in schema]
+    if not isinstance(schema, dict):
+        return schema
+    found = {key: _strict(part) for key, part in schema.items() if (key, part) != ("default", None)}
+    if "patternProperties" in found:
+        found.setdefault("additionalProperties", False)
+    given = [part for part in found.get("anyOf", ()) if part != {"type": "null"}]
+    if len(given) == 1 and len(found["anyOf"]) == 2:
+        del found["anyOf"]
+        return {**given[0], **found}
+    return {**found, "anyOf": given} if given else found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from .model import Encoding, Order
 from .schema_types import Concept, Titled
@@ -13,6 +13,8 @@ from .written import Byte, Indices, Name, Nodes, Only, Raw, Section, Start, Text
 
 class FieldSpec(Titled):
     """A run of bits with a type."""
+
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["type"]}, {"required": ["raw"]}]})
 
     at: Annotated[
         Start,
@@ -153,6 +155,8 @@ class Table(Titled):
 
 class Command(Titled):
     """A code with its request and its reply."""
+
+    model_config = ConfigDict(json_schema_extra={"required": ["reply"]})
 
     code: Annotated[
         Code | None,

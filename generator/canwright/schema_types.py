@@ -13,7 +13,7 @@ from .written import Name, Printed, Rational, Raw, Span, Text, is_map
 class Concept(BaseModel):
     """What all concepts share: no unknown keys, nothing changes once it is read."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, strict=True, defer_build=True)
 
 
 class Titled(Concept):
@@ -91,6 +91,8 @@ Bit = Annotated[Annotated[BitNumber, Tag("plain")] | Annotated[Flag, Tag("map")]
 
 class Type(Titled):
     """How raw bits become a value."""
+
+    model_config = ConfigDict(json_schema_extra={"not": {"required": ["range", "raw_range"]}})
 
     raw: Annotated[Raw, Field(description="Sign and width: u8, i16, i56 (1 to 64 bits), or f32, f64.")]
     byte_order: Annotated[Order | None, Field(description="Overrides the edition's byte order.", strict=False)] = None

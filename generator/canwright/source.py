@@ -9,11 +9,11 @@ from __future__ import annotations
 import codecs
 import re
 import stat
-from dataclasses import dataclass
+from collections.abc import Callable
 from decimal import Decimal
 from functools import cached_property
 from pathlib import Path as FilePath
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import yaml
 
@@ -38,7 +38,7 @@ _DECIMAL = re.compile(r"-?(?:0|[1-9][0-9]{0,30})\.[0-9]{1,30}")
 _LONG = re.compile(r"-?[1-9][0-9]{31,}|0x[0-9A-Fa-f]{17,}")
 _AMBIGUOUS = re.compile(
     r"""(?aix) (?: yes|no|on|off | true|false | ~|null | [-+]?\.(?:inf|nan) | [-+]?0[obx][0-9a-f_]+
-    | [-+]?[\d_]*\d[\d_]*(?:\.[\d_]*)?(?:e[-+]?\d+)? | [-+]?\.[\d_]+(?:e[-+]?\d+)?
+    | [-+]?_*\d[\d_]*(?:\.[\d_]*)?(?:e[-+]?\d+)? | [-+]?\.[\d_]+(?:e[-+]?\d+)?
     | [-+]?\d[\d_]*(?::[0-5]?\d)+(?:\.[\d_]*)? )"""
 )
 """What some reader takes for something else than a text: all that is left of numbers, and other words for `true`."""
@@ -50,13 +50,22 @@ _MARKS = {
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
-@dataclass(frozen=True)
-class Mark:
+class Mark(NamedTuple):
     """Line and column from 1, and how many characters to underline."""
 
     line: int
     column: int
     length: int
+
+    @classmethod
+    def of(cls, span: Span) -> Mark:
+        start, end = span
+        one_line = end is not None and start.line == end.line
+        return cls(start.line + 1, start.column + 1, end.column - start.column if one_line else 1)
+
+
+Span = tuple[Any, Any]
+"""The start of something, and its end where it is a scalar, as the YAML parser has them: few are ever asked for."""
 
 
 class Document:
@@ -71,8 +80,8 @@ class Document:
         written = text.replace("\r\n", "\n")
         read = characters.covered(written)
         self.lines = read.split("\n")
-        self._keys: dict[Path, Mark] = {}
-        self._values: dict[Path, Mark] = {}
+        self._keys: dict[Path, Span] = {}
+        self._values: dict[Path, Span] = {}
         self.renamed: dict[Path, Path] = {}
         self.spoilt: set[Path] = set()
         self.findings: list[Diagnostic] = []
@@ -98,8 +107,8 @@ class Document:
                 path = (*written, *path[len(meant) :])
         while path and path not in self._values:
             path, key = path[:-1], True
-        mark = (self._keys.get(path) if key else None) or self._values.get(path) or Mark(1, 1, 1)
-        return self._at(mark)
+        span = (self._keys.get(path) if key else None) or self._values.get(path)
+        return self._at(Mark.of(span) if span else Mark(1, 1, 1))
 
     def finding(
         self, path: Path, rule: str, message: str, hint: str = "", *, key: bool = False, warning: bool = False
@@ -134,9 +143,12 @@ class _Builder:
 
     def __init__(self, document: Document, text: str) -> None:
         self._document = document
+        self._text = text
         self._is_covered = bool(document.findings)
-        self._events = self._parse(text)
+        self._plain: dict[str, Scalar] = {}
+        """What plain texts read as, of those without a finding: most stand in a file again and again."""
         self._event: Any = None
+        self._next_event: Callable[[], Any] = self._first_event
 
     def build(self) -> Data:
         self._next()  # stream start
@@ -151,9 +163,13 @@ class _Builder:
             self._report("yaml", "a second document starts here", "a file holds one; remove the `---`")
         return data
 
-    def _parse(self, text: str) -> Any:
+    def _first_event(self) -> Any:
+        self._next_event = _LOADER(self._text).get_event
+        return self._next_event()
+
+    def _next(self) -> None:
         try:
-            yield from yaml.parse(text, Loader=_LOADER)
+            self._event = self._next_event()
         except yaml.MarkedYAMLError as error:
             mark = error.problem_mark or error.context_mark
             where = Mark(mark.line + 1, mark.column + 1, 1) if mark else Mark(1, 1, 1)
@@ -165,13 +181,12 @@ class _Builder:
             what = next(iter(str(error).splitlines()), "")
             self._document._refuse(Mark(1, 1, 1), "yaml", f"this is not YAML: {what}")
 
-    def _next(self) -> None:
-        self._event = next(self._events)
+    def _span(self) -> Span:
+        event = self._event
+        return event.start_mark, event.end_mark if isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)) else None
 
     def _mark(self) -> Mark:
-        start, end = self._event.start_mark, self._event.end_mark
-        one_line = start.line == end.line and isinstance(self._event, (yaml.ScalarEvent, yaml.AliasEvent))
-        return Mark(start.line + 1, start.column + 1, end.column - start.column if one_line else 1)
+        return Mark.of(self._span())
 
     def _report(self, rule: str, message: str, hint: str = "", spoils: Path | None = None) -> None:
         self._document._report(self._mark(), rule, message, hint)
@@ -181,7 +196,14 @@ class _Builder:
     def _value(self, path: Path | None, depth: int) -> Data:
         event = self._event
         if path is not None:
-            self._document._values[path] = self._mark()
+            self._document._values[path] = self._span()
+        if isinstance(event, yaml.ScalarEvent) and event.anchor is None and event.tag is None and depth <= MAX_DEPTH:
+            return self._scalar(path)
+        return self._collection(path, depth)
+
+    def _collection(self, path: Path | None, depth: int) -> Data:
+        """A mapping or a list, or what is refused."""
+        event = self._event
         if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
             spoils = path if isinstance(event, yaml.AliasEvent) else None
             hint = "name a type or a layout and refer to it"
@@ -213,16 +235,16 @@ class _Builder:
     def _entries(self, path: Path | None, depth: int) -> dict[str, Data]:
         entries: dict[str, Data] = {}
         while not isinstance(self._event, yaml.MappingEndEvent):
-            mark = self._mark()
+            span = self._span()
             key, written = self._key(depth), getattr(self._event, "value", "")
             child = None if path is None or key is None else (*path, key)
             is_first = key not in entries
             if path is not None and key is None:
                 self._document.spoilt.add((*path, written))
             elif child is not None and is_first:
-                self._document._keys[child] = mark
+                self._document._keys[child] = span
             elif child is not None:
-                before = self._document._keys[child].line
+                before = Mark.of(self._document._keys[child]).line
                 self._report("duplicate-key", f"`{key}` is there twice, first on line {before}", "remove or rename one")
             self._next()
             value = self._value(child if is_first else None, depth)
@@ -255,6 +277,15 @@ class _Builder:
 
     def _scalar(self, path: Path | None) -> Scalar:
         text: str = self._event.value
+        if not self._event.style and text in self._plain:
+            return self._plain[text]
+        found = len(self._document.findings)
+        value = self._checked(text, path)
+        if not self._event.style and len(self._document.findings) == found and not self._is_marked(text):
+            self._plain[text] = value
+        return value
+
+    def _checked(self, text: str, path: Path | None) -> Scalar:
         unseen = characters.unseen(text)
         for found in unseen:
             self._document._unseen(self._mark(), found)

@@ -179,8 +179,9 @@ class _Filler:
         if "$ref" in schema:
             schema = self._root["$defs"][schema["$ref"].rsplit("/", 1)[1]]
         inner = [*schema.get("anyOf", ()), *schema.get("oneOf", ())]
-        if not inner:
+        if not inner or "properties" in schema:
             yield schema
+            return
         for one in inner:
             yield from self._choices(one)
 

@@ -39,7 +39,7 @@ def test_no_more_than_the_limit_is_read(tmp_path: Path) -> None:
     file = tmp_path / "x.yaml"
     with file.open("wb") as stream:
         stream.truncate(1 << 40)
-    with pytest.raises(SpecError, match=r"the file has more than 1048576 bytes \[file-size\]"):
+    with pytest.raises(SpecError, match=rf"the file has more than {source.MAX_BYTES} bytes \[file-size\]"):
         source.read(file)
 
 

@@ -69,7 +69,7 @@ def _equal(hostile: str, harmless: str) -> bool:
 
 
 def _without_hash(text: str) -> str:
-    return re.sub(r"[0-9a-f]{12,64}", "", text)
+    return re.sub(r"[0-9a-f]{12,64}|\b0x[0-9a-f]{8}u\b", "", text)
 
 
 def _same_c(hostile: str, harmless: str) -> bool:

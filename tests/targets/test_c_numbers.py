@@ -198,10 +198,12 @@ def _number(type_: Type, raw: int) -> float | int:
 
 
 def _value(number: float | int, scale: Fraction, offset: Fraction) -> float:
-    """One operation a step, the product exact for integers."""
+    """One operation a step; of integers with an offset, one rounding in all, and without, the product exact."""
+    if offset and isinstance(number, int):
+        return float(number * scale + offset)
     value = number * scale.numerator if isinstance(number, int) else number * float(scale.numerator)
     value = value / scale.denominator
-    return value + float(offset) if offset else float(value)
+    return float(value + float(offset))
 
 
 def _steps(value: float, scale: Fraction, offset: Fraction) -> float:

@@ -58,10 +58,10 @@ def test_text_of_a_small_spec(name: str) -> None:
 
 def test_of_very_many_nodes_the_first_are_listed(tmp_path: Path) -> None:
     spec = tmp_path / "v1.yaml"
-    spec.write_text(MINIMAL.replace("nodes: 1..4}", "nodes: 1..16777215, extended: true}"), "utf-8")
+    spec.write_text(MINIMAL.replace("nodes: 1..4}", "nodes: 1..65535, extended: true}"), "utf-8")
     written = made(spec)
     assert written["lamp-v1-command.dbc"].count("\nBO_ ") == 256
-    assert "of the nodes up to 16777215, the files list those up to 256" in written["README.md"]
+    assert "of the nodes up to 65535, the files list those up to 256" in written["README.md"]
 
 
 def test_a_choice_among_names_splits_the_files() -> None:

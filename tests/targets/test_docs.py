@@ -90,7 +90,7 @@ def test_what_stands_in_the_id_is_in_table_and_picture(tmp_path: Path) -> None:
     spec.write_text(IN_THE_ID, "utf-8")
     pages = {output.path: output.text for output in docs.generate([described(spec)], {})}
     text = pages["en/v1/commands/set.md"]
-    assert "| `id bits 0..7` |  |  | `u8` |  | `0x21` |" in text
+    assert "| `id bits 0..7` |  | `u8` |  | `0x21` |" in text
     assert "| `id bits 12..17` | `part` |" in text
     assert "tells the command; Also accepted `0x23`" in text
     picture = re.findall(r"<text[^>]*>([^<]*)</text>", pages["en/v1/pictures/set-request.svg"])
@@ -140,3 +140,26 @@ def test_what_fixed_frames_leave_over_says_so() -> None:
     pages = {output.path: output.text for output in docs.generate([joint], {})}
     said = "being none of the other commands with this id"
     assert [path for path, text in pages.items() if said in text] == ["en/v1/commands/control.md"]
+
+
+def test_the_front_page_tells_editions_apart(tmp_path: Path) -> None:
+    old = (
+        MINIMAL.replace("edition: v1\n", "edition: v1\ndate: '2023-01'\n")
+        + "  glow: {code: 0x11, manual: '2', reply: none}\n"
+    )
+    new = (
+        old.replace("v1", "v2")
+        .replace("2023", "2024")
+        .replace("0x11", "0x12")
+        .replace("{id: 0x100", "{request: 0x100 + node, reply: 0x180")
+    )
+    for name, text in (("a", new), ("b", old)):
+        (tmp_path / f"{name}.yaml").write_text(text, "utf-8")
+    made = docs.generate([described(tmp_path / f"{name}.yaml") for name in "ab"], {})
+    pages = {output.path: output.text for output in made}
+    rows = [line for line in pages["en/index.md"].splitlines() if line.startswith("| [")]
+    assert rows == [
+        "| [lamp `v1`](v1/index.md) | `2023-01` | Lamp | `0x100 + node` | `0x11` | |",
+        "| [lamp `v2`](v2/index.md) | `2024-01` | Lamp | `0x180 + node` | `0x12` | [What changed](v2/changes.md) |",
+    ]
+    assert "Edition [v1](../index.md) · also in [v2](../../v2/commands/dim.md)\n" in pages["en/v1/commands/dim.md"]

@@ -4480,9 +4480,11 @@ class _Answer:
         route, node = _REPLIES.find(can_id, extended, remote)
         if self.reply not in route.classes:
             raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} is no id of {self.reply.__name__}")
-        route.check(self.reply, can_id, data)
-        if not all(read(can_id, data) in codes for read, codes in self.selectors):
-            raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not have the code of {self.reply.__name__}")
+        if len(data) != self.reply.DLC or route.unused:
+            route.check(self.reply, can_id, data)
+        for read, codes in self.selectors:
+            if read(can_id, data) not in codes:
+                raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not have the code of {self.reply.__name__}")
         return node
 
 

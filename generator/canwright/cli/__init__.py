@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 import click
 
 from .. import __version__
-from .copy import copy
-from .diff import diff, editions
-from .explain import explain
-from .generate import check, generate
-from .identify import identify
-from .schema import schema
-from .show import show
-from .site import site
+
+COMMANDS = {
+    **{name: name for name in ("generate", "copy", "diff", "identify", "explain", "show", "site", "schema")},
+    "check": "generate",
+    "editions": "diff",
+}
+"""The module of each command: only that one is imported."""
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+class _Commands(click.Group):
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return sorted(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = getattr(import_module(f".{COMMANDS[cmd_name]}", __package__), cmd_name)
+        return command
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(__version__, "-V", "--version", message="canwright %(version)s")
 def main() -> None:
     """Bindings and documents from one YAML description of a CAN protocol.
@@ -33,7 +45,3 @@ def main() -> None:
 
     Exit status: 0 when all is well, 1 when there are findings, 2 when it could not run.
     """
-
-
-for command in (generate, check, copy, diff, editions, identify, explain, show, site, schema):
-    main.add_command(command)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..folder import OutputError
 from .common import OUT_FOLDER, FilePath, stop
 
 
@@ -14,17 +15,23 @@ from .common import OUT_FOLDER, FilePath, stop
     "--docs", type=FilePath(file_okay=False), default=OUT_FOLDER / "docs", show_default=True, help="The pages."
 )
 @click.option(
-    "--out", type=FilePath(file_okay=False), default=Path("site"), show_default=True, help="Folder of the site."
+    "--out",
+    type=FilePath(file_okay=False, readable=False),
+    default=Path("site"),
+    show_default=True,
+    help="Folder of the site.",
 )
-def site(docs: Path, out: Path) -> None:
+@click.option("--force", is_flag=True, help="Overwrite pages of an earlier site that were edited by hand.")
+def site(docs: Path, out: Path, force: bool) -> None:
     """Build the pages into a site: both languages, search, nothing fetched from elsewhere.
 
-    Needs `pip install 'canwright[site]'`. A link that leads nowhere stops it.
+    Needs `pip install 'canwright[site]'`. A link that leads nowhere stops it. The folder has to be new, empty, or that
+    of an earlier site; files that canwright did not make are never touched.
     """
     from ..site import SiteError, build
 
     try:
-        build(docs, out)
-    except (SiteError, OSError) as error:
+        build(docs, out, force=force)
+    except (SiteError, OutputError, OSError) as error:
         stop(str(error))
     click.echo(f"{out.as_posix()}/index.html")

@@ -3,29 +3,40 @@
 from __future__ import annotations
 
 from ..model import Direction, Message, Space
+from . import alike, ids
 from .duplicate_code import sends_the_same
-from .ids import messages_meet
 from .rule import Finding, Found, Subject
+
+_ID_KEYS, _DATA = 32, 64
+"""Where the bits of keys stand behind those of the id."""
 
 
 def check(subject: Subject) -> Found:
     edition = subject.edition
     for direction in Direction:
-        messages = list(edition.messages(direction))
-        for i, message in enumerate(messages):
-            for other in messages[:i]:
-                if message.layout is other.layout or not _same_frame(message, other):
-                    continue
-                if not sends_the_same(edition.command(message.command), edition.command(other.command)):
-                    text = (
-                        f"nothing tells this {direction.value} from that of `{other.command}`, but their fields differ"
-                    )
-                    hint = "give one of them another code, id or dlc, a constant that the other has not, or let them share a layout"
-                    yield Finding(message.path, text, hint)
+        messages = edition.messages(direction)
+        for i, j in alike.pairs([_known(message) for message in messages]):
+            message, other = messages[i], messages[j]
+            if message.layout is other.layout or not _same_frame(message, other):
+                continue
+            if not sends_the_same(edition.command(message.command), edition.command(other.command)):
+                text = f"nothing tells this {direction.value} from that of `{other.command}`, but their fields differ"
+                hint = "give one of them another code, id or dlc, a constant that the other has not, or let them share a layout"
+                yield Finding(message.path, text, hint)
+
+
+def _known(message: Message) -> alike.Known:
+    """What is known of a frame of a message: its id, and behind that the bits that keys fix."""
+    mask, value = ids.known(ids.of_message(message), ids.free_bits(message))
+    for (space, bit), held in _fixed(message).items():
+        at = bit + (_ID_KEYS if space is Space.ID else _DATA)
+        mask |= 1 << at
+        value |= held << at
+    return alike.Known(mask, value)
 
 
 def _same_frame(one: Message, other: Message) -> bool:
-    if not messages_meet(one, other):
+    if not ids.messages_meet(one, other):
         return False
     first, second = _fixed(one), _fixed(other)
     if (one.id, first) == (other.id, second) and one.dlc != other.dlc and not one.remote:

@@ -7,28 +7,32 @@ from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
-    seen: dict[tuple[str, str], Command] = {}
+    seen: set[tuple[str, str]] = set()
+    earlier: dict[object, list[Command]] = {}
     for command in subject.edition.commands:
-        for other in subject.edition.commands:
-            if other is command:
-                break
+        same = earlier.setdefault(_sent(command), [])
+        for other in same:
             pair = (command.group, other.group)
             if pair not in seen and sends_the_same(command, other):
-                seen[pair] = other
+                seen.add(pair)
                 yield _finding(command, other)
+        same.append(command)
 
 
 def sends_the_same(one: Command, other: Command) -> bool:
     """Whether the requests of two commands have the same code, the same index and as many bytes, at the same address."""
     if one.request is None or other.request is None or one.code is None:
         return False
-    if (one.request.id, one.request.remote) != (other.request.id, other.request.remote):
-        return False
-    if one.request.dlc != other.request.dlc and not one.request.remote:
-        return False
-    return [(k.space, k.segments, k.value) for k in one.request.keys] == [
-        (k.space, k.segments, k.value) for k in other.request.keys
-    ]
+    return _sent(one) == _sent(other)
+
+
+def _sent(command: Command) -> object:
+    """What tells the request of a command from others; None where it has none."""
+    request = command.request
+    if request is None:
+        return None
+    length = None if request.remote else request.dlc
+    return request.id, request.remote, length, tuple((k.space, k.segments, k.value) for k in request.keys)
 
 
 def _finding(command: Command, other: Command) -> Finding:

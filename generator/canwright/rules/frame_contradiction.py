@@ -14,8 +14,9 @@ from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
+    messages = {direction: _messages(subject.edition, direction) for direction in Direction}
     for i, frame in enumerate(subject.frames.frames if subject.frames else ()):
-        for path, text, hint in _frame(subject.edition, frame):
+        for path, text, hint in _frame(messages[frame.direction], frame):
             yield Finding(("frames", i, *path), text, hint, in_frames=True)
     commands = {c.name for c in subject.edition.commands}
     for i, refused in enumerate(subject.frames.refused if subject.frames else ()):
@@ -43,13 +44,17 @@ def _parameters(edition: Edition, given: Mapping[str, int | str]) -> Iterator[Pr
             yield path, f"`{name}` has no value `{value}`", nearest(str(value), names)
 
 
-def _frame(edition: Edition, frame: Frame) -> list[Problem]:
+def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:
+    """What each command sends in a direction, by its name."""
+    both = ((c.name, c.request if direction is Direction.REQUEST else c.reply) for c in edition.commands)
+    return {name: message for name, message in both if message is not None}
+
+
+def _frame(messages: Mapping[str, Message], frame: Frame) -> list[Problem]:
     direction = frame.direction.value
     if not frame.command or (frame.request and frame.reply):
         text = "this is no frame of a command" if not frame.command else "a frame is a request or a reply, not both"
         return [((), text, "write `request: COMMAND` or `reply: COMMAND`")]
-    both = ((c.name, c.request if frame.direction is Direction.REQUEST else c.reply) for c in edition.commands)
-    messages = {name: message for name, message in both if message is not None}
     message = messages.get(frame.command)
     if message is None:
         return [((direction,), f"no command `{frame.command}` has a {direction}", nearest(frame.command, messages))]

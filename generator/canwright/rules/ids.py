@@ -5,7 +5,9 @@ from __future__ import annotations
 from itertools import islice
 
 from ..model import IdRule, Message, Space
+from .alike import Known
 
+ALL_BITS = (1 << 29) - 1
 ENUMERATED = 1 << 16
 """Up to so many nodes, ids are listed; above, bits of the id that fields fill are not told from the rest."""
 
@@ -30,6 +32,13 @@ def free_bits(message: Message) -> int:
     fields = (f for f in message.layout.fields if f.space is Space.ID and f.constant is None)
     segments = [s for f in fields for e in f.elements for s in e.segments]
     return sum(((1 << s.width) - 1) << s.low for s in segments)
+
+
+def known(ids: range, free: int = 0) -> Known:
+    """The bits that all of these ids have in common, but for the `free` ones."""
+    differing = (1 << (ids[0] ^ ids[-1]).bit_length()) - ids.step
+    mask = ALL_BITS & ~(max(differing, 0) | free)
+    return Known(mask, ids[0] & mask)
 
 
 def meet(one: range, other: range, free: int = 0) -> int | None:

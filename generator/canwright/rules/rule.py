@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..diagnostics import Severity
 from ..golden import GoldenFrames
@@ -11,8 +11,7 @@ from ..model import Edition, Path
 from ..schema import EditionSpec
 
 
-@dataclass(frozen=True)
-class Subject:
+class Subject(NamedTuple):
     """A spec that could be read: as it is written, as it resolves, and its golden frames where it has any."""
 
     edition: Edition
@@ -20,8 +19,7 @@ class Subject:
     frames: GoldenFrames | None
 
 
-@dataclass(frozen=True)
-class Finding:
+class Finding(NamedTuple):
     """Where, what is wrong, and what to do about it. The place is in the golden frames with `in_frames`."""
 
     path: Path
@@ -34,8 +32,7 @@ class Finding:
 Found = Iterator[Finding]
 
 
-@dataclass(frozen=True)
-class Rule:
+class Rule(NamedTuple):
     """An id for people to look up, what the rule wants, and how much it matters.
 
     `check` is None for what is found while a spec is read. A rule that needs the `whole` spec is left out where some of

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from ..golden import GoldenFrames
 from ..model import Assignment, Edition
 
 
-@dataclass(frozen=True)
-class Described:
+class Described(NamedTuple):
     """What a target is given of one edition: the edition, and its golden frames where it has any."""
 
     edition: Edition
     frames: GoldenFrames | None
 
 
-@dataclass(frozen=True)
-class Output:
+class Output(NamedTuple):
     """A file to be: its path below the target's folder, with `/`, and its text."""
 
     path: str

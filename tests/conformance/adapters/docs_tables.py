@@ -173,6 +173,7 @@ class MessagePage:
 def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> MessagePage:
     """A direction of a command page from its two tables."""
     said = dict(zip(*facts, strict=True))
+    lines = [dict(zip(rows[0], row, strict=True)) for row in rows[1:]]
     base, shift = _id(plain(said["Id"]))
     first, last = plain(said["Nodes"]).split("..") if "Nodes" in said else ("", "")
     each = plain(said.get("One from each of", ""))
@@ -185,8 +186,8 @@ def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> Me
         int(plain(said["Frame"])),
         said.get("Form", "").split(",")[0],
         tuple(int(node) for node in each.split(", ") if node),
-        tuple(_key(row) for row in rows[1:] if not row[1]),
-        tuple(_field(row) for row in rows[1:] if row[1]),
+        tuple(_key(line) for line in lines if not line.get("Field")),
+        tuple(_field(line) for line in lines if line.get("Field")),
     )
 
 
@@ -200,26 +201,26 @@ def _id(text: str) -> tuple[int, int]:
     return base, shift
 
 
-def _key(row: Sequence[str]) -> Key:
-    accepted = tuple(int(code, 16) for code in re.findall(r"`0x([0-9A-F]+)`", row[8]))
-    return Key(bits(plain(row[0]), plain(row[3])), int(plain(row[5]), 0), accepted)
+def _key(line: Mapping[str, str]) -> Key:
+    accepted = tuple(int(code, 16) for code in re.findall(r"`0x([0-9A-F]+)`", line["What it is"]))
+    return Key(bits(plain(line["Place"]), plain(line["Raw"])), int(plain(line["Raw range"]), 0), accepted)
 
 
-def _field(row: Sequence[str]) -> FieldRow:
-    place, field, type_, raw, step, limits, _, only, what = row
-    match = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", plain(field))
-    assert match, field
-    parameter, _, values = plain(only).partition(" ")
+def _field(line: Mapping[str, str]) -> FieldRow:
+    match = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", plain(line["Field"]))
+    assert match, line["Field"]
+    parameter, _, values = plain(line.get("Only", "")).partition(" ")
+    limits = line.get("Raw range", "")
     constant = int(plain(limits)) if limits and ".." not in limits else None
     return FieldRow(
         match[1],
         int(match[2]) if match[2] else None,
-        re.sub(r"\[(.*)\]\(.*", r"\1", type_).replace("\\", ""),
-        plain(raw),
-        bits(plain(place), plain(raw)),
-        {name: scale(text) for name, text in cases(step).items()},
+        re.sub(r"\[(.*)\]\(.*", r"\1", line.get("Type", "")).replace("\\", ""),
+        plain(line["Raw"]),
+        bits(plain(line["Place"]), plain(line["Raw"])),
+        {name: scale(text) for name, text in cases(line.get("One raw step", "")).items()},
         {} if constant is not None else {name: ends(text) for name, text in cases(limits).items() if text},
         constant,
         (parameter, tuple(values.split(", "))),
-        "the node: an answer comes from" in what,
+        "the node: an answer comes from" in line["What it is"],
     )

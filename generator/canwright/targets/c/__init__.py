@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...golden import Refusal
 from ...model import Assignment
@@ -38,8 +38,7 @@ REFUSALS = {
 }
 
 
-@dataclass(frozen=True)
-class StatusView:
+class StatusView(NamedTuple):
     """A status, its word and what it means."""
 
     name: str
@@ -50,8 +49,7 @@ class StatusView:
 STATUSES = tuple(StatusView(f"CANWRIGHT_{refusal.name}", refusal.value, REFUSALS[refusal]) for refusal in Refusal)
 
 
-@dataclass(frozen=True)
-class FamilyView:
+class FamilyView(NamedTuple):
     """What the files for a whole family say of it: the headers of its editions and their examples."""
 
     name: str

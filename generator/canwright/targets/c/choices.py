@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from ...model import Dependent, Edition, Parameter
 from .names import Names, member
@@ -14,16 +13,14 @@ T = TypeVar("T")
 ENUM_MAX = 0x7FFF
 
 
-@dataclass(frozen=True)
-class Branch:
+class Branch(NamedTuple):
     """Statements under some cases."""
 
     labels: tuple[str, ...]
     lines: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class Choice:
+class Choice(NamedTuple):
     """Statements, or a `switch` over `subject` between several and those of `otherwise`."""
 
     subject: str | None
@@ -40,14 +37,12 @@ class Choice:
         return self.subject is not None or any("parameters->" in line for line in lines)
 
 
-@dataclass(frozen=True)
-class EnumeratorView:
+class EnumeratorView(NamedTuple):
     name: str
     number: int
 
 
-@dataclass(frozen=True)
-class ParameterView:
+class ParameterView(NamedTuple):
     """One member of the struct of parameters; enumerators where it is a choice."""
 
     kind: str

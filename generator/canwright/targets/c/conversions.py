@@ -8,8 +8,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...model import Edition, Encoding, Linear, Type
 from .choices import Choice, choose
@@ -24,8 +24,7 @@ EXACT = 1 << 53
 """Up to here a double holds every integer."""
 
 
-@dataclass(frozen=True)
-class ConversionView:
+class ConversionView(NamedTuple):
     """A pair of functions between the raw integer and a number of type `kind`.
 
     `to` is the body of the one: it returns a status where it can fail, else the number. `from_` is the body of the
@@ -56,8 +55,7 @@ def nearest(number: Fraction) -> int:
     return magnitude if number >= 0 else -magnitude
 
 
-@dataclass(frozen=True)
-class _Milli:
+class _Milli(NamedTuple):
     """thousandths = (raw * factor + addend) / divisor, for one scale."""
 
     factor: int

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from ...model import Command, Direction, Edition, IdRule, Message, ReplyForm
 from . import bits
@@ -12,27 +12,23 @@ from .messages import Forms, RuleView, constant_mismatch, frame_id
 from .names import Names
 
 
-@dataclass(frozen=True)
-class Refuse:
+class Refuse(NamedTuple):
     status: str
 
 
-@dataclass(frozen=True)
-class Found:
+class Found(NamedTuple):
     """A command, and what else a frame is refused for: a condition and the status, for each reason."""
 
     command: str
     refusals: tuple[tuple[str, str], ...]
 
 
-@dataclass(frozen=True)
-class Case:
+class Case(NamedTuple):
     labels: tuple[str, ...]
     then: Node
 
 
-@dataclass(frozen=True)
-class Select:
+class Select(NamedTuple):
     """A `switch` over `subject`."""
 
     subject: str
@@ -45,11 +41,11 @@ class Select:
         return isinstance(self.otherwise, Refuse) and sum(len(case.labels) for case in self.cases) == 1
 
 
+NOWHERE = Refuse("UNKNOWN_CODE")
 Node = Refuse | Found | Select
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """What is done with frames whose id belongs to an address. `other_length` holds when no message has the length."""
 
     rule: RuleView
@@ -58,8 +54,7 @@ class Entry:
     then: Node
 
 
-@dataclass(frozen=True)
-class AnswerView:
+class AnswerView(NamedTuple):
     """Commands that are answered alike. `conditions` hold when the frame `reply` is their answer."""
 
     commands: tuple[str, ...]
@@ -77,7 +72,7 @@ def entries(names: Names, edition: Edition, forms: Forms, direction: Direction) 
             forms.rule(edition.address(messages[0].address), direction),
             frame_id(messages[0]),
             " && ".join(_other_length(dlc) for dlc in dict.fromkeys(m.dlc for m in messages if not m.remote)),
-            _Tree(names, edition, messages).from_key(messages, 0),
+            _Tree(names, messages, address_mask(edition, messages[0].address, direction)).from_key(messages, 0),
         )
         for messages in grouped.values()
     ]
@@ -88,13 +83,13 @@ def _other_length(dlc: int) -> str:
 
 
 class _Tree:
-    """The search among messages that have one id rule."""
+    """The search among messages that have one id rule; `id_mask` are the bits of the id that some of them fills."""
 
-    def __init__(self, names: Names, edition: Edition, messages: Sequence[Message]) -> None:
-        self._names, self._edition = names, edition
+    def __init__(self, names: Names, messages: Sequence[Message], id_mask: int) -> None:
+        self._names, self._id_mask = names, id_mask
         self._any_length = messages[0].remote or len({m.dlc for m in messages}) == 1
 
-    def from_key(self, messages: Sequence[Message], depth: int, rest: Node = Refuse("UNKNOWN_CODE")) -> Node:
+    def from_key(self, messages: Sequence[Message], depth: int, rest: Node = NOWHERE) -> Node:
         """Tells messages apart by their keys from `depth` on; one without a further key is what is left, then `rest`."""
         ends = [m for m in messages if len(m.keys) <= depth]
         node = self._by_length(ends) if ends else rest
@@ -116,7 +111,7 @@ class _Tree:
         for value, same in by_value.items():
             case = Case(tuple(bits.labels(messages[0].keys[depth], [value])), self.from_key(same, depth + 1, rest))
             if merged and merged[-1].then == case.then:
-                merged[-1] = replace(merged[-1], labels=merged[-1].labels + case.labels)
+                merged[-1] = merged[-1]._replace(labels=merged[-1].labels + case.labels)
             else:
                 merged.append(case)
         return tuple(merged)
@@ -130,7 +125,7 @@ class _Tree:
         return Select("frame->dlc", tuple(cases), Refuse("WRONG_LENGTH"))
 
     def _found(self, message: Message, *, any_length: bool = False) -> Found:
-        unused = address_mask(self._edition, message.address, message.direction) & ~message.id_mask
+        unused = self._id_mask & ~message.id_mask
         refusals = (
             (f"(frame->id & 0x{unused:X}u) != 0u" if unused else "", "UNKNOWN_ID"),
             ("" if self._any_length or any_length else _other_length(message.dlc), "WRONG_LENGTH"),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...golden import Frame
 from ...model import Command, Direction, Encoding, Field, Message, ReplyForm, Type
@@ -20,8 +20,7 @@ COMMANDS = 4
 Raw = Mapping[str, int | list[int]]
 
 
-@dataclass(frozen=True)
-class ShownView:
+class ShownView(NamedTuple):
     """A field, or one element of an array, and how it is printed: by `type_` where that has a name or a value for it."""
 
     label: str
@@ -30,8 +29,7 @@ class ShownView:
     type_: TypeView
 
 
-@dataclass(frozen=True)
-class SideView:
+class SideView(NamedTuple):
     """One direction of a command: what is sent, and how what is received is shown."""
 
     frame: FrameView
@@ -39,8 +37,7 @@ class SideView:
     shown: tuple[ShownView, ...]
 
 
-@dataclass(frozen=True)
-class ExchangeView:
+class ExchangeView(NamedTuple):
     command: str
     enumerator: str
     node: int
@@ -48,8 +45,7 @@ class ExchangeView:
     reply: SideView
 
 
-@dataclass(frozen=True)
-class ExampleView:
+class ExampleView(NamedTuple):
     file: str
     parameters: tuple[str, ...]
     exchanges: tuple[ExchangeView, ...]
@@ -87,7 +83,7 @@ class _Example:
         self._edition = described.edition
         self._view = view
         self._names = Names(described.edition)
-        self._golden = [f for f in described.frames.frames if not f.decode_only] if described.frames else []
+        self._golden = described.frames
         self._known = self._parameters()
         self._types = {t.name: t for t in view.types}
         self._frames = {f.name: f for command in view.commands for f in command.frames}
@@ -99,7 +95,8 @@ class _Example:
 
     def _parameters(self) -> dict[str, str]:
         """What most golden frames say that need to know much; the first values of all where there are none."""
-        given = Counter(tuple(sorted(f.parameters.items())) for f in self._golden)
+        usable = (f for f in self._golden.frames if not f.decode_only) if self._golden else ()
+        given = Counter(tuple(sorted(f.parameters.items())) for f in usable)
         if given:
             most = max(given, key=lambda pairs: (len(pairs), given[pairs]))
             return {name: str(value) for name, value in most}
@@ -146,9 +143,8 @@ class _Example:
     def _frames_of(self, command: Command, direction: Direction) -> list[Frame]:
         return [
             f
-            for f in self._golden
-            if (f.command, f.direction) == (command.name, direction)
-            and all(self._known.get(name) == str(value) for name, value in f.parameters.items())
+            for f in (self._golden.of_command.get((command.name, direction), ()) if self._golden else ())
+            if not f.decode_only and all(self._known.get(name) == str(value) for name, value in f.parameters.items())
         ]
 
     def _plain_pair(self, command: Command) -> tuple[int, Raw, Raw] | None:

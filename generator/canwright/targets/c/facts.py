@@ -31,11 +31,9 @@ def field_facts(field: Field, parameter: str | None) -> str:
 
 def errata(edition: Edition, path: Path) -> list[str]:
     """The errata about what stands at `path`, one paragraph each."""
-    here = ".".join(map(str, path))
     return [
         f"Erratum ({e.manual}): {english(e.printed)} Used here: {english(e.used)} {english(e.why)}"
-        for e in edition.errata
-        if any(where == here or where.startswith(here + ".") for where in e.where)
+        for e in edition.errata_at(path)
     ]
 
 

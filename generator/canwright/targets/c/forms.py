@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter
 from functools import reduce
 from operator import or_
+from typing import NamedTuple
 
 from ...model import Direction, Edition, Message, Segment, Space
 
 
-@dataclass(frozen=True)
-class Form:
+class Form(NamedTuple):
     """What messages have in common that are matched and stamped alike, but for length and codes."""
 
     address: str
@@ -33,10 +33,11 @@ def form_of(message: Message) -> Form:
 def named_forms(edition: Edition) -> dict[Form, tuple[str, ...]]:
     """All forms, each with what its name is made of: address and direction, and a number from the second one on."""
     result: dict[Form, tuple[str, ...]] = {}
+    numbers: Counter[tuple[str, str]] = Counter()
     for form in dict.fromkeys(map(form_of, edition.all_messages())):
         name = (form.address, form.direction.value)
-        number = 1 + sum(1 for other in result.values() if other[:2] == name)
-        result[form] = name if number == 1 else (*name, str(number))
+        numbers[name] += 1
+        result[form] = name if numbers[name] == 1 else (*name, str(numbers[name]))
     return result
 
 
@@ -44,4 +45,4 @@ def address_mask(edition: Edition, address: str, direction: Direction) -> int:
     """Bits of the id that keys and fields fill in some message of this direction."""
     here = edition.address(address)
     rule = here.request if direction is Direction.REQUEST else here.reply
-    return reduce(or_, (m.id_mask for m in edition.messages(direction) if m.id == rule), 0)
+    return reduce(or_, (m.id_mask for m in edition.of_rule(direction, rule)), 0)

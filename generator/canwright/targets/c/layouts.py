@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...model import Edition, Encoding, Field, Layout, Variant
 from . import bits
@@ -15,23 +15,20 @@ from .text import english
 from .validity import valid
 
 
-@dataclass(frozen=True)
-class MemberView:
+class MemberView(NamedTuple):
     kind: str
     name: str
     doc: str
 
 
-@dataclass(frozen=True)
-class Body:
+class Body(NamedTuple):
     """Statements that always run, then those that the layout's parameter decides."""
 
     lines: tuple[str, ...]
     choice: Choice | None
 
 
-@dataclass(frozen=True)
-class LayoutView:
+class LayoutView(NamedTuple):
     """A struct and its functions. Without members there is no struct, without fields there are no functions.
 
     Where a parameter decides which fields there are, `depends` is true, and packing and unpacking return a status.
@@ -56,8 +53,7 @@ class LayoutView:
 
 
 def layout_view(names: Names, edition: Edition, layout: Layout) -> LayoutView:
-    users = [m for m in edition.all_messages() if m.layout is layout]
-    shared = {byte for message in users for byte in bits.key_bytes(message.keys)}
+    shared = {byte for message in edition.of_layout(layout) for byte in bits.key_bytes(message.keys)}
     check = _check(names, layout)
     facts = errata(edition, layout.path) if layout.shared else []
     return LayoutView(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...model import Address, Direction, Edition, IdRule, Key, Message, Space
 from . import bits
@@ -15,8 +15,7 @@ from .text import english
 EXTENDED = 1 << 31
 
 
-@dataclass(frozen=True)
-class RuleView:
+class RuleView(NamedTuple):
     """The ids of one direction of an address. A fixed id has a macro, the others two functions."""
 
     direction: str
@@ -31,8 +30,7 @@ class RuleView:
     refused: str
 
 
-@dataclass(frozen=True)
-class CodeView:
+class CodeView(NamedTuple):
     """A parameter for the value of a key: how it is read from a frame, and how it is written."""
 
     kind: str
@@ -41,8 +39,7 @@ class CodeView:
     lines: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class FormView:
+class FormView(NamedTuple):
     """A form of frames: `match` tells whether a frame has it, `stamp` gives it to a frame."""
 
     name: str
@@ -62,8 +59,7 @@ class FormView:
         return " && ".join(f"{code.read} == {code.name}" for code in self.codes)
 
 
-@dataclass(frozen=True)
-class AddressView:
+class AddressView(NamedTuple):
     heading: str
     doc: str
     rules: tuple[RuleView, ...]
@@ -71,8 +67,7 @@ class AddressView:
     nodes: tuple[tuple[str, int], ...]
 
 
-@dataclass(frozen=True)
-class MessageView:
+class MessageView(NamedTuple):
     """A message. `matches` are the conditions on its codes, any of which it meets; `other_constant` is one to refuse."""
 
     name: str
@@ -91,12 +86,15 @@ class Forms:
         self._names, self._edition = names, edition
         examples = {form_of(message): message for message in edition.all_messages()}
         self._forms = {form: self._view(form, parts, examples[form]) for form, parts in named_forms(edition).items()}
+        self._at: dict[str, list[FormView]] = {}
+        for form, view in self._forms.items():
+            self._at.setdefault(form.address, []).append(view)
 
     def of(self, message: Message) -> FormView:
         return self._forms[form_of(message)]
 
     def at(self, address: Address) -> tuple[FormView, ...]:
-        return tuple(view for form, view in self._forms.items() if form.address == address.name)
+        return tuple(self._at.get(address.name, ()))
 
     def message(self, message: Message) -> MessageView:
         return MessageView(

@@ -62,12 +62,9 @@ def member(name: str) -> str:
 
 def layouts(edition: Edition) -> list[Layout]:
     """The layouts that messages use; the shared ones first, in spec order."""
-    found: list[Layout] = []
     used = [message.layout for message in edition.all_messages()]
-    for layout in [*(s for s in edition.layouts if any(s is u for u in used)), *used]:
-        if not any(layout is known for known in found):
-            found.append(layout)
-    return found
+    shared = [layout for layout in edition.layouts if edition.of_layout(layout)]
+    return list({id(layout): layout for layout in (*shared, *used)}.values())
 
 
 def problems(edition: Edition) -> Iterator[Problem]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...model import Edition, Encoding, Type
 from .choices import Choice
@@ -15,21 +15,18 @@ from .text import english
 from .validity import valid
 
 
-@dataclass(frozen=True)
-class MacroView:
+class MacroView(NamedTuple):
     name: str
     value: str
     doc: str
 
 
-@dataclass(frozen=True)
-class NameView:
+class NameView(NamedTuple):
     label: str
     name: str
 
 
-@dataclass(frozen=True)
-class TypeView:
+class TypeView(NamedTuple):
     """A type with what belongs to it. `names` are those of an enum."""
 
     name: str

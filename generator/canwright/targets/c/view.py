@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ... import words
 from ...model import Command, Direction, Edition, Level, ReplyForm
@@ -17,8 +17,7 @@ from .text import english
 from .values import MacroView, TypeView, types
 
 
-@dataclass(frozen=True)
-class FrameView:
+class FrameView(NamedTuple):
     """A message with its layout."""
 
     message: MessageView
@@ -61,8 +60,7 @@ class FrameView:
         return not (self.layout.members or self.layout.depends or self.message.other_constant or self.matches[1:])
 
 
-@dataclass(frozen=True)
-class CommandView:
+class CommandView(NamedTuple):
     name: str
     enumerator: str
     heading: str
@@ -71,24 +69,21 @@ class CommandView:
     frames: tuple[FrameView, ...]
 
 
-@dataclass(frozen=True)
-class MaskView:
+class MaskView(NamedTuple):
     """Commands that have the same effects."""
 
     commands: tuple[str, ...]
     value: str
 
 
-@dataclass(frozen=True)
-class OnlyView:
+class OnlyView(NamedTuple):
     """Commands that are there under the same conditions."""
 
     commands: tuple[str, ...]
     there: str
 
 
-@dataclass(frozen=True)
-class ContentView:
+class ContentView(NamedTuple):
     """Commands whose messages of one direction have the same layout."""
 
     commands: tuple[str, ...]
@@ -96,8 +91,7 @@ class ContentView:
     layout: LayoutView
 
 
-@dataclass(frozen=True)
-class DirectionView:
+class DirectionView(NamedTuple):
     """Any message of one direction."""
 
     word: str
@@ -113,8 +107,7 @@ class DirectionView:
         return any(content.layout.depends for content in self.contents)
 
 
-@dataclass(frozen=True)
-class EditionView:
+class EditionView(NamedTuple):
     """All that a header lays out. `spec` is the beginning of its hash, `prefix` and `PREFIX` start every name."""
 
     header: str

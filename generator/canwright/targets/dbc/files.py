@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Container, Iterator, Sequence
 from dataclasses import replace
 
 from ... import notation
-from ...model import Assignment, Direction, Edition
+from ...model import Assignment, Direction, Edition, IdRule
 from .. import header
 from .frames import Frame, Part, Scope, frames, partners
 from .selectors import joined_span
@@ -29,10 +29,14 @@ def files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
 
 def _files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
     for scope in scopes(edition, set_parameters):
-        yield from _variants(scope, ())
+        contents = list(_contents(scope))
+        other = replace(scope, direction=_OTHER[scope.direction])
+        shared = {(frame.rule, frame.id_bits) for frame in frames(other)}
+        yield from (_file(scope, part, found, shared) for part, found in contents)
         nodes = next((m.id.nodes for m in edition.messages(scope.direction) if m.id.nodes), None)
         if nodes and len(nodes) > 1:
-            yield from _variants(replace(scope, first_node_only=True), (f"node{nodes[0]}",))
+            first = replace(scope, first_node_only=True)
+            yield from (_file(first, (*part, f"node{nodes[0]}"), found, shared) for part, found in contents)
 
 
 def scopes(edition: Edition, set_parameters: Assignment) -> Iterator[Scope]:
@@ -57,12 +61,20 @@ def node_name(address: str, node: int | None) -> str:
     return fitting(camel(address), (), room=len(number_)) + number_
 
 
-def _variants(scope: Scope, part: tuple[str, ...]) -> Iterator[File]:
-    """The file that knows the first selector, and one for each place where all selectors are read as one number."""
-    yield _file(scope, part, [(frame, Signals(scope).of(frame.parts)) for frame in frames(scope)])
+Contents = Sequence[tuple[Frame, tuple[Signal, ...]]]
+"""Frames with their signals."""
+
+
+def _contents(scope: Scope) -> Iterator[tuple[tuple[str, ...], Contents]]:
+    """What a file that knows the first selector has, and one for each place where all selectors are read as one number.
+
+    Each comes with what its name says of that.
+    """
+    every = frames(scope)
+    yield (), [(frame, Signals(scope).of(frame.parts)) for frame in every]
     joined: dict[range, list[tuple[Frame, tuple[Signal, ...]]]] = {}
     names: dict[range, str] = {}
-    for frame in frames(scope):
+    for frame in every:
         by_span: dict[range, list[Part]] = {}
         for one in frame.parts:
             span = joined_span(one)
@@ -71,15 +83,15 @@ def _variants(scope: Scope, part: tuple[str, ...]) -> Iterator[File]:
         for span, parts in by_span.items():
             if span not in names:
                 names[span] = fitting("-".join(key.name for key, _ in parts[0].selectors[1:]), names.values())
-            joined.setdefault(span, []).append((replace(frame, parts=tuple(parts)), Signals(scope).joined(parts, span)))
+            joined.setdefault(span, []).append((frame._replace(parts=tuple(parts)), Signals(scope).joined(parts, span)))
     for span, found in joined.items():
-        yield _file(scope, (names[span], *part), found)
+        yield (names[span],), found
 
 
-def _file(scope: Scope, part: tuple[str, ...], found: Sequence[tuple[Frame, tuple[Signal, ...]]]) -> File:
+def _file(scope: Scope, part: tuple[str, ...], found: Contents, shared: Container[tuple[IdRule, int]]) -> File:
+    """A file with some frames; `shared` are the ids that the other direction has as well."""
     edition = scope.edition
     host = fitting(edition.bus.host, ())
-    shared = {(frame.rule, frame.id_bits) for frame in frames(replace(scope, direction=_OTHER[scope.direction]))}
     messages: dict[str, Message] = {}
     for frame, signals in found:
         comment = _comment(scope, frame, (frame.rule, frame.id_bits) in shared)

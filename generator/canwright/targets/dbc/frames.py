@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
+from typing import NamedTuple
 
 from ...model import Address, Assignment, Command, Direction, Edition, Field, IdRule, Key, Message, Space
 
@@ -35,12 +37,12 @@ class Part:
     message: Message
     values: tuple[int, ...]
 
-    @property
+    @cached_property
     def selectors(self) -> tuple[tuple[Key, int], ...]:
         """The keys that stand in the data, with their values."""
         return tuple((k, v) for k, v in zip(self.message.keys, self.values, strict=True) if k.space is Space.DATA)
 
-    @property
+    @cached_property
     def code(self) -> str:
         """The values of the keys in hexadecimal, as a part of names."""
         return "_".join(self._codes(Space.DATA, Space.ID))
@@ -63,8 +65,7 @@ class Part:
         return sum(value << low for low, value in placed)
 
 
-@dataclass(frozen=True)
-class Frame:
+class Frame(NamedTuple):
     """All that stands under one id of each node: `rule` and `id_bits` make the id."""
 
     rule: IdRule
@@ -90,23 +91,11 @@ def obstacle(message: Message) -> str:
 def overlaid(scope: Scope) -> dict[str, str]:
     """The messages of an id that one multiplexor does not tell apart from the others there, each with the reason."""
     return {
-        part.message.name: f"{what} it from the other messages of its id, which no multiplexor can say"
+        part.message.name: f"{what} tells it from the other messages of its id, which no multiplexor can say"
         for parts in _by_id(scope).values()
-        for part in parts
-        if (what := _overlaid(part, parts))
+        for part, what in _each(parts)
+        if what
     }
-
-
-def _overlaid(part: Part, parts: Sequence[Part]) -> str:
-    if not _has_length(part, parts):
-        return "only its length tells"
-    return "" if part in _shown(parts) else "fixed bytes tell"
-
-
-def _has_length(part: Part, parts: Sequence[Part]) -> bool:
-    """Whether a part is as long as the first with its selectors: a DBC tells nothing by the length."""
-    first = next(other for other in parts if other.selectors == part.selectors)
-    return first.message.dlc == part.message.dlc
 
 
 def messages(scope: Scope) -> Iterator[Message]:
@@ -118,15 +107,31 @@ def messages(scope: Scope) -> Iterator[Message]:
 
 def frames(scope: Scope) -> list[Frame]:
     """The frames of a file, in the order their first messages have in the spec."""
-    return [Frame(rule, id_bits, _shown(parts)) for (rule, id_bits), parts in _by_id(scope).items()]
+    return [
+        Frame(rule, id_bits, tuple(part for part, hidden_by in _each(parts) if not hidden_by))
+        for (rule, id_bits), parts in _by_id(scope).items()
+    ]
 
 
-def _shown(parts: Sequence[Part]) -> tuple[Part, ...]:
-    """What is left where no selector is, otherwise the messages whose selectors start in one place."""
+def _each(parts: Sequence[Part]) -> Iterator[tuple[Part, str]]:
+    """The parts of an id, each with what alone tells it from those that are shown; nothing for one of these.
+
+    They are those without a selector, else those with it in one place; of those with one selector, those as long as the
+    first.
+    """
     places = [part.selectors[0][0].segments if part.selectors else () for part in parts]
     shown = () if () in places else places[0]
-    there = (part for part, place in zip(parts, places, strict=True) if place == shown)
-    return tuple(part for part in there if _has_length(part, parts))
+    alike: dict[tuple[tuple[Key, int], ...], int] = {}
+    for part, place in zip(parts, places, strict=True):
+        length = alike.setdefault(part.selectors, part.message.dlc)
+        yield (
+            part,
+            "only its length"
+            if length != part.message.dlc
+            else "only what it holds elsewhere"
+            if place != shown
+            else "",
+        )
 
 
 def _by_id(scope: Scope) -> dict[tuple[IdRule, int], list[Part]]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...golden import Frame as GoldenFrame
 from ...model import Direction, Edition
@@ -19,8 +19,7 @@ from .view import EXTENDED, File, Message, Signal
 _HIGHEST_STANDARD_ID = 0x7FF
 
 
-@dataclass(frozen=True)
-class Section:
+class Section(NamedTuple):
     """The files of one edition as a table: a row for each combination of parameter values.
 
     `open_choices` are parameters that are not set, with their values; `lacking` is direction, command and reason.
@@ -35,8 +34,7 @@ class Section:
     lacking: tuple[tuple[str, str, str], ...]
 
 
-@dataclass(frozen=True)
-class Example:
+class Example(NamedTuple):
     """A golden frame with one of the files: the selector's signal and text, and each other signal's value."""
 
     file: File
@@ -64,8 +62,7 @@ class Example:
         return self.frame.data.hex(" ").upper()
 
 
-@dataclass(frozen=True)
-class Guide:
+class Guide(NamedTuple):
     """All that README.md shows; an example is None where there is no golden frame for it."""
 
     sections: tuple[Section, ...]
@@ -130,20 +127,22 @@ def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
 
 def _examples(described: Described, files: Sequence[File], direction: Direction) -> Iterator[Example]:
     """Golden frames that a file of this run reads without any other parameter than those in its name."""
-    for frame in described.frames.frames if described.frames else ():
-        for file in files:
+    golden = [f for f in described.frames.frames if f.direction is direction] if described.frames else []
+    whole = [file for file in files if file.kind == KIND[direction] and not file.part]
+    ids = [{message.id & ~EXTENDED: message for message in reversed(file.messages)} for file in whole]
+    for frame in golden:
+        for file, by_id in zip(whole, ids, strict=True):
             known = {str(value) for value in frame.parameters.values()}
-            if frame.direction is direction and file.kind == KIND[direction] and set(file.known) == known:
-                example = _example(described.edition, file, frame)
-                if example and not frame.decode_only and not file.part:
-                    yield example
+            view = by_id.get(frame.id) if set(file.known) == known else None
+            example = _example(described.edition, file, view, frame) if view else None
+            if example and not frame.decode_only:
+                yield example
 
 
-def _example(edition: Edition, file: File, frame: GoldenFrame) -> Example | None:
+def _example(edition: Edition, file: File, view: Message, frame: GoldenFrame) -> Example | None:
     command = edition.command(frame.command)
     message = command.request if frame.direction is Direction.REQUEST else command.reply
-    view = next((m for m in file.messages if m.id & ~EXTENDED == frame.id), None)
-    if message is None or view is None:
+    if message is None:
         return None
     code = Part(command, message, tuple(key.value for key in message.keys)).code
     signals = {signal.name: signal for signal in view.signals}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...model import IDENTITY, Direction, Element, Encoding, Field, Key, Level, Linear, Order, Space, Type
 from .frames import Part, Scope
@@ -23,8 +23,7 @@ _FLOAT_KINDS = {32: 1, 64: 2}
 _NO_LIMITS = (Fraction(0), Fraction(0))
 
 
-@dataclass(frozen=True)
-class _Place:
+class _Place(NamedTuple):
     """A signal's name, the selector value it stands under, and its bits from the least significant up."""
 
     name: str
@@ -102,8 +101,10 @@ class Signals:
         for field, element in places:
             about = "" if signals else _about(part)
             signals += self._field(f"{prefix}_{field.name}", mux, title, field, element, about)
+        if signals:
+            return signals
         free = runs(set(range(part.message.dlc * 8)) - selector_bits(part) - set(taken))
-        if not signals and free:
+        if free:
             place = _Place(f"{prefix}_reserved", mux, max(free, key=len))
             comment = f"{title}: reserved, sent as 0.{_about(part)}"
             signals.append(self._integer(place, comment, documented=(0, 0)))

@@ -21,6 +21,8 @@ _ASCII = str.maketrans(
 
 def number(value: Fraction) -> str:
     """A number without exponent: every digit of a finite decimal, otherwise those of the nearest double."""
+    if value.denominator == 1:
+        return str(value.numerator)
     places = value.denominator.bit_length()
     if 10**places % value.denominator:
         return format(Decimal(repr(float(value))), "f")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 EXTENDED = 1 << 31
 """Marks a 29-bit id."""
 
 
-@dataclass(frozen=True)
-class Signal:
+class Signal(NamedTuple):
     """An SG_ line and what hangs on it. `mux` is empty, `M`, or `m` and a selector value."""
 
     name: str
@@ -30,8 +29,7 @@ class Signal:
     """1 for a float of 32 bits, 2 for one of 64, 0 for an integer."""
 
 
-@dataclass(frozen=True)
-class Message:
+class Message(NamedTuple):
     """A BO_ line with its signals. `id` has bit 31 set when it is a 29-bit one."""
 
     id: int
@@ -47,8 +45,7 @@ class Message:
         return bool(self.id & EXTENDED)
 
 
-@dataclass(frozen=True)
-class File:
+class File(NamedTuple):
     """One DBC file. `known` are the parameter values it holds for, `part` is what it is restricted to, if anything."""
 
     edition: str

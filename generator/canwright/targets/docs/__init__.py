@@ -8,6 +8,7 @@ import jinja2
 import yaml
 
 from ... import resources, words
+from ...compare import Change, compare
 from ...model import Assignment
 from ...render import environment
 from .. import Described, Output, header
@@ -25,36 +26,42 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
         "docs",
         {"md": markdown, "code": code, "exact": words.exact, "raw_format": words.raw_format, "id_rule": words.id_rule},
     )
+    compared: dict[tuple[int, int], Sequence[Change]] = {}
     families = {d.edition.family for d in described}
     for language in [one for one in labels if any(one in d.edition.languages for d in described)]:
         here = [d for d in described if language in d.edition.languages]
         folders = {
             id(d): d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}" for d in here
         }
-        common = {"labels": labels[language], "lang": language}
-        listed = [(folders[id(d)], d.edition) for d in here]
+        common: dict[str, object] = {"labels": labels[language], "lang": language}
+        by_edition = {id(d.edition): folders[id(d)] for d in here}
+        listed = [(by_edition[id(e)], e) for e in editions.in_order(d.edition for d in here)]
         tables = list(editions.support(listed, labels[language], language))
-        front = env.get_template("language.md.j2").render(common, editions=listed, has_support=bool(tables))
+        lines = list(editions.front(listed))
+        front = env.get_template("language.md.j2").render(common, editions=lines, has_support=bool(tables))
         yield Output(f"{language}/index.md", front)
         if tables:
             yield Output(f"{language}/support.md", env.get_template("support.md.j2").render(common, tables=tables))
             page = env.get_template(f"new_edition.{language}.md.j2").render(common)
             yield Output(f"{language}/new-edition.md", page)
+        common["by_command"] = editions.by_command(listed)
         for item in here:
             old = editions.previous(item.edition, [edition for _, edition in listed])
             folder = f"{language}/{folders[id(item)]}"
             yield from _edition(env, item, {**common, "has_changes": old is not None}, folder)
             if old is not None:
-                found = editions.changes(old, item.edition, language, labels[language], says.get(language, {}))
-                view = {**common, "edition": item.edition, "header": header(item.edition), "changes": found}
+                pair = (id(old), id(item.edition))
+                if pair not in compared:
+                    compared[pair] = compare(old, item.edition)
+                changes = editions.changes(old, compared[pair], language, labels[language], says.get(language, {}))
+                view = {**common, "edition": item.edition, "header": header(item.edition), "changes": changes}
                 yield Output(f"{folder}/changes.md", env.get_template("changes.md.j2").render(view))
 
 
 def _words(name: str) -> dict[str, dict[str, str]]:
     """A file of words of the documents, by language."""
-    found: dict[str, dict[str, str]] = yaml.safe_load(
-        (resources.TEMPLATES / "docs" / f"{name}.yaml").read_text("utf-8")
-    )
+    text = (resources.TEMPLATES / "docs" / f"{name}.yaml").read_text("utf-8")
+    found: dict[str, dict[str, str]] = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     return found
 
 

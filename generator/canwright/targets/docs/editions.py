@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ... import words
-from ...compare import Category, Change, Impact, compare
-from ...model import Command, Edition
+from ...compare import Category, Change, Impact
+from ...model import Command, Direction, Edition
+from .tables import group_title
 from .text import code, markdown
 
 
-@dataclass(frozen=True)
-class ChangeLine:
+class ChangeLine(NamedTuple):
     """A row of the page of changes, its cells in Markdown."""
 
     what: str
@@ -21,8 +21,7 @@ class ChangeLine:
     host: str
 
 
-@dataclass(frozen=True)
-class Changes:
+class Changes(NamedTuple):
     """What changed since the edition before, by impact; texts and errata apart."""
 
     previous: Edition
@@ -30,17 +29,14 @@ class Changes:
     documents: tuple[ChangeLine, ...]
 
 
-@dataclass(frozen=True)
-class SupportLine:
-    """A command or an entry, and what each edition has of it, in Markdown."""
+class SupportLine(NamedTuple):
+    """A command or an entry with its title, and what each edition has of it, in Markdown."""
 
     name: str
-    title: str
     cells: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class Support:
+class Support(NamedTuple):
     """Which command is in which edition of a family."""
 
     family: str
@@ -61,9 +57,47 @@ def previous(edition: Edition, editions: Sequence[Edition]) -> Edition | None:
     return family[at - 1] if at else None
 
 
-def changes(old: Edition, new: Edition, language: str, labels: Mapping[str, str], says: Mapping[str, str]) -> Changes:
-    """What changed from one edition to the next; `says` are the sentences in this language."""
-    found = compare(old, new)
+class FrontLine(NamedTuple):
+    """An edition on the first page, in Markdown: what tells it from others, and whether others came before."""
+
+    folder: str
+    edition: Edition
+    replies: str
+    alone: str
+    has_changes: bool
+
+
+def front(editions: Sequence[tuple[str, Edition]]) -> Iterator[FrontLine]:
+    """The rows of the first page. `editions` come with their folders."""
+    for folder, edition in editions:
+        family = [other for _, other in editions if other.family == edition.family and other is not edition]
+        codes, others = _codes([edition]), _codes(family)
+        yield FrontLine(
+            folder,
+            edition,
+            ", ".join(dict.fromkeys(code(words.id_rule(message.id)) for message in edition.messages(Direction.REPLY))),
+            (", ".join(code(f"0x{c:02X}") for c in sorted(codes - others)) or "—") if family else "",
+            previous(edition, [other for _, other in editions]) is not None,
+        )
+
+
+def _codes(editions: Iterable[Edition]) -> set[int]:
+    return {c.code for edition in editions for c in edition.commands if c.code is not None}
+
+
+def by_command(editions: Sequence[tuple[str, Edition]]) -> Mapping[tuple[str, str], list[tuple[str, Edition]]]:
+    """The editions, with their folders, that have a command of a name, by family and name."""
+    found: dict[tuple[str, str], list[tuple[str, Edition]]] = {}
+    for folder, edition in editions:
+        for command in edition.commands:
+            found.setdefault((edition.family, command.name), []).append((folder, edition))
+    return found
+
+
+def changes(
+    old: Edition, found: Sequence[Change], language: str, labels: Mapping[str, str], says: Mapping[str, str]
+) -> Changes:
+    """What changed since an edition, as it was `found`; `says` are the sentences in this language."""
 
     def line(change: Change) -> ChangeLine:
         sentence = change.says(language, says.get(change.rule.id), markdown)
@@ -105,15 +139,11 @@ def _commands(
             cells = rows.setdefault(key, ["—"] * len(editions))
             if cells[at] == "—":
                 cells[at] = _cell(folder, command, labels)
-                titles.setdefault(command.group, _title(command, language))
+                titles.setdefault(command.group, group_title(command, language))
     return tuple(
-        SupportLine(code(name), markdown(titles[name]), tuple(cells)) for (_, _, name), cells in sorted(rows.items())
+        SupportLine(f"{code(name)}<br>{markdown(titles[name])}", tuple(cells))
+        for (_, _, name), cells in sorted(rows.items())
     )
-
-
-def _title(command: Command, language: str) -> str:
-    title = command.title[language]
-    return title.removesuffix(f": {command.entry.title[language]}") if command.entry else title
 
 
 def _cell(folder: str, command: Command, labels: Mapping[str, str]) -> str:
@@ -141,6 +171,6 @@ def _entries(
                 cells[at] = f"[{shown}]({folder}/commands/{command.name}.md)"
                 titles[command.entry.table, command.entry.name] = command.entry.title[language]
     return tuple(
-        SupportLine(code(f"{table}.{name}"), markdown(titles[table, name]), tuple(cells))
+        SupportLine(f"{code(f'{table}.{name}')}<br>{markdown(titles[table, name])}", tuple(cells))
         for (table, _, name), cells in sorted(rows.items())
     )

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from ... import words
 from ...golden import Frame, GoldenFrames, Value
@@ -15,8 +15,7 @@ from .text import code, markdown
 MOST = 4
 
 
-@dataclass(frozen=True)
-class Example:
+class Example(NamedTuple):
     """A frame and what it means, its parts in Markdown."""
 
     frame: str
@@ -29,7 +28,7 @@ def examples(
     golden: GoldenFrames | None, message: Message, command: str, labels: Labels, language: str
 ) -> Iterator[Example]:
     """The first few golden frames of one direction of a command, those with most to say first."""
-    found = [f for f in golden.frames if f.command == command and f.direction is message.direction] if golden else []
+    found = golden.of_command.get((command, message.direction), []) if golden else []
     usual = [f for f in found if not f.decode_only] or found
     for frame in sorted(usual, key=lambda f: -len(f.values))[:MOST]:
         source = golden.sources[frame.source] if golden else ""

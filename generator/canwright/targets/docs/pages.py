@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ... import words
 from ...golden import GoldenFrames
-from ...model import Command, Direction, Edition, Erratum, Message, Variant
+from ...model import Command, Direction, Edition, Erratum, Message, Path, Segment, Space, Variant
 from . import picture, tables
 from .examples import Example, examples
+from .overview import index, overview
 from .tables import Labels, Row
 from .text import code, markdown
 
 
-@dataclass(frozen=True)
-class Picture:
+class Picture(NamedTuple):
     """A picture file, and under which parameter values it holds."""
 
     file: str
@@ -25,28 +24,17 @@ class Picture:
     only: str
 
 
-@dataclass(frozen=True)
-class Half:
-    """One direction of a command."""
+class Half(NamedTuple):
+    """One direction of a command. Of its byte table, columns that would be empty are left out."""
 
     title: str
     about: str
+    reserved: str
     facts: tuple[tuple[str, str], ...]
-    rows: tuple[Row, ...]
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
     pictures: tuple[Picture, ...]
     examples: tuple[Example, ...]
-
-
-@dataclass(frozen=True)
-class Line:
-    """A command in the overview."""
-
-    name: str
-    code: str
-    title: str
-    reply: str
-    only: str
-    effects: str
 
 
 class Pages:
@@ -57,28 +45,33 @@ class Pages:
         self._golden = golden
         self._labels = labels
         self._language = language
+        self._of_entry: dict[Path, list[Command]] = {}
+        for command in edition.commands:
+            if command.entry:
+                self._of_entry.setdefault(command.entry.path, []).append(command)
+        self._places = {command.name: place for place, command in enumerate(edition.commands)}
         self._errata = {command.name: edition.errata_of(command) for command in edition.commands}
+        self._touched: dict[str, list[str]] = {}
+        for name, errata in self._errata.items():
+            for erratum in errata:
+                self._touched.setdefault(erratum.id, []).append(name)
 
     def overview(self) -> Mapping[str, Any]:
         """The first page of the edition."""
-        return {"lines": [self._line(command) for command in self.edition.commands]}
-
-    def _line(self, command: Command) -> Line:
-        return Line(
-            command.name,
-            code(f"0x{command.code:02X}") if command.code is not None else "",
-            markdown(command.title[self._language]),
-            tables.reply_form(command, self._labels, "commands/"),
-            code(words.condition(command.only)),
-            ", ".join(code(effect.name) for effect in command.effects),
-        )
+        return overview(self.edition, self._labels, self._language)
 
     def command(self, command: Command) -> Mapping[str, Any]:
         """The page of one command."""
         commands = self.edition.commands
-        at = commands.index(command)
+        at = self._places[command.name]
+        entry = command.entry
+        sections = dict.fromkeys(filter(None, (command.manual, entry.manual if entry else "")))
         return {
             "command": command,
+            "manual": ", ".join(map(markdown, sections)),
+            "table": self.edition.table(entry.table) if entry else None,
+            "index": code(index(command.request or command.reply)),
+            "also": [c for c in self._of_entry[entry.path] if c is not command] if entry else [],
             "halves": [self._half(command, d) for d in Direction],
             "only": code(words.condition(command.only)),
             "mode": next((mode for mode in self.edition.bus.modes if mode.name == command.mode), None),
@@ -98,20 +91,28 @@ class Pages:
         elif message is None:
             facts.append((labels["form"], labels["no_request"]))
         if message is None:
-            return Half(labels[direction.value], "", tuple(facts), (), (), ())
+            return Half(labels[direction.value], "", "", tuple(facts), (), (), (), ())
+        layout = message.layout
+        if layout.manual not in ("", command.manual, command.entry.manual if command.entry else ""):
+            facts.append((labels["manual"], markdown(layout.manual)))
+        about = layout.about[self._language]
+        rows = list(tables.rows(message, command, labels, self._language))
+        kept = [name for name in Row._fields if any(getattr(row, name) for row in rows)]
         return Half(
             labels[direction.value],
-            markdown(message.layout.about[self._language]),
+            "" if command.entry and about == command.entry.about[self._language] else markdown(about),
+            labels["reserved"] if self._has_free_bits(command, message) else "",
             tuple(facts),
-            tuple(tables.rows(message, command, labels, self._language)),
+            tuple(labels[name] for name in kept),
+            tuple(tuple(getattr(row, name) for name in kept) for row in rows),
             tuple(self._pictures(command, message)),
             tuple(examples(self._golden, message, command.name, labels, self._language)),
         )
 
     def _is_rest(self, message: Message) -> bool:
         """Whether a message has no selector, and others of its ids have one."""
-        same = (m for m in self.edition.messages(message.direction) if (m.id, m.remote) == (message.id, message.remote))
-        return not message.keys and any(other.keys for other in same)
+        same = self.edition.of_rule(message.direction, message.id)
+        return not message.keys and any(other.keys and other.remote == message.remote for other in same)
 
     def _pictures(self, command: Command, message: Message) -> Iterator[Picture]:
         variants = [v for v in message.layout.variants if self._can_be(command, message, v)]
@@ -128,10 +129,25 @@ class Pages:
         allowed = command.only.get(message.layout.parameter or "", variant.values)
         return not variant.values or bool(set(variant.values) & set(allowed))
 
+    def _has_free_bits(self, command: Command, message: Message) -> bool:
+        """Whether some data bit belongs to no key and, under some parameter value that has the command, to no field."""
+        data = 0 if message.remote else 8 * message.dlc
+        return any(
+            sum(s.width for places in _data(message, v) for s in places) < data
+            for v in message.layout.variants
+            if self._can_be(command, message, v)
+        )
+
     def types(self) -> Mapping[str, Any]:
         """The page of types."""
         return {"named_types": [t for t in self.edition.types if t.path[0] == "types"], "tables": tables}
 
     def erratum_links(self, erratum: Erratum) -> list[str]:
         """The commands that an erratum touches."""
-        return [name for name, errata in self._errata.items() if erratum in errata]
+        return self._touched.get(erratum.id, [])
+
+
+def _data(message: Message, variant: Variant) -> Iterator[tuple[Segment, ...]]:
+    """The data bits that keys and fields take."""
+    yield from (key.segments for key in message.keys if key.space is Space.DATA)
+    yield from (e.segments for f in variant.fields if f.space is Space.DATA for e in f.elements)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ... import words
 from ...model import IdRule, Message, Segment, Space, Variant
@@ -18,8 +19,7 @@ _STYLE = (
 )
 
 
-@dataclass(frozen=True)
-class _Run:
+class _Run(NamedTuple):
     """Adjacent bits of one row that belong together."""
 
     row: int
@@ -29,8 +29,7 @@ class _Run:
     style: str
 
 
-@dataclass(frozen=True)
-class _Row:
+class _Row(NamedTuple):
     """Up to eight bits: a byte of the data, or a part of the id. What nobody takes has the bits of `rest`."""
 
     title: str
@@ -40,22 +39,25 @@ class _Row:
 
 def svg(message: Message, variant: Variant, title: str) -> str:
     """The frame with its fields: the id where keys or fields stand in it, and the data bytes."""
-    rows = [*_id_rows(message, variant), *(_Row(f"DATA[{byte}]", 8, 0) for byte in range(message.dlc))]
-    runs = list(_runs(message, variant, len(rows) - message.dlc))
+    rows = (*_id_rows(message, variant), *(_Row(f"DATA[{byte}]", 8, 0) for byte in range(message.dlc)))
+    size, drawn = _drawn(rows, tuple(_runs(message, variant, len(rows) - message.dlc)))
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img"><title>{xml(title)}</title>'
+    return f"{head}<style>{_STYLE}</style>\n{drawn}\n</svg>\n"
+
+
+@functools.lru_cache(maxsize=1 << 10)
+def _drawn(rows: tuple[_Row, ...], runs: tuple[_Run, ...]) -> tuple[str, str]:
+    """The size of a picture, and what is in it: the same in every language, and in most editions."""
     taken = {(run.row, run.low + i) for run in runs for i in range(run.width)}
     width, height = LEFT + 8 * CELL + 8, TOP + len(rows) * ROW + 8
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
-        f'role="img"><title>{xml(title)}</title><style>{_STYLE}</style>'
-    ]
-    parts.append(f'<rect class="g" x="0" y="0" width="{width}" height="{height}" rx="6"/>')
+    parts = [f'<rect class="g" x="0" y="0" width="{width}" height="{height}" rx="6"/>']
     parts += [f'<text class="n" x="{LEFT + (7 - b) * CELL + CELL // 2}" y="{TOP // 2}">{b}</text>' for b in range(8)]
     for i, row in enumerate(rows):
         parts.append(f'<text class="n e" x="{LEFT - 10}" y="{TOP + i * ROW + ROW // 2}">{row.title}</text>')
         free = [bit for bit in range(row.width) if (i, bit) not in taken]
         parts += [_box(_Run(i, bit, 1, str(row.rest >> bit & 1), "r")) for bit in free]
     parts += map(_box, runs)
-    return "\n".join([*parts, "</svg>"]) + "\n"
+    return f'viewBox="0 0 {width} {height}" width="{width}" height="{height}"', "\n".join(parts)
 
 
 def _id_rows(message: Message, variant: Variant) -> list[_Row]:

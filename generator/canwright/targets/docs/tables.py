@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ... import words
-from ...model import Assignment, Command, Field, Layout, Message, Order, ReplyForm, Type
+from ...model import Assignment, Command, Field, Key, Layout, Message, Order, ReplyForm, Type
 from .text import code, markdown
 
 Labels = Mapping[str, str]
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """One row of a byte table, its cells in Markdown."""
 
     place: str
@@ -27,11 +26,23 @@ class Row:
     what: str
 
 
+def is_index(key: Key) -> bool:
+    """Whether a key of a form of a table tells the entry."""
+    return key.name.startswith("index")
+
+
+def group_title(command: Command, language: str) -> str:
+    """The title of a command as the spec has it, without that of an entry."""
+    title = command.title[language]
+    return title.removesuffix(f": {command.entry.title[language]}") if command.entry else title
+
+
 def rows(message: Message, command: Command, labels: Labels, language: str) -> Iterator[Row]:
     """The selector and the fields of a frame, in the order of the spec."""
     for i, key in enumerate(message.keys):
         accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept) if i == 0 else ""
-        note = f"{labels['selector']}; {labels['accepted']} {accepted}" if accepted else labels["selector"]
+        note = labels["selector_of_entry" if command.entry and is_index(key) else "selector"]
+        note += f"; {labels['accepted']} {accepted}" if accepted else ""
         order = " big-endian" if key.order is Order.BIG and len(key.segments) > 1 else ""
         raw, value = code(f"u{key.width}{order}"), code(f"0x{key.value:02X}")
         yield Row(code(words.place(key.space, key.segments)), "", "", raw, "", value, "", "", note)
@@ -42,15 +53,16 @@ def rows(message: Message, command: Command, labels: Labels, language: str) -> I
             yield Row(
                 code(words.place(field.space, segments)),
                 code(name),
-                f"[{markdown(field.type.name)}](../types.md#{field.type.name})"
+                f"[{markdown(field.type.name)}](../types.md#types.{field.type.name})"
                 if field.type.path[0] == "types"
                 else "",
                 code(words.raw_format(field.type, segments)),
                 *_numbers(field, message.layout, command, labels),
                 _only(message.layout, field),
                 markdown(field.title[language])
-                + _sentence(field.about[language])
-                + (f"; {labels['holds_node']}" if field.holds_node else ""),
+                + _sentence(field.about[language], labels)
+                + (f"; {labels['holds_node']}" if field.holds_node else "")
+                + _section(field, message, command, labels),
             )
 
 
@@ -64,8 +76,14 @@ def _only(layout: Layout, field: Field) -> str:
     return code(f"{layout.parameter} {', '.join(field.only)}") if field.only else ""
 
 
-def _sentence(about: str) -> str:
-    return f". {markdown(about)}" if about else ""
+def _sentence(about: str, labels: Labels) -> str:
+    return f"{labels['stop']}{markdown(about)}" if about else ""
+
+
+def _section(field: Field, message: Message, command: Command, labels: Labels) -> str:
+    """Where in the manual a field is, when not where its layout or command is."""
+    known = ("", message.layout.manual, command.manual, command.entry.manual if command.entry else "")
+    return "" if field.manual in known else f" ({labels['manual']} {markdown(field.manual)})"
 
 
 def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> tuple[str, str, str]:

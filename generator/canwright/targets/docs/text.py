@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import html
 import re
 
@@ -17,6 +18,7 @@ _LINKED = re.compile(
 _STARTS = re.compile(r"^([#>+=:-]|[!?](?=[!?]{2})|[0-9]+(?=[.)]\s))")
 
 
+@functools.lru_cache(maxsize=1 << 14)
 def markdown(text: str) -> str:
     """A text as Markdown that shows it as it is, within a paragraph or a table cell."""
     line = html.escape(visible(text), quote=False)
@@ -34,6 +36,7 @@ def _escaped_start(match: re.Match[str]) -> str:
     return f"\\{start}" if start in "#>+-" else f"&#{ord(start)};"
 
 
+@functools.lru_cache(maxsize=1 << 14)
 def code(text: str) -> str:
     """A text in code style; nothing for nothing."""
     line = visible(text).replace("`", "'").replace("|", "\N{BROKEN BAR}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...golden import Refusal
 from ...model import Assignment, Direction, Edition, Parameter
@@ -14,8 +14,7 @@ from . import codec_names, messages, routes, text, types
 from .problems import problems as problems
 
 
-@dataclass(frozen=True)
-class ParameterView:
+class ParameterView(NamedTuple):
     """A parameter as a field of `Parameters`, and as an enum where it is a choice among names."""
 
     name: str
@@ -23,8 +22,7 @@ class ParameterView:
     doc: str
 
 
-@dataclass(frozen=True)
-class ChoiceView:
+class ChoiceView(NamedTuple):
     """A choice among names, as an enum."""
 
     name: str

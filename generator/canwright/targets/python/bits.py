@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...model import Element, Encoding, Field, Key, Order, Segment, Space
 
 _STRUCT = {8: "b", 16: "h", 32: "i", 64: "q"}
 
 
-@dataclass(frozen=True)
-class Place:
+class Place(NamedTuple):
     """One raw integer on the wire: whose it is, where it is, how it reads."""
 
     target: str

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...model import Command, Edition, Field, Layout, Message, Order, Parameter, ReplyForm, Space, Variant
 from . import bits, text, types
@@ -34,8 +34,7 @@ class FieldView:
         return "tuple[int, ...]" if self.count else "int"
 
 
-@dataclass(frozen=True)
-class CaseView:
+class CaseView(NamedTuple):
     """What is read under some values of the layout's parameter: assignments, or one `struct`."""
 
     condition: str
@@ -46,8 +45,7 @@ class CaseView:
     constants: tuple[tuple[str, str, str], ...]
 
 
-@dataclass(frozen=True)
-class BodyView:
+class BodyView(NamedTuple):
     """What a class with fields has; `has_node` and `depends` decide its keywords."""
 
     fields: tuple[FieldView, ...]
@@ -57,8 +55,7 @@ class BodyView:
     depends: bool
 
 
-@dataclass(frozen=True)
-class MessageView:
+class MessageView(NamedTuple):
     """One class a message; `body` is None when its fields stand in a base class."""
 
     name: str
@@ -83,8 +80,7 @@ class MessageView:
     facts: tuple[tuple[str, str], ...]
 
 
-@dataclass(frozen=True)
-class LayoutView:
+class LayoutView(NamedTuple):
     """A base class for the messages that share a layout."""
 
     name: str
@@ -94,9 +90,30 @@ class LayoutView:
     """How all of them write their bytes; empty when they differ in more than their code."""
 
 
-def group(message: Message) -> tuple[str, int, bool]:
+Group = tuple[str, int, bool]
+
+
+def group(message: Message) -> Group:
     """Messages of one group have one base class."""
     return message.layout.name, message.dlc, message.id.nodes is not None
+
+
+def _bases(groups: Iterable[Group]) -> dict[Group, str]:
+    """The base class of each group: the layout's name, with a number where several groups have that layout."""
+    of_layout: dict[str, list[Group]] = {}
+    for one in groups:
+        of_layout.setdefault(one[0], []).append(one)
+    return {
+        one: text.class_name(name) + (str(number) if len(same) > 1 else "")
+        for name, same in of_layout.items()
+        for number, one in enumerate(same, 1)
+    }
+
+
+def _is_alike(messages: Sequence[Message]) -> bool:
+    """Whether messages have one selector each, in one place of the data."""
+    places = {tuple((k.space, k.segments) for k in m.keys) for m in messages}
+    return len(places) == 1 and all(len(m.keys) == 1 and m.keys[0].space is Space.DATA for m in messages)
 
 
 class MessageViews:
@@ -104,39 +121,31 @@ class MessageViews:
 
     def __init__(self, edition: Edition, type_views: Mapping[str, TypeView]) -> None:
         self._types = type_views
-        self._edition = edition
         self._parameters: dict[str, Parameter] = {p.name: p for p in edition.parameters}
-        messages = list(edition.all_messages())
-        counts = [group(m) for m in messages]
-        self._shared = {
-            key: m for key, m in zip(counts, messages, strict=True) if m.layout.fields and counts.count(key) > 1
-        }
+        messages = edition.all_messages()
+        groups: dict[Group, list[Message]] = {}
+        for message in messages:
+            groups.setdefault(group(message), []).append(message)
+        self._shared = {group(m): m for m in messages if m.layout.fields and len(groups[group(m)]) > 1}
+        self._bases = _bases(self._shared)
+        self._alike = {key for key in self._shared if _is_alike(groups[key])}
         self.layouts = tuple(self._layout(m) for m in self._shared.values())
         self.messages = tuple(self._message(edition.command(m.command), m) for m in messages)
-
-    def _base(self, message: Message) -> str:
-        same = [key for key in self._shared if key[0] == message.layout.name]
-        suffix = str(same.index(group(message)) + 1) if len(same) > 1 else ""
-        return text.class_name(message.layout.name) + suffix
 
     def _layout(self, message: Message) -> LayoutView:
         layout = message.layout
         manual = f"Manual {text.plain(layout.manual)}." if layout.manual else ""
         doc = (text.sentence(text.english(layout.title)), text.english(layout.about), manual)
         body = self._body(layout, message.dlc, message.id.nodes is not None)
-        alike = self._alike(message)
-        return LayoutView(self._base(message), doc, body, self._encodes(message, "self.CODE") if alike else ())
-
-    def _alike(self, message: Message) -> bool:
-        """Whether the messages that share a base class have one selector each, in one place of the data."""
-        same = [m for m in self._edition.all_messages() if group(m) == group(message)]
-        places = {tuple((k.space, k.segments) for k in m.keys) for m in same}
-        return len(places) == 1 and all(len(m.keys) == 1 and m.keys[0].space is Space.DATA for m in same)
+        base = group(message)
+        encodes = self._encodes(message, "self.CODE") if base in self._alike else ()
+        return LayoutView(self._bases[base], doc, body, encodes)
 
     def _message(self, command: Command, message: Message) -> MessageView:
-        shared = group(message) in self._shared
+        base_group = group(message)
+        shared = base_group in self._shared
         bare = "ToNode" if message.id.nodes is not None else "ToAll"
-        base = self._base(message) if shared else "" if message.layout.fields else bare
+        base = self._bases[base_group] if shared else "" if message.layout.fields else bare
         if message.direction.value == "request":
             answer = text.class_name(command.reply.name) if command.reply else "Message"
             role = f'Request["{answer}"]'
@@ -161,7 +170,7 @@ class MessageViews:
             "" if message.layout.fields else self._constant_data(message),
             self._can_id(message),
             message.layout.parameter or "",
-            self._encodes(message) if message.layout.fields and not (shared and self._alike(message)) else (),
+            self._encodes(message) if message.layout.fields and base_group not in self._alike else (),
             _facts(command) if message.direction.value == "request" or command.request is None else (),
         )
 
@@ -216,7 +225,7 @@ class MessageViews:
 
     def _encode(self, message: Message, variant: Variant, code: str) -> tuple[str, str]:
         """Under which condition, and the expression of the data bytes; `code` stands for the selector's value."""
-        keys = [dataclasses.replace(bits.key_place(k), target=code or f"0x{k.value:02X}") for k in message.keys]
+        keys = [bits.key_place(k)._replace(target=code or f"0x{k.value:02X}") for k in message.keys]
         places = [p for p in (*keys, *(p for _, p in self._places(variant.fields))) if p.space is Space.DATA]
         condition = self._condition(message.layout, variant)
         ordered = sorted(places, key=lambda p: p.first_byte)
@@ -225,7 +234,7 @@ class MessageViews:
             return condition, f'pack("{pattern}", {", ".join(p.target for p in ordered)})'
         wide = {p.order for p in places if len(p.segments) > 1}
         order = Order.BIG if wide == {Order.BIG} else Order.LITTLE
-        places = [p if len(p.segments) > 1 else dataclasses.replace(p, order=order) for p in places]
+        places = [p if len(p.segments) > 1 else p._replace(order=order) for p in places]
         sides = [
             " | ".join(f"({bits.write(p, message.dlc)})" for p in places if p.order is o) or "0"
             for o in (Order.LITTLE, Order.BIG)

@@ -54,10 +54,9 @@ def _module_names(edition: Edition) -> Iterator[tuple[str, str, Path]]:
             yield text.class_name(type_.name), what, type_.path
         else:
             yield text.member_name(type_.name), what, type_.path
-    layouts = [m.layout for m in edition.all_messages()]
     for message in edition.all_messages():
         yield text.class_name(message.name), f"the {message.direction.value} of `{message.command}`", message.path
-        if sum(layout is message.layout for layout in layouts) > 1 and message.layout.fields:
+        if len(edition.of_layout(message.layout)) > 1 and message.layout.fields:
             yield text.class_name(message.layout.name), f"the layout `{message.layout.name}`", message.layout.path
 
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from ... import words
 from ...model import Bound, Edition, Encoding, Linear, Parameter, Range, Type
 from . import text
 
 
-@dataclass(frozen=True)
-class MemberView:
+class MemberView(NamedTuple):
     """One member of an enum or of flags."""
 
     name: str
@@ -20,8 +19,7 @@ class MemberView:
     doc: str
 
 
-@dataclass(frozen=True)
-class TypeView:
+class TypeView(NamedTuple):
     """A type of the edition: the name of its `Number` or `Float`, and of its enum class where it has one."""
 
     constant: str

@@ -1,0 +1,111 @@
+"""The first page of an edition: its commands as the spec has them, and the entries of its tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ... import words
+from ...model import Command, Edition, Effect, Message, Table
+from . import tables
+from .tables import Labels
+from .text import code, markdown
+
+
+@dataclass(frozen=True)
+class Line:
+    """A command as the spec has it, in Markdown: name and title, and its entries where a table gives it forms."""
+
+    code: str
+    command: str
+    reply: str
+    only: str
+    effects: str
+
+
+@dataclass(frozen=True)
+class Entries:
+    """The entries of a table, in Markdown; columns that would be empty are left out."""
+
+    table: Table
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def overview(edition: Edition, labels: Labels, language: str) -> Mapping[str, Any]:
+    """What the template lays out."""
+    groups: dict[str, list[Command]] = {}
+    for command in edition.commands:
+        groups.setdefault(command.group, []).append(command)
+    return {
+        "lines": [_line(forms, labels, language) for forms in groups.values()],
+        "entries": [found for t in edition.tables if (found := _entries(t, groups, labels, language)).rows],
+    }
+
+
+def _line(forms: Sequence[Command], labels: Labels, language: str) -> Line:
+    first = forms[0]
+    what = f"[{markdown(first.name)}](commands/{first.name}.md)<br>{markdown(first.title[language])}"
+    replies = {tables.reply_form(form, labels, "commands/") for form in forms}
+    if first.entry:
+        name = f"[{markdown(first.group)}](#tables.{first.entry.table})"
+        links = (f"[{markdown(c.entry.title[language])}](commands/{c.name}.md)" for c in forms if c.entry)
+        what = f"{name}<br>{markdown(tables.group_title(first, language))}<br>{' · '.join(links)}"
+    return Line(
+        "<br>".join(dict.fromkeys(code(_code(form)) for form in forms if form.code is not None)),
+        what,
+        replies.pop() if len(replies) == 1 else labels["of_entry"],
+        code(words.condition(first.only)) if all(form.only == first.only for form in forms) else "",
+        _effects(_common(forms)),
+    )
+
+
+def _common(forms: Sequence[Command]) -> list[Effect]:
+    """The effects that all forms of a command have."""
+    return [effect for effect in forms[0].effects if all(effect in form.effects for form in forms)]
+
+
+def _effects(effects: Sequence[Effect]) -> str:
+    return ", ".join(code(effect.name) for effect in effects)
+
+
+def _entries(table: Table, groups: Mapping[str, Sequence[Command]], labels: Labels, language: str) -> Entries:
+    using = {n: forms for n, forms in groups.items() if forms[0].entry and forms[0].entry.table == table.name}
+    entries: dict[str, dict[str, Command]] = {}
+    for n, forms in using.items():
+        for form in forms:
+            if form.entry:
+                entries.setdefault(form.entry.name, {})[n] = form
+    columns = [labels["index"], labels["entry"], labels["what"], *using, labels["only"], labels["effects"]]
+    common = {n: _common(forms) for n, forms in using.items()}
+    rows = []
+    for name, of_entry in entries.items():
+        first = next(iter(of_entry.values()))
+        more = {e.name: e for n, form in of_entry.items() for e in form.effects if e not in common[n]}
+        rows.append(
+            (
+                code(index(first.request or first.reply)),
+                code(name),
+                markdown(first.entry.title[language]) if first.entry else "",
+                *(_link(of_entry[n]) if n in of_entry else "" for n in using),
+                code(words.condition(first.only)),
+                _effects(list(more.values())),
+            )
+        )
+    kept = [i for i in range(len(columns)) if i < 3 + len(using) or any(row[i] for row in rows)]
+    heads = [code(c) if c in using else c for c in columns]
+    return Entries(table, tuple(heads[i] for i in kept), tuple(tuple(row[i] for i in kept) for row in rows))
+
+
+def _link(form: Command) -> str:
+    return f"[{code(_code(form))}](commands/{form.name}.md)"
+
+
+def _code(command: Command) -> str:
+    return f"0x{command.code:02X}" if command.code is not None else "✓"
+
+
+def index(message: Message | None) -> str:
+    """The bytes that tell the entry: `0x05 0x0A`."""
+    return " ".join(f"0x{key.value:02X}" for key in message.keys if tables.is_index(key)) if message else ""

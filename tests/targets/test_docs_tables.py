@@ -1,0 +1,124 @@
+"""The pages of commands that a table gives several forms, and what else a page says only where it holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from canwright.load import described
+from canwright.targets import docs
+
+from ..spec_texts import MINIMAL
+
+TABLE = (
+    MINIMAL.replace(
+        "  dim:\n",
+        """\
+  read_setting:
+    {code: 0x40, manual: "2", table: settings, reply: entry, notes: [Slow.], effects: [stays]}
+  write_setting:
+    {code: 0x42, manual: "3", table: settings, request: entry, reply: entry, effects: [stays]}
+  dim:
+""",
+    )
+    + """\
+  dim_again: {code: 0x11, manual: "1", request: {level: {at: 2, raw: u8}}, reply: {of: dim}}
+layouts:
+  pair: {manual: "8", about: Two of them., fields: {kp: {at: 4, raw: u16}, ki: {at: 6, raw: u16, manual: "9"}}}
+effects: {wears: {level: warning}, stays: {}}
+tables:
+  settings:
+    title: Things | set
+    about: What the lamp starts with.
+    manual: "4"
+    index: [{at: 1, raw: u8}, {at: 2, raw: u8}]
+    entries:
+      gains: {index: 0xA0, effects: [wears], about: Both at once., layout: pair}
+      level: {index: [5, 0x0A], manual: "5", layout: {level: {at: 3, raw: u40}}}
+errata:
+  - {id: of_table, where: [tables.settings], manual: "4", printed: P, used: U, why: W}
+  - {id: of_index, where: [tables.settings.index], manual: "4", printed: P, used: U, why: W}
+  - {id: of_gains, where: [tables.settings.entries.gains], manual: "4", printed: P, used: U, why: W}
+  - {id: of_level, where: [tables.settings.entries.level.layout.level], manual: "4", printed: P, used: U, why: W}
+  - {id: of_dim, where: [commands.dim.reply], manual: "1", printed: P, used: U, why: W}
+"""
+)
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    spec = tmp_path_factory.mktemp("spec") / "spec.yaml"
+    spec.write_text(TABLE, "utf-8")
+    return {output.path.removeprefix("en/v1/"): output.text for output in docs.generate([described(spec)], {})}
+
+
+def test_the_overview_has_a_command_once_with_its_entries(pages: dict[str, str]) -> None:
+    lines = [line for line in pages["index.md"].splitlines() if line.startswith("| `0x4")]
+    assert lines == [
+        "| `0x40` | [read_setting](#tables.settings)<br>Read setting<br>[Gains](commands/read_setting_gains.md) · "
+        "[Level](commands/read_setting_level.md) | layout of the entry |  | `stays` |",
+        "| `0x42` | [write_setting](#tables.settings)<br>Write setting<br>[Gains](commands/write_setting_gains.md) · "
+        "[Level](commands/write_setting_level.md) | layout of the entry |  | `stays` |",
+    ]
+
+
+def test_the_overview_has_the_entries_of_a_table_by_index(pages: dict[str, str]) -> None:
+    _, _, section = pages["index.md"].partition('## <a id="tables.settings"></a>Things \\| set\n\n')
+    assert section.splitlines()[:6] == [
+        "What the lamp starts with.",
+        "",
+        "| Index | Entry | What it is | `read_setting` | `write_setting` | Effects |",
+        "| --- | --- | --- | --- | --- | --- |",
+        "| `0xA0` | `gains` | Gains | [`0x40`](commands/read_setting_gains.md) | "
+        "[`0x42`](commands/write_setting_gains.md) | `wears` |",
+        "| `0x05 0x0A` | `level` | Level | [`0x40`](commands/read_setting_level.md) | "
+        "[`0x42`](commands/write_setting_level.md) |  |",
+    ]
+
+
+def test_a_page_says_what_is_said_of_its_table_entry_and_command(pages: dict[str, str]) -> None:
+    page = pages["commands/read_setting_gains.md"]
+    entry = "**Entry:** `gains` `0xA0` · [Things \\| set](../index.md#tables.settings) · [write_setting]"
+    for said in (entry, "What the lamp starts with.", "Both at once.", "Slow.", "Two of them."):
+        assert said in page
+    assert "| `DATA[0]` |  | `u8` |  | `0x40` | tells the command |" in page
+    assert "| `DATA[1]` |  | `u8` |  | `0xA0` | tells the entry |" in page
+    level = pages["commands/write_setting_level.md"]
+    assert level.count("| tells the entry |") == 4
+
+
+def test_sections_of_the_manual_are_shown_where_they_differ(pages: dict[str, str]) -> None:
+    page = pages["commands/read_setting_gains.md"]
+    assert "· Manual 2, 4\n" in page
+    assert "| Id | Nodes | Frame | Form | Manual |" in page
+    assert "| Ki (Manual 9) |" in page
+    assert "| Kp |" in page
+    level = pages["commands/write_setting_level.md"]
+    assert "· Manual 3, 5\n" in level
+    assert "Form | Manual" not in level
+
+
+def test_errata_reach_the_commands_that_meet_them(pages: dict[str, str]) -> None:
+    found = {
+        Path(path).stem: [
+            line.split("]")[0].removeprefix("- [") for line in text.splitlines() if "../errata.md" in line
+        ]
+        for path, text in pages.items()
+        if path.startswith("commands/")
+    }
+    of_table = ["of_table", "of_index"]
+    assert found == {
+        "read_setting_gains": [*of_table, "of_gains"],
+        "read_setting_level": [*of_table, "of_level"],
+        "write_setting_gains": [*of_table, "of_gains"],
+        "write_setting_level": [*of_table, "of_level"],
+        "dim": ["of_dim"],
+        "dim_again": ["of_dim"],
+    }
+
+
+def test_bits_are_called_reserved_where_some_are_left(pages: dict[str, str]) -> None:
+    said = "Other bits are reserved"
+    assert pages["commands/write_setting_gains.md"].count(said) == 2
+    assert pages["commands/write_setting_level.md"].count(said) == 0
+    assert pages["commands/read_setting_level.md"].count(said) == 1
