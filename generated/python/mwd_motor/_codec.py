@@ -387,7 +387,8 @@ Candidates = Mapping[int, tuple[tuple[type[Message], tuple[tuple[Reader, int], .
 class Route:
     """The messages behind one rule from node to id, told apart by a selector, or by `more` of them in other places.
 
-    `single` is what is left. `unused` are bits of the id that a message lacks and others of the rule have.
+    `single` is what is left. `of_length` are messages that only their length tells from the one they stand with.
+    `unused` are bits of the id that a message lacks and others of the rule have.
     """
 
     def __init__(
@@ -403,6 +404,7 @@ class Route:
         messages: Candidates | None = None,
         more: tuple[tuple[Reader, Candidates], ...] = (),
         single: type[Message] | None = None,
+        of_length: Mapping[type[Message], tuple[type[Message], ...]] | None = None,
         unused: Mapping[type[Message], int] | None = None,
     ) -> None:
         self.base = base
@@ -414,10 +416,12 @@ class Route:
         self.selector = selector
         self.messages = messages or {}
         self.single = single
+        self.of_length = of_length or {}
         self.unused = unused or {}
         self.selectors = (*([(selector, self.messages)] if selector else []), *more)
         found = {entry[0] for _, codes in self.selectors for entries in codes.values() for entry in entries}
         self.classes = found | {single} if single else found
+        self.classes |= {cls for others in self.of_length.values() for cls in others}
         self.lengths = frozenset(message.DLC for message in self.classes)
         self.length = next(iter(self.lengths)) if len(self.lengths) == 1 and not remote else -1
         alone = {code: entries[0] for code, entries in self.messages.items() if len(entries) == 1}
@@ -444,6 +448,8 @@ class Route:
         if found is None:
             codes = " or ".join(f"0x{read(can_id, data):02X}" for read, _ in self.selectors)
             raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} has the unknown code {codes}")
+        if len(data) != found.DLC:
+            found = next((m for m in self.of_length.get(found, ()) if len(data) == m.DLC), found)
         self.check(found, can_id, data)
         return found
 

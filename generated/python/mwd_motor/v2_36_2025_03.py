@@ -4467,13 +4467,16 @@ R = TypeVar("R", bound=Message)
 class _Answer:
     """What answers a request: the class, its selectors with what they may be, where it comes from, whether it is an echo.
 
-    It comes from one of `nodes`, or from the node of the request where there are none.
+    It comes from one of `nodes`, or from the node of the request where there are none. `asked` and `told` are the
+    fields of request and reply that hold the node, with the bits that they have of it.
     """
 
     reply: type[Message]
     selectors: tuple[tuple[Reader, tuple[int, ...]], ...]
     nodes: tuple[int, ...]
     echo: bool
+    asked: tuple[Reader, int] | None = None
+    told: tuple[Reader, int] | None = None
 
     def node(self, can_id: int, data: bytes, extended: bool, remote: bool) -> int | None:
         """The node of a frame that is this reply. Raises CodecError when it is not."""
@@ -4618,8 +4621,15 @@ def check_reply(
         from_node = answer.node(reply_id, reply, extended if reply_extended is None else reply_extended, reply_remote)
     except CodecError as error:
         raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
-    expected = answer.nodes or (() if node is None else (node,))
-    if from_node is not None and expected and from_node not in expected:
-        raise not_answer(f"{sent.__name__} went to node {node}, this came from node {from_node}")
+    to, mask = (node, -1)
+    if answer.asked and not answer.nodes:
+        to, mask = answer.asked[0](request_id, request), answer.asked[1]
+    expected = answer.nodes or (() if to is None else (to,))
+    sources = [(from_node, mask)]
+    if answer.told:
+        sources.append((answer.told[0](reply_id, reply), mask & answer.told[1]))
+    for source, bits in sources:
+        if source is not None and expected and all((source ^ one) & bits for one in expected):
+            raise not_answer(f"{sent.__name__} went to node {to}, this came from node {source}")
     if answer.echo and reply != request:
         raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")
