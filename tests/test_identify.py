@@ -16,7 +16,7 @@ from canwright.logs import LogError, frames
 from canwright.readings import Reader
 from click.testing import CliRunner, Result
 
-from .spec_texts import ROOT
+from .spec_texts import MINIMAL, ROOT, edition
 
 EDITIONS = [described(file).edition for file in spec_files(ROOT / "spec")]
 
@@ -147,8 +147,13 @@ def test_what_would_tell_only_reads_and_was_not_seen_yet(tmp_path: Path) -> None
     assert "cannot tell, v2.35-2024-02 and v2.35 fit alike" in text
     assert text.rstrip().endswith("read_status_1 would tell more") and "set_power" not in text
     assert "replies to read_control_parameter would tell more" in run(tmp_path, V2_36).output
-    (found,), _ = identify(frames(write(tmp_path, ["141#8100000000000000"])), EDITIONS)
-    assert found.tell and not any(edition.command(name).effects for edition in EDITIONS[:1] for name in found.tell)
+    text = MINIMAL + "".join(
+        f"  {name}:\n    code: 0x1{i}\n    effects: [{effects}]\n    reply: {{level: {{at: 2, type: level}}}}\n"
+        for i, (name, effects) in enumerate((("burn", "burns"), ("read", "")), start=1)
+    )
+    editions = [edition(tmp_path, f"{text}effects: {{burns: {{}}}}\n".replace("0.1", scale)) for scale in ("0.1", "1")]
+    (found,), _ = identify([CanFrame(0x101, bytes([0x10] + [0] * 7))], editions)
+    assert found.tell == ("read",)
 
 
 def test_a_long_log(tmp_path: Path) -> None:
