@@ -31,9 +31,14 @@ def compare(found: Found, both: Editions, command: str, old: Layout, new: Layout
     if item.kind == "layout" and new.shared:
         found.title(item, _at(old, new, "title"), (old.name, new.name), old.title, new.title)
         found.text("text-changed", item, _at(old, new, "about"), old.name, old.about, new.about)
+        found.section(item, (old.path, new.path), old.manual, new.manual, Use((), use.commands))
     matched = match.fields(old, new)
+    if item.kind == "entry":
+        found.section(item, (old.path[:4], new.path[:4]), old.manual, new.manual, Use((), use.commands))
     for one, other in matched.pairs:
         _field(found, both, item, one, other, use)
+        if (one.manual, other.manual) != (old.manual, new.manual):
+            found.section(item, (one.path, other.path), one.manual, other.manual, Use((), use.commands))
     removed, added = list(matched.removed), list(matched.added)
     for gone in matched.removed:
         fresh = next((f for f in added if match.overlap(gone, f)), None)
