@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .. import words
-from ..model import Address, Bus, Direction, Edition, IdRule, Mode, Parameter, Path, Setting
+from ..model import Address, Bus, Direction, Edition, Erratum, IdRule, Mode, Parameter, Path, Setting, Text
 from . import api
 from .change import Impact, Item, Side
-from .found import Found, Use, listed
+from .found import Found, Use, differ, listed
 from .match import by_name
 
 _BOTH = Use((Side.SENDING, Side.RECEIVING))
@@ -160,9 +160,10 @@ def _bus(found: Found, old: Bus, new: Bus) -> None:
 
 def _mode(found: Found, item: Item, old: Mode, new: Mode) -> None:
     path = ("bus", "modes", old.name)
-    if set(old.bit_rates_kbps) != set(new.bit_rates_kbps) or old.default_kbps != new.default_kbps:
+    another = old.default_kbps != new.default_kbps
+    if set(old.bit_rates_kbps) != set(new.bit_rates_kbps) or another:
         facts = {"old": _rates(old), "new": _rates(new)}
-        gone = set(old.bit_rates_kbps) - set(new.bit_rates_kbps) or old.default_kbps != new.default_kbps
+        gone = set(old.bit_rates_kbps) - set(new.bit_rates_kbps) or (another and new.default_kbps is not None)
         place = (*path, "bit_rates_kbps")
         found.add("bit-rates-changed", item, place, place, Impact.LOUD if gone else Impact.SAFE, _BOTH, **facts)
     found.title(item, ((*path, "title"), (*path, "title")), (old.name, new.name), old.title, new.title)
@@ -232,9 +233,13 @@ def _errata(found: Found, old: Edition, new: Edition) -> None:
             found.add("erratum-removed", item, places[0], places[1], Impact.SAFE, Use(), name=id_)
         elif one is None:
             found.add("erratum-added", item, places[0], places[1], Impact.SAFE, Use(), name=id_, used=other.used)
-        elif (one.printed, one.used, one.why) != (other.printed, other.used, other.why):
+        elif any(differ(a, b) for a, b in zip(_texts(one), _texts(other), strict=True)):
             found.add("erratum-changed", item, places[0], places[1], Impact.SAFE, Use(), name=id_, used=other.used)
-        elif one != other:
+        elif (one.where, one.manual) != (other.where, other.manual):
             about = [f"{listed(e.where)} (section {e.manual})" for e in (one, other)]
             facts = {"name": id_, "old": about[0], "new": about[1]}
             found.add("erratum-moved", item, places[0], places[1], Impact.SAFE, Use(), **facts)
+
+
+def _texts(erratum: Erratum) -> tuple[Text, Text, Text]:
+    return erratum.printed, erratum.used, erratum.why

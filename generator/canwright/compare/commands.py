@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from .. import words
-from ..model import Command, Direction, Edition, Key, Level, Message, ReplyForm
+from ..model import Command, Direction, Edition, Effect, Key, Level, Message, Path, ReplyForm
 from . import api, fields, match
 from .change import Impact, Item, Side
 from .fields import Editions
@@ -148,12 +148,12 @@ def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
         names = {"old": old.group, "new": new.group, "names": api.command(old.name, new.name)}
         found.renamed("command-renamed", item, *where, use, **names)
     _codes(found, both, old, new)
-    _facts(found, old, new)
+    _facts(found, both, old, new)
     _texts(found, old, new)
     _reply(found, old, new)
     for direction, one, other in messages(old, new):
         used = Use((_SIDE[direction],), (old.group,))
-        _message(found, old, new, one, other)
+        _message(found, both, old, new, one, other)
         fields.compare(found, both, old.group, one.layout, other.layout, used)
 
 
@@ -174,12 +174,22 @@ def _codes(found: Found, both: Editions, old: Command, new: Command) -> None:
         places = ((*old.entry.path, "index"), (*new.entry.path, "index"))
         facts = {"old": _index(old), "new": _index(new)}
         found.add("index-changed", entry, *places, Impact.SILENT, use, **facts)
-    one, other = (c.request or c.reply for c in (old, new))
-    if one and other:
-        _places(found, old, new, one.keys, other.keys, use)
+    for side, one, other in (
+        (Side.SENDING, old.request, new.request),
+        (Side.RECEIVING, old.reply, new.reply),
+    ):
+        if one and other:
+            _places(found, both, old, new, one.keys, other.keys, Use((side,), (old.group,)))
 
 
-def _places(found: Found, old: Command, new: Command, one: Sequence[Key], other: Sequence[Key], use: Use) -> None:
+def _one_selector(edition: Edition) -> bool:
+    """Whether all frames have their code in the same bits."""
+    return len({m.keys[0].segments for m in edition.all_messages() if m.keys and m.keys[0].name == "code"}) < 2
+
+
+def _places(
+    found: Found, both: Editions, old: Command, new: Command, one: Sequence[Key], other: Sequence[Key], use: Use
+) -> None:
     """Where the code stands, and the index of a table."""
 
     def stand(keys: Sequence[Key]) -> str:
@@ -189,42 +199,67 @@ def _places(found: Found, old: Command, new: Command, one: Sequence[Key], other:
     rest = [keys[len(lead) :] for keys, lead in zip((one, other), first, strict=True)]
     if stand(first[0]) != stand(first[1]):
         facts = {"old": stand(first[0]), "new": stand(first[1])}
-        found.add("code-moved", Item("edition", ""), ("selector",), ("selector",), Impact.LOUD, use, **facts)
+        whole = _one_selector(both.old) and _one_selector(both.new)
+        item = Item("edition", "") if whole else Item("address", old.address)
+        paths: list[Path] = [("selector",) if whole else ("addresses", c.address, "selector") for c in (old, new)]
+        found.add("code-moved", item, paths[0], paths[1], Impact.LOUD, use, **facts)
     if old.entry and new.entry and stand(rest[0]) != stand(rest[1]):
         facts = {"old": stand(rest[0]), "new": stand(rest[1])}
         was, now = ("tables", old.entry.table, "index"), ("tables", new.entry.table, "index")
         found.add("index-moved", Item("table", old.entry.table), was, now, Impact.LOUD, use, **facts)
 
 
-def _facts(found: Found, old: Command, new: Command) -> None:
+def _facts(found: Found, both: Editions, old: Command, new: Command) -> None:
     item, use = _item(old), Use((Side.SENDING,), (old.group,))
 
     def add(rule: str, impact: Impact, key: str, one: str, other: str) -> None:
         found.add(rule, item, (*old.path, key), (*new.path, key), impact, use, old=one, new=other)
 
-    if old.only != new.only:
-        add("availability-changed", Impact.SILENT, "only", *(words.condition(c.only) or "all" for c in (old, new)))
     if old.implemented != new.implemented:
         impact = Impact.SILENT if new.implemented else Impact.LOUD
         add("implemented-changed", impact, "implemented", *(str(c.implemented).lower() for c in (old, new)))
     if old.mode != new.mode:
         add("mode-of-command-changed", Impact.LOUD, "mode", *(c.mode or "none" for c in (old, new)))
-    before, after = ({e.name: e for e in c.effects} for c in (old, new))
-    if before.keys() != after.keys():
-        other = [e for e in (*old.effects, *new.effects) if (e.name in before) != (e.name in after)]
-        impact = Impact.SILENT if any(e.level is not Level.NOTE for e in other) else Impact.SAFE
-        add("effects-changed", impact, "effects", listed(before), listed(after))
-    limits, others = (
-        [{s.name for s in of} for of in pair]
-        for pair in (
-            (old.limited_by, new.limited_by),
-            (old.not_limited_by, new.not_limited_by),
-        )
-    )
-    if limits[0] != limits[1] or others[0] != others[1]:
-        silent = limits[0] != limits[1]
+    silent = {s.name for s in old.limited_by} != {s.name for s in new.limited_by}
+    if silent or {s.name for s in old.not_limited_by} != {s.name for s in new.not_limited_by}:
         key = "limited_by" if silent else "not_limited_by"
         add("limits-changed", Impact.SILENT if silent else Impact.SAFE, key, *map(_limits, (old, new)))
+    shared = [_shared(edition, c) for edition, c in ((both.old, old), (both.new, new))]
+    _conditions(found, item, (old.path, new.path), shared, use)
+    if old.entry and new.entry:
+        entry = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        own = [
+            ({p: v for p, v in c.only.items() if p not in only}, tuple(e for e in c.effects if e not in effects))
+            for c, (only, effects) in zip((old, new), shared, strict=True)
+        ]
+        _conditions(found, entry, (old.entry.path, new.entry.path), own, use)
+
+
+_Conditions = tuple[Mapping[str, tuple[str, ...]], tuple[Effect, ...]]
+
+
+def _shared(edition: Edition, command: Command) -> _Conditions:
+    """Where a command is there and what it does, as far as that holds for all entries of its table."""
+    forms = [c for c in edition.commands if c.group == command.group]
+    only = {p: v for p, v in command.only.items() if all(c.only.get(p) == v for c in forms)}
+    return only, tuple(e for e in command.effects if all(e in c.effects for c in forms))
+
+
+def _conditions(found: Found, item: Item, places: tuple[Path, Path], told: Sequence[_Conditions], use: Use) -> None:
+    """Where something is there, and what it does besides."""
+    (old_only, before), (new_only, after) = told
+
+    def add(rule: str, impact: Impact, key: str, one: str, other: str) -> None:
+        found.add(rule, item, (*places[0], key), (*places[1], key), impact, use, old=one, new=other)
+
+    if old_only != new_only:
+        scopes = [words.condition(only) or "all" for only in (old_only, new_only)]
+        add("availability-changed", Impact.SILENT, "only", scopes[0], scopes[1])
+    names = [{e.name for e in effects} for effects in (before, after)]
+    if names[0] != names[1]:
+        other = [e for e in (*before, *after) if (e.name in names[0]) != (e.name in names[1])]
+        impact = Impact.SILENT if any(e.level is not Level.NOTE for e in other) else Impact.SAFE
+        add("effects-changed", impact, "effects", *(listed(e.name for e in effects) for effects in (before, after)))
 
 
 def _limits(command: Command) -> str:
@@ -274,7 +309,7 @@ def _form(command: Command) -> str:
     return "fields" if command.reply_form in (ReplyForm.OWN, ReplyForm.LAYOUT) else command.reply_form.value
 
 
-def _message(found: Found, old: Command, new: Command, one: Message, other: Message) -> None:
+def _message(found: Found, both: Editions, old: Command, new: Command, one: Message, other: Message) -> None:
     direction = one.direction.value
     item, use = _item(old), Use((_SIDE[one.direction],), (old.group,))
 
@@ -290,7 +325,11 @@ def _message(found: Found, old: Command, new: Command, one: Message, other: Mess
         add("accept-changed", Impact.SAFE, "accept", *(listed(map(code, m.accept)) for m in (one, other)))
     if one.address != other.address and one.id != other.id:
         add("address-of-command-changed", Impact.LOUD, "address", one.address, other.address, direction=direction)
-    if one.dlc != other.dlc:
+    usual = [edition.bus.dlc for edition in (both.old, both.new)]
+    if one.dlc != other.dlc and [one.dlc, other.dlc] == usual:
+        facts = {"direction": "usual frame", "old": str(one.dlc), "new": str(other.dlc)}
+        found.add("dlc-changed", Item("bus", ""), ("bus", "dlc"), ("bus", "dlc"), Impact.LOUD, use, **facts)
+    elif one.dlc != other.dlc:
         add("dlc-changed", Impact.LOUD, "dlc", str(one.dlc), str(other.dlc), direction=direction)
     if one.remote != other.remote:
         kinds = ["remote frame" if m.remote else "data frame" for m in (one, other)]

@@ -62,7 +62,7 @@ class Found:
 
     def text(self, rule: str, item: Item, places: tuple[Path, Path], name: str, old: Text, new: Text) -> None:
         """A change of a text, in any language that both have."""
-        if any(old[language] != new[language] for language in old.keys() & new.keys()):
+        if differ(old, new):
             self.add(rule, item, *places, Impact.SAFE, Use(), name=name, old=shortened(old), new=shortened(new))
 
     def title(self, item: Item, places: tuple[Path, Path], names: tuple[str, str], old: Text, new: Text) -> None:
@@ -72,6 +72,11 @@ class Found:
 
     def __iter__(self) -> Iterator[Change]:
         return iter(self._changes.values())
+
+
+def differ(old: Text, new: Text) -> bool:
+    """Whether a text is another one in a language that both have."""
+    return any(old[language] != new[language] for language in old.keys() & new.keys())
 
 
 def shortened(text: Text, longest: int = 60) -> Mapping[str, str]:

@@ -70,8 +70,8 @@ _VALUE = (
     ("parameter-bounds-changed", "A number has other bounds.", "`{name}` lies in {new}, was {old}"),
     ("effects-changed", "A command does something else besides.", "effects: {new}; were: {old}"),
     ("limits-changed", "Other settings limit a command.", "limited by: {new}; was: {old}"),
-    ("reply-time-changed", "Replies take another time.", "a reply comes within {new} ms, was {old}"),
-    ("max-nodes-changed", "A bus holds another number of nodes.", "a bus holds {new} nodes, was {old}"),
+    ("reply-time-changed", "Replies take another time.", "milliseconds to a reply: {new}, was {old}"),
+    ("max-nodes-changed", "A bus holds another number of nodes.", "most nodes on a bus: {new}, was {old}"),
 )
 _API = (
     ("command-renamed", "A command has another name.", "`{old}` is called `{new}`: {names}"),
