@@ -53,6 +53,13 @@ def told(folder: Path, text: str, *changes: tuple[str, str]) -> list[str]:
             [("by: series, MF", "by: series, XF"), (" MF:", " XF:"), ("[MF,", "[XF,")],
             ["build sending+receiving: parameter series: parameter-value-renamed"],
         ),
+        (
+            [("by: series, MF: 16.5/2048", "by: series, XF: 17.5/2048"), (" MF:", " XF:"), ("[MF,", "[XF,")],
+            [
+                "build sending+receiving: parameter series: parameter-value-renamed",
+                "silent sending+receiving: type torque_current: scale-changed",
+            ],
+        ),
     ],
 )
 def test_of_one_id(changes: list[tuple[str, str]], says: list[str], tmp_path: Path) -> None:
