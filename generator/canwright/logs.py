@@ -10,12 +10,16 @@ from pathlib import Path
 from .interpret import CanFrame
 
 _SHORT = re.compile(
-    r"(?:\([\d.]+\)\s+)?(?:\S+\s+)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(R|[0-9A-Fa-f]{0,16})(?:\s+[RT])?\s*"
+    r"(?:\([\d.]+\)\s+)?(?:\S+\s+)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(?:#[0-9A-Fa-f])?(R[0-8]?|[0-9A-Fa-f]*)"
+    r"(?:_[0-9A-Fa-f])?(?:\s+[RT])?"
 )
 _LONG = re.compile(
-    r"(?:\([\d:. -]+\)\s+)?\S+\s+(?:[RT]X\s+\S+\s+\S+\s+)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})\s+\[(\d)\]"
-    r"\s+(remote request|(?:[0-9A-Fa-f]{2}\s*)*)(?:'.*')?\s*"
+    r"(?:\([\d:. -]+\)\s+)?\S+\s+(?:[RT]X\s+\S+\s+\S+\s+)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})\s+\[\d+\]"
+    r"\s+(remote request|(?:[0-9A-Fa-f]{2}\s*)*)(?:'.*'|ERRORFRAME)?"
 )
+_COLOUR = re.compile(r"\x1b\[[\d;]*m")
+_ERROR = 0x20000000
+"""Set in the ids of what is no frame but an error that the controller tells of."""
 _BINARY = (".asc", ".blf", ".csv", ".db", ".mf4", ".trc")
 
 
@@ -29,30 +33,31 @@ def frames(file: Path) -> Iterator[CanFrame]:
         yield from _by_python_can(file)
         return
     try:
-        lines = file.read_text("utf-8").splitlines()
+        text = file.read_text("utf-8")
     except UnicodeDecodeError:
         raise LogError(f"{file} is no text; write it with `candump -l`, or as {', '.join(_BINARY)}") from None
-    for number, line in enumerate(lines, start=1):
-        if line.strip() and not line.startswith(("#", ";")):
-            yield _parsed(file, number, line.strip())
+    for number, line in enumerate(text.splitlines(keepends=True), start=1):
+        written = _COLOUR.sub("", line).strip()
+        if not written or line.startswith(("#", ";", "\t")):
+            continue
+        frame = _parsed(written)
+        if frame is not None and not frame.id & _ERROR:
+            yield frame
+        elif frame is None and line.endswith("\n"):  # the last line is cut off where a recording was
+            raise LogError(
+                f"{file}:{number}: expected a frame as candump writes it, `141#9A00000000000000`; found "
+                f"`{written[:60]}`"
+            )
 
 
-def _parsed(file: Path, number: int, line: str) -> CanFrame:
-    short, long = _SHORT.fullmatch(line), _LONG.fullmatch(line)
-    if short:
-        id_, data = short.groups()
-        remote = data == "R"
-    elif long:
-        id_, _, data = long.groups()
-        remote = data.startswith("remote")
-    else:
-        raise LogError(
-            f"{file}:{number}: expected a frame as candump writes it, `141#9A00000000000000`; found `{line[:60]}`"
-        )
+def _parsed(line: str) -> CanFrame | None:
+    found = _SHORT.fullmatch(line) or _LONG.fullmatch(line)
+    if found is None:
+        return None
+    id_, data = found.groups()
+    remote = data.startswith(("R", "r"))
     digits = "" if remote else "".join(data.split())
-    if len(digits) % 2:
-        raise LogError(f"{file}:{number}: the data has half a byte, `{digits}`; write pairs of hex digits")
-    return CanFrame(int(id_, 16), bytes.fromhex(digits), len(id_) == 8, remote)
+    return None if len(digits) % 2 else CanFrame(int(id_, 16), bytes.fromhex(digits), len(id_) == 8, remote)
 
 
 def _by_python_can(file: Path) -> Iterator[CanFrame]:
@@ -65,9 +70,10 @@ def _by_python_can(file: Path) -> Iterator[CanFrame]:
     try:
         with can.LogReader(str(file)) as reader:
             for message in reader:
-                yield CanFrame(
-                    message.arbitration_id, bytes(message.data), message.is_extended_id, message.is_remote_frame
-                )
+                if not message.is_error_frame:
+                    yield CanFrame(
+                        message.arbitration_id, bytes(message.data), message.is_extended_id, message.is_remote_frame
+                    )
     except OSError:
         raise
     except Exception as error:  # each of the readers raises its own

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from ..model import Edition
 from .common import FINDINGS, FilePath, read, spec_option, stop
 
 SHOWN = 4
-"""How many reasons against an edition are printed."""
+"""How many reasons against an edition, ids or frames are printed."""
 
 
 @click.command()
@@ -49,22 +50,33 @@ def identify(log: Path, specs: Sequence[Path], form: str) -> None:
         sys.exit(FINDINGS)
 
 
-def _text(family: str, findings: Sequence[Finding], foreign: int, count: int) -> None:
+def _text(family: str, findings: Sequence[Finding], foreign: Counter[int], count: int) -> None:
     if foreign:
-        click.echo(f"{foreign} of {count} frames have no id of {family} and are left out\n")
+        ids = _some([f"0x{id_:X}" for id_, _ in foreign.most_common()])
+        click.echo(f"{foreign.total()} of {count} frames have no id of {family} and are left out: {ids}\n")
     for finding in findings:
         node = "no node" if finding.node is None else f"node {finding.node}"
-        plural = "" if finding.frames == 1 else "s"
-        click.echo(f"{family}, {node}, {finding.frames} frame{plural}: {_verdict(finding)}")
-        for candidate in finding.candidates:
-            click.echo(f"  {candidate.edition.name:<16} {_summary(candidate, finding.frames)}")
+        click.echo(f"{family}, {node}, {_frames(finding.frames)}: {_verdict(finding)}")
+        if finding.strange:
+            told = _some([f"{_frame(frame)} ({n})" for frame, n in finding.strange])
+            click.echo(f"  no edition has {_frames(finding.frames - finding.judged)}, left out: {told}")
+        for candidate in finding.candidates if finding.judged else ():
+            click.echo(f"  {candidate.edition.name:<16} {_summary(candidate, finding.judged)}")
             for evidence in candidate.against[:SHOWN]:
                 click.echo(f"    {_evidence(evidence)}")
         if finding.tell:
-            click.echo(f"  replies to {', '.join(finding.tell[:SHOWN])} would tell more")
+            click.echo(f"  replies to {_some(list(finding.tell))} would tell more")
         click.echo()
     if not findings:
         click.echo(f"cannot tell: no frame has an id of {family}")
+
+
+def _frames(count: int) -> str:
+    return f"{count} frame{'' if count == 1 else 's'}"
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:SHOWN]) + (", ..." if len(names) > SHOWN else "")
 
 
 def _verdict(finding: Finding) -> str:
@@ -91,8 +103,9 @@ def _points(score: int) -> str:
 
 
 def _evidence(evidence: Evidence) -> str:
-    among = f"{evidence.count} of {evidence.among}"
-    return f"{evidence.reason.text} ({among}, as in {_frame(evidence.example)})"
+    rare = "" if evidence.counts else ", too few to count"
+    among = f"{evidence.count} of {evidence.among}{rare}"
+    return f"{evidence.text} ({among}, as in {_frame(evidence.example)})"
 
 
 def _frame(frame: CanFrame) -> str:
@@ -100,12 +113,12 @@ def _frame(frame: CanFrame) -> str:
     return f"{id_}#{'R' if frame.remote else frame.data.hex().upper()}"
 
 
-def _json(family: str, findings: Sequence[Finding], foreign: int) -> str:
+def _json(family: str, findings: Sequence[Finding], foreign: Counter[int]) -> str:
     def candidate(one: Candidate) -> dict[str, object]:
         against = [
             {
-                "text": e.reason.text,
-                "points": e.reason.points,
+                "text": e.text,
+                "points": e.points if e.counts else 0,
                 "frames": e.count,
                 "among": e.among,
                 "example": _frame(e.example),
@@ -119,9 +132,10 @@ def _json(family: str, findings: Sequence[Finding], foreign: int) -> str:
             "node": finding.node,
             "frames": finding.frames,
             "fits": [edition.name for edition in finding.editions],
+            "of_no_edition": finding.frames - finding.judged,
             "would_tell": list(finding.tell),
             "editions": [candidate(one) for one in finding.candidates],
         }
         for finding in findings
     ]
-    return json.dumps({"family": family, "foreign": foreign, "nodes": nodes}, indent=2, ensure_ascii=False)
+    return json.dumps({"family": family, "foreign": foreign.total(), "nodes": nodes}, indent=2, ensure_ascii=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..model import Edition
-from . import around, commands
+from . import around, commands, renames
 from .change import Category as Category, Change as Change, Impact as Impact, Item as Item, Side as Side
 from .found import Found
 from .table import CHANGES as CHANGES
@@ -14,6 +14,7 @@ _CATEGORIES, _IMPACTS = list(Category), list(Impact)
 def compare(old: Edition, new: Edition) -> tuple[Change, ...]:
     """Every change from `old` to `new`, in the order of the specs, what surrounds the commands first."""
     found = Found()
+    old = renames.compare(found, old, new)
     around.compare(found, old, new)
     commands.compare(found, old, new)
     return tuple(found)

@@ -21,6 +21,21 @@ def type_(old: str, new: str) -> str:
     return f"C `…_{old}_to_milli` → `…_{new}_to_milli`"
 
 
+def parameter(old: str, new: str) -> str:
+    """Members and attributes, for both names."""
+    return f"C `.{old}` → `.{new}`, Python `{python.attribute(old)}` → `{python.attribute(new)}`"
+
+
+def listed_name(old: str, new: str) -> str:
+    """Strings that messages carry, for both names."""
+    return f'Python `"{old}"` → `"{new}"`'
+
+
+def host(old: str, new: str) -> str:
+    """The node of the host, for both names."""
+    return f"DBC `{old}` → `{new}`"
+
+
 def field(old: str, new: str) -> str:
     """Members, attributes and signals, for both names."""
     return f"{_told(c.member(old), c.member(new), python.attribute(old), python.attribute(new))}, DBC `…_{old}` → `…_{new}`"

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .. import words
-from ..model import Address, Bus, Direction, Edition, IdRule, Mode, Parameter, Path
+from ..model import Address, Bus, Direction, Edition, Erratum, IdRule, Mode, Parameter, Path, Setting, Text
+from . import api
 from .change import Impact, Item, Side
-from .found import Found, Use, listed
+from .found import Found, Use, differ, listed
 from .match import by_name
 
 _BOTH = Use((Side.SENDING, Side.RECEIVING))
@@ -18,31 +19,40 @@ def compare(found: Found, old: Edition, new: Edition) -> None:
     _addresses(found, old.addresses, new.addresses)
     _bus(found, old.bus, new.bus)
     _parameters(found, old.parameters, new.parameters)
-    settings = by_name(old.settings, new.settings)
-    for gone in settings.removed:
-        found.add(
-            "setting-removed",
-            Item("setting", gone.name),
-            ("settings", gone.name),
-            ("settings",),
-            Impact.SAFE,
-            Use(),
-            name=gone.name,
-        )
-    for fresh in settings.added:
-        found.add(
-            "setting-added",
-            Item("setting", fresh.name),
-            ("settings",),
-            ("settings", fresh.name),
-            Impact.SAFE,
-            Use(),
-            name=fresh.name,
-        )
+    _settings(found, old.settings, new.settings)
+    for effect, now in by_name(old.effects, new.effects).pairs:
+        item, path = Item("effect", effect.name), ("effects", effect.name)
+        if effect.level is not now.level:
+            facts = {"name": effect.name, "old": effect.level.value, "new": now.level.value}
+            place = (*path, "level")
+            found.add("effect-level-changed", item, place, place, Impact.SAFE, Use(), **facts)
+        found.title(item, ((*path, "title"), (*path, "title")), (effect.name, now.name), effect.title, now.title)
     _errata(found, old, new)
     edition = Item("edition", "")
     found.title(edition, (("title",), ("title",)), (old.family, new.family), old.title, new.title)
     found.text("text-changed", edition, (("about",), ("about",)), old.family, old.about, new.about)
+    found.text("title-changed", edition, (("manual",), ("manual",)), "manual", old.manual, new.manual)
+    if set(old.languages) != set(new.languages):
+        facts = {"old": listed(old.languages), "new": listed(new.languages)}
+        found.add("languages-changed", edition, ("languages",), ("languages",), Impact.SAFE, Use(), **facts)
+
+
+def _settings(found: Found, old: Sequence[Setting], new: Sequence[Setting]) -> None:
+    settings = by_name(old, new)
+    for one, other in settings.pairs:
+        item, path = Item("setting", one.name), ("settings", one.name)
+        if one.only != other.only:
+            scopes = [words.condition(setting.only) or "all" for setting in (one, other)]
+            facts = {"name": one.name, "old": scopes[0], "new": scopes[1]}
+            place = (*path, "only")
+            found.add("setting-scope-changed", item, place, place, Impact.SAFE, Use(), **facts)
+        found.title(item, ((*path, "title"), (*path, "title")), (one.name, other.name), one.title, other.title)
+    for gone in settings.removed:
+        item, path = Item("setting", gone.name), ("settings", gone.name)
+        found.add("setting-removed", item, path, ("settings",), Impact.SAFE, Use(), name=gone.name)
+    for fresh in settings.added:
+        item, path = Item("setting", fresh.name), ("settings", fresh.name)
+        found.add("setting-added", item, ("settings",), path, Impact.SAFE, Use(), name=fresh.name)
 
 
 def _addresses(found: Found, old: Sequence[Address], new: Sequence[Address]) -> None:
@@ -51,11 +61,14 @@ def _addresses(found: Found, old: Sequence[Address], new: Sequence[Address]) -> 
         item = Item("address", one.name)
         if one.name != other.name:
             found.renamed("address-renamed", item, one.path, other.path, _BOTH, old=one.name, new=other.name)
-        for direction, a, b, side in (
-            (Direction.REQUEST, one.request, other.request, Side.SENDING),
-            (Direction.REPLY, one.reply, other.reply, Side.RECEIVING),
-        ):
-            _rule(found, item, (one, other), direction, a, b, Use((side,)))
+        if one.request == one.reply and other.request == other.reply:
+            _rule(found, item, (one, other), tuple(Direction), one.request, other.request)
+        else:
+            _rule(found, item, (one, other), (Direction.REQUEST,), one.request, other.request)
+            _rule(found, item, (one, other), (Direction.REPLY,), one.reply, other.reply)
+        found.section(item, (one.path, other.path), one.manual, other.manual, Use())
+        about = ((*one.path, "about"), (*other.path, "about"))
+        found.text("text-changed", item, about, other.name, one.about, other.about)
         places = ((*one.path, "title"), (*other.path, "title"))
         found.title(item, places, (one.name, other.name), one.title, other.title)
     for gone in matched.removed:
@@ -69,25 +82,50 @@ def _addresses(found: Found, old: Sequence[Address], new: Sequence[Address]) -> 
 
 
 def _rule(
-    found: Found, item: Item, pair: tuple[Address, Address], direction: Direction, old: IdRule, new: IdRule, use: Use
+    found: Found,
+    item: Item,
+    pair: tuple[Address, Address],
+    directions: tuple[Direction, ...],
+    old: IdRule,
+    new: IdRule,
 ) -> None:
+    sides = {Direction.REQUEST: Side.SENDING, Direction.REPLY: Side.RECEIVING}
+    use = Use(tuple(sides[direction] for direction in directions))
     if (old.base, old.node_shift, old.extended, old.nodes is None) != (
         *(new.base, new.node_shift, new.extended),
         new.nodes is None,
     ):
-        facts = {"direction": direction.value, "old": words.id_rule(old), "new": words.id_rule(new)}
-        places = [(*a.path, direction.value) for a in pair]
-        found.add("id-changed", item, places[0], places[1], Impact.LOUD, use, **facts)
+        facts = {"direction": " and ".join(d.value for d in directions), "old": _id(old), "new": _id(new)}
+        places = [(*a.path, directions[0].value) for a in pair]
+        impact = Impact.SILENT if _taken(old, new) else Impact.LOUD
+        found.add("id-changed", item, places[0], places[1], impact, use, **facts)
     if old.nodes is not None and new.nodes is not None and old.nodes != new.nodes:
-        beyond = set(new.nodes) - set(old.nodes) if Side.RECEIVING in use.sides else set(old.nodes) - set(new.nodes)
-        impact = Impact.LOUD if beyond else Impact.SAFE
         facts = {"old": f"{old.nodes[0]}..{old.nodes[-1]}", "new": f"{new.nodes[0]}..{new.nodes[-1]}"}
         places = [(*a.path, "nodes") for a in pair]
-        found.add("nodes-changed", item, places[0], places[1], impact, use, **facts)
+        for side in use.sides:
+            beyond = set(new.nodes) - set(old.nodes) if side is Side.RECEIVING else set(old.nodes) - set(new.nodes)
+            impact = Impact.LOUD if beyond else Impact.SAFE
+            found.add("nodes-changed", item, places[0], places[1], impact, Use((side,)), **facts)
+
+
+def _id(rule: IdRule) -> str:
+    return words.id_rule(rule) + (" (29 bits)" if rule.extended else "")
+
+
+def _taken(old: IdRule, new: IdRule) -> bool:
+    """Whether an id of one node now is that of another."""
+    if old.extended is not new.extended or old.nodes is None or new.nodes is None:
+        return False
+    node = {new.base + (n << new.node_shift): n for n in new.nodes}
+    return any(node.get(old.base + (n << old.node_shift), n) != n for n in old.nodes)
 
 
 def _bus(found: Found, old: Bus, new: Bus) -> None:
     item = Item("bus", "")
+    if old.host != new.host:
+        names = {"old": old.host, "new": new.host, "names": api.host(old.host, new.host)}
+        found.renamed("host-renamed", item, ("bus", "host"), ("bus", "host"), _BOTH, **names)
+    found.section(item, (("bus",), ("bus",)), old.manual, new.manual, Use())
     matched = by_name(old.modes, new.modes)
     for one, other in matched.pairs:
         _mode(found, Item("mode", one.name), one, other)
@@ -122,9 +160,10 @@ def _bus(found: Found, old: Bus, new: Bus) -> None:
 
 def _mode(found: Found, item: Item, old: Mode, new: Mode) -> None:
     path = ("bus", "modes", old.name)
-    if set(old.bit_rates_kbps) != set(new.bit_rates_kbps) or old.default_kbps != new.default_kbps:
+    another = old.default_kbps != new.default_kbps
+    if set(old.bit_rates_kbps) != set(new.bit_rates_kbps) or another:
         facts = {"old": _rates(old), "new": _rates(new)}
-        gone = set(old.bit_rates_kbps) - set(new.bit_rates_kbps) or old.default_kbps != new.default_kbps
+        gone = set(old.bit_rates_kbps) - set(new.bit_rates_kbps) or (another and new.default_kbps is not None)
         place = (*path, "bit_rates_kbps")
         found.add("bit-rates-changed", item, place, place, Impact.LOUD if gone else Impact.SAFE, _BOTH, **facts)
     found.title(item, ((*path, "title"), (*path, "title")), (old.name, new.name), old.title, new.title)
@@ -162,6 +201,9 @@ def _parameters(found: Found, old: Sequence[Parameter], new: Sequence[Parameter]
         item, path = Item("parameter", one.name), ("parameters", one.name)
         at = (*path, "values")
         values = by_name(one.values, other.values)
+        for value, now in values.pairs:
+            places = ((*at, value.name, "title"), (*at, now.name, "title"))
+            found.title(item, places, (value.name, now.name), value.title, now.title)
         for value in values.removed:
             facts = {"name": one.name, "value": value.name}
             found.add("parameter-value-removed", item, (*at, value.name), at, Impact.BUILD, _BOTH, **facts)
@@ -191,5 +233,13 @@ def _errata(found: Found, old: Edition, new: Edition) -> None:
             found.add("erratum-removed", item, places[0], places[1], Impact.SAFE, Use(), name=id_)
         elif one is None:
             found.add("erratum-added", item, places[0], places[1], Impact.SAFE, Use(), name=id_, used=other.used)
-        elif (one.printed, one.used, one.why) != (other.printed, other.used, other.why):
+        elif any(differ(a, b) for a, b in zip(_texts(one), _texts(other), strict=True)):
             found.add("erratum-changed", item, places[0], places[1], Impact.SAFE, Use(), name=id_, used=other.used)
+        elif (one.where, one.manual) != (other.where, other.manual):
+            about = [f"{listed(e.where)} (section {e.manual})" for e in (one, other)]
+            facts = {"name": id_, "old": about[0], "new": about[1]}
+            found.add("erratum-moved", item, places[0], places[1], Impact.SAFE, Use(), **facts)
+
+
+def _texts(erratum: Erratum) -> tuple[Text, Text, Text]:
+    return erratum.printed, erratum.used, erratum.why

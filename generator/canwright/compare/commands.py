@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
 
 from .. import words
-from ..model import Command, Direction, Edition, Level, Message, ReplyForm
+from ..model import Command, Direction, Edition, Effect, Key, Level, Message, Path, ReplyForm
 from . import api, fields, match
 from .change import Impact, Item, Side
 from .fields import Editions
@@ -26,6 +27,12 @@ def compare(found: Found, old: Edition, new: Edition) -> None:
         match.renamed(types, old.types, new.types),
         match.renamed(pairs, old.layouts, new.layouts),
     )
+    kept = _tables(found, old, new)
+    matched = dataclasses.replace(
+        matched,
+        removed=tuple(c for c in matched.removed if c.group not in kept),
+        added=tuple(c for c in matched.added if c.group not in kept),
+    )
     repurposed = [
         (one, other) for one in matched.removed for other in matched.added if match.code_of(one) == match.code_of(other)
     ]
@@ -41,14 +48,38 @@ def compare(found: Found, old: Edition, new: Edition) -> None:
         _command(found, both, one, other)
 
 
+def _tables(found: Found, old: Edition, new: Edition) -> set[str]:
+    """The commands that use a table in one edition alone: all their forms are others."""
+    before, after = ({c.group: c for c in edition.commands} for edition in (old, new))
+    kept = {
+        name for name in before.keys() & after.keys() if (before[name].entry is None) != (after[name].entry is None)
+    }
+    for name in before:
+        if name in kept:
+            one, other = before[name], after[name]
+            facts = {key: c.entry.table if c.entry else "none" for key, c in (("old", one), ("new", other))}
+            use = Use((Side.SENDING, Side.RECEIVING), (name,))
+            places = (*one.path, "table"), (*other.path, "table")
+            found.add("table-of-command-changed", _item(one), *places, Impact.SILENT, use, **facts)
+    return kept
+
+
 def messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, Message]]:
     """The frames of a command that both editions have and that are its own."""
     for direction in Direction:
         one, other = (c.request if direction is Direction.REQUEST else c.reply for c in (old, new))
-        if one is not None and other is not None and one.command == old.name and other.command == new.name:
-            echoes = direction is Direction.REPLY and old.reply_form is new.reply_form is ReplyForm.ECHO
-            if not echoes or old.request is None or new.request is None:
-                yield direction, one, other
+        if one is None or other is None or one.command != old.name or other.command != new.name:
+            continue
+        if direction is Direction.REQUEST or not _is_another(old, new, one, other):
+            yield direction, one, other
+
+
+def _is_another(old: Command, new: Command, one: Message, other: Message) -> bool:
+    """Whether a reply needs no look: it is an echo in both editions, or in one and has nothing of the other's."""
+    echoes = (old.reply_form is ReplyForm.ECHO) + (new.reply_form is ReplyForm.ECHO)
+    if echoes == 2:
+        return old.request is not None and new.request is not None
+    return echoes == 1 and not match.fields(one.layout, other.layout).pairs
 
 
 def _item(command: Command) -> Item:
@@ -106,6 +137,9 @@ def _added(found: Found, new: Command, old: Edition) -> None:
 def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
     item, where = _item(old), (old.path, new.path)
     use = Use((Side.SENDING,), (old.group,))
+    if old.entry and new.entry and old.entry.table != new.entry.table:
+        table, names = Item("table", old.entry.table), {"old": old.entry.table, "new": new.entry.table}
+        found.renamed("table-renamed", table, old.entry.path[:2], new.entry.path[:2], use, **names)
     if old.entry and new.entry and old.entry.name != new.entry.name:
         entry = Item("entry", f"{old.entry.table}.{old.entry.name}")
         names = {"old": old.entry.name, "new": new.entry.name}
@@ -114,12 +148,12 @@ def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
         names = {"old": old.group, "new": new.group, "names": api.command(old.name, new.name)}
         found.renamed("command-renamed", item, *where, use, **names)
     _codes(found, both, old, new)
-    _facts(found, old, new)
+    _facts(found, both, old, new)
     _texts(found, old, new)
     _reply(found, old, new)
     for direction, one, other in messages(old, new):
         used = Use((_SIDE[direction],), (old.group,))
-        _message(found, old, new, one, other)
+        _message(found, both, old, new, one, other)
         fields.compare(found, both, old.group, one.layout, other.layout, used)
 
 
@@ -131,42 +165,106 @@ def _codes(found: Found, both: Editions, old: Command, new: Command) -> None:
         now = [
             c.group for c in both.new.commands if c.address == new.address and c.code == old.code and c.entry is None
         ]
-        found.add("code-changed", _item(old), *paths, Impact.SILENT if now else Impact.LOUD, use, **facts)
         if now:
-            found.add("code-taken", _item(old), *paths, Impact.SILENT, use, old=code(old.code), other=now[0])
+            found.add("code-taken", _item(old), *paths, Impact.SILENT, use, **facts, other=now[0])
+        else:
+            found.add("code-changed", _item(old), *paths, Impact.LOUD, use, **facts)
     if old.entry and new.entry and _index(old) != _index(new):
         entry = Item("entry", f"{old.entry.table}.{old.entry.name}")
         places = ((*old.entry.path, "index"), (*new.entry.path, "index"))
         facts = {"old": _index(old), "new": _index(new)}
         found.add("index-changed", entry, *places, Impact.SILENT, use, **facts)
-    one, other = (c.request or c.reply for c in (old, new))
-    if one and other and [k.segments for k in one.keys] != [k.segments for k in other.keys]:
-        stood = [", ".join(words.place(k.space, k.segments) for k in m.keys) or "none" for m in (one, other)]
-        facts = {"old": stood[0], "new": stood[1]}
-        found.add("code-moved", Item("edition", ""), ("selector",), ("selector",), Impact.LOUD, use, **facts)
+    for side, one, other in (
+        (Side.SENDING, old.request, new.request),
+        (Side.RECEIVING, old.reply, new.reply),
+    ):
+        if one and other:
+            _places(found, both, old, new, one.keys, other.keys, Use((side,), (old.group,)))
 
 
-def _facts(found: Found, old: Command, new: Command) -> None:
+def _one_selector(edition: Edition) -> bool:
+    """Whether all frames have their code in the same bits."""
+    return len({m.keys[0].segments for m in edition.all_messages() if m.keys and m.keys[0].name == "code"}) < 2
+
+
+def _places(
+    found: Found, both: Editions, old: Command, new: Command, one: Sequence[Key], other: Sequence[Key], use: Use
+) -> None:
+    """Where the code stands, and the index of a table."""
+
+    def stand(keys: Sequence[Key]) -> str:
+        return listed(words.place(k.space, k.segments) for k in keys)
+
+    first = [keys[: 1 if keys and keys[0].name == "code" else 0] for keys in (one, other)]
+    rest = [keys[len(lead) :] for keys, lead in zip((one, other), first, strict=True)]
+    if stand(first[0]) != stand(first[1]):
+        facts = {"old": stand(first[0]), "new": stand(first[1])}
+        whole = _one_selector(both.old) and _one_selector(both.new)
+        item = Item("edition", "") if whole else Item("address", old.address)
+        paths: list[Path] = [("selector",) if whole else ("addresses", c.address, "selector") for c in (old, new)]
+        found.add("code-moved", item, paths[0], paths[1], Impact.LOUD, use, **facts)
+    if old.entry and new.entry and stand(rest[0]) != stand(rest[1]):
+        facts = {"old": stand(rest[0]), "new": stand(rest[1])}
+        was, now = ("tables", old.entry.table, "index"), ("tables", new.entry.table, "index")
+        found.add("index-moved", Item("table", old.entry.table), was, now, Impact.LOUD, use, **facts)
+
+
+def _facts(found: Found, both: Editions, old: Command, new: Command) -> None:
     item, use = _item(old), Use((Side.SENDING,), (old.group,))
 
     def add(rule: str, impact: Impact, key: str, one: str, other: str) -> None:
         found.add(rule, item, (*old.path, key), (*new.path, key), impact, use, old=one, new=other)
 
-    if old.only != new.only:
-        add("availability-changed", Impact.SILENT, "only", *(words.condition(c.only) or "all" for c in (old, new)))
     if old.implemented != new.implemented:
         impact = Impact.SILENT if new.implemented else Impact.LOUD
         add("implemented-changed", impact, "implemented", *(str(c.implemented).lower() for c in (old, new)))
     if old.mode != new.mode:
         add("mode-of-command-changed", Impact.LOUD, "mode", *(c.mode or "none" for c in (old, new)))
-    before, after = ({e.name: e for e in c.effects} for c in (old, new))
-    if before.keys() != after.keys():
-        other = [e for e in (*old.effects, *new.effects) if (e.name in before) != (e.name in after)]
+    silent = {s.name for s in old.limited_by} != {s.name for s in new.limited_by}
+    if silent or {s.name for s in old.not_limited_by} != {s.name for s in new.not_limited_by}:
+        key = "limited_by" if silent else "not_limited_by"
+        add("limits-changed", Impact.SILENT if silent else Impact.SAFE, key, *map(_limits, (old, new)))
+    shared = [_shared(edition, c) for edition, c in ((both.old, old), (both.new, new))]
+    _conditions(found, item, (old.path, new.path), shared, use)
+    if old.entry and new.entry:
+        entry = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        own = [
+            ({p: v for p, v in c.only.items() if p not in only}, tuple(e for e in c.effects if e not in effects))
+            for c, (only, effects) in zip((old, new), shared, strict=True)
+        ]
+        _conditions(found, entry, (old.entry.path, new.entry.path), own, use)
+
+
+_Conditions = tuple[Mapping[str, tuple[str, ...]], tuple[Effect, ...]]
+
+
+def _shared(edition: Edition, command: Command) -> _Conditions:
+    """Where a command is there and what it does, as far as that holds for all entries of its table."""
+    forms = [c for c in edition.commands if c.group == command.group]
+    only = {p: v for p, v in command.only.items() if all(c.only.get(p) == v for c in forms)}
+    return only, tuple(e for e in command.effects if all(e in c.effects for c in forms))
+
+
+def _conditions(found: Found, item: Item, places: tuple[Path, Path], told: Sequence[_Conditions], use: Use) -> None:
+    """Where something is there, and what it does besides."""
+    (old_only, before), (new_only, after) = told
+
+    def add(rule: str, impact: Impact, key: str, one: str, other: str) -> None:
+        found.add(rule, item, (*places[0], key), (*places[1], key), impact, use, old=one, new=other)
+
+    if old_only != new_only:
+        scopes = [words.condition(only) or "all" for only in (old_only, new_only)]
+        add("availability-changed", Impact.SILENT, "only", scopes[0], scopes[1])
+    names = [{e.name for e in effects} for effects in (before, after)]
+    if names[0] != names[1]:
+        other = [e for e in (*before, *after) if (e.name in names[0]) != (e.name in names[1])]
         impact = Impact.SILENT if any(e.level is not Level.NOTE for e in other) else Impact.SAFE
-        add("effects-changed", impact, "effects", listed(before), listed(after))
-    limits = [listed(s.name for s in c.limited_by) for c in (old, new)]
-    if set(limits[0].split(", ")) != set(limits[1].split(", ")):
-        add("limits-changed", Impact.SILENT, "limited_by", *limits)
+        add("effects-changed", impact, "effects", *(listed(e.name for e in effects) for effects in (before, after)))
+
+
+def _limits(command: Command) -> str:
+    others = listed(s.name for s in command.not_limited_by)
+    return listed(s.name for s in command.limited_by) + (f" (not by {others})" if command.not_limited_by else "")
 
 
 def _texts(found: Found, old: Command, new: Command) -> None:
@@ -181,11 +279,7 @@ def _texts(found: Found, old: Command, new: Command) -> None:
     found.text("text-changed", item, ((*old.path, "about"), (*new.path, "about")), name, old.about, new.about)
     notes = [{lang: "\n".join(n[lang] for n in c.notes) for lang in c.title} for c in (old, new)]
     found.text("text-changed", item, ((*old.path, "notes"), (*new.path, "notes")), name, *notes)
-    if old.manual != new.manual:
-        paths = ((*old.path, "manual"), (*new.path, "manual"))
-        sections = [{"en": command.manual or "none"} for command in (old, new)]
-        use = Use((), (old.group,))
-        found.add("section-changed", item, *paths, Impact.SAFE, use, old=sections[0], new=sections[1])
+    found.section(item, (old.path, new.path), old.manual, new.manual, Use((), (old.group,)))
 
 
 def _reply(found: Found, old: Command, new: Command) -> None:
@@ -194,7 +288,9 @@ def _reply(found: Found, old: Command, new: Command) -> None:
     one, other = _form(old), _form(new)
     if one != other:
         impact = Impact.LOUD if other == "none" else Impact.SAFE if one == "none" else Impact.SILENT
-        found.add("reply-form-changed", item, *where, impact, use, old=one, new=other)
+        layouts = [c.reply.layout.name if c.reply_form is ReplyForm.LAYOUT and c.reply else "" for c in (old, new)]
+        facts = {"old": layouts[0] or one, "new": layouts[1] or other}
+        found.add("reply-form-changed", item, *where, impact, use, **facts)
     if old.from_each != new.from_each:
         facts = {"old": listed(old.from_each), "new": listed(new.from_each)}
         found.add("repliers-changed", item, *where, Impact.LOUD, use, **facts)
@@ -213,7 +309,7 @@ def _form(command: Command) -> str:
     return "fields" if command.reply_form in (ReplyForm.OWN, ReplyForm.LAYOUT) else command.reply_form.value
 
 
-def _message(found: Found, old: Command, new: Command, one: Message, other: Message) -> None:
+def _message(found: Found, both: Editions, old: Command, new: Command, one: Message, other: Message) -> None:
     direction = one.direction.value
     item, use = _item(old), Use((_SIDE[one.direction],), (old.group,))
 
@@ -229,7 +325,11 @@ def _message(found: Found, old: Command, new: Command, one: Message, other: Mess
         add("accept-changed", Impact.SAFE, "accept", *(listed(map(code, m.accept)) for m in (one, other)))
     if one.address != other.address and one.id != other.id:
         add("address-of-command-changed", Impact.LOUD, "address", one.address, other.address, direction=direction)
-    if one.dlc != other.dlc:
+    usual = [edition.bus.dlc for edition in (both.old, both.new)]
+    if one.dlc != other.dlc and [one.dlc, other.dlc] == usual:
+        facts = {"direction": "usual frame", "old": str(one.dlc), "new": str(other.dlc)}
+        found.add("dlc-changed", Item("bus", ""), ("bus", "dlc"), ("bus", "dlc"), Impact.LOUD, use, **facts)
+    elif one.dlc != other.dlc:
         add("dlc-changed", Impact.LOUD, "dlc", str(one.dlc), str(other.dlc), direction=direction)
     if one.remote != other.remote:
         kinds = ["remote frame" if m.remote else "data frame" for m in (one, other)]

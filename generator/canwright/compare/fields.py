@@ -24,16 +24,21 @@ class Editions:
 
 def compare(found: Found, both: Editions, command: str, old: Layout, new: Layout, use: Use) -> None:
     """All changes of one layout, as it is used by a message of `command`."""
-    item = _item(command, old)
+    item = _item(command, old, new)
     if item.kind == "layout" and both.layouts.get(old.name) == new.name:
         names = api.layout(old.name, new.name)
         found.renamed("layout-renamed", item, old.path, new.path, use, old=old.name, new=new.name, names=names)
-    if item.kind == "layout" and new.shared:
+    if item.kind == "layout":
         found.title(item, _at(old, new, "title"), (old.name, new.name), old.title, new.title)
         found.text("text-changed", item, _at(old, new, "about"), old.name, old.about, new.about)
+        found.section(item, (old.path, new.path), old.manual, new.manual, Use((), use.commands))
     matched = match.fields(old, new)
+    if item.kind == "entry":
+        found.section(item, (old.path[:4], new.path[:4]), old.manual, new.manual, Use((), use.commands))
     for one, other in matched.pairs:
         _field(found, both, item, one, other, use)
+        if (one.manual, other.manual) != (old.manual, new.manual):
+            found.section(item, (one.path, other.path), one.manual, other.manual, Use((), use.commands))
     removed, added = list(matched.removed), list(matched.added)
     for gone in matched.removed:
         fresh = next((f for f in added if match.overlap(gone, f)), None)
@@ -53,10 +58,10 @@ def compare(found: Found, both: Editions, command: str, old: Layout, new: Layout
         found.add("field-added", item, old.path, fresh.path, impact, use, **facts)
 
 
-def _item(command: str, layout: Layout) -> Item:
-    if layout.path[0] == "tables":
-        return Item("entry", f"{layout.path[1]}.{layout.path[3]}")
-    return Item("layout", layout.name) if layout.shared else Item("command", command)
+def _item(command: str, old: Layout, new: Layout) -> Item:
+    if old.path[0] == "tables":
+        return Item("entry", f"{old.path[1]}.{old.path[3]}")
+    return Item("layout", old.name) if old.shared and new.shared else Item("command", command)
 
 
 def _field(found: Found, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:

@@ -27,18 +27,24 @@ class Found:
 
     def __init__(self) -> None:
         self._changes: dict[object, Change] = {}
+        self.moved: dict[Path, Path] = {}
+        """Where the old edition has what is compared under a new name."""
 
     def add(
         self, rule: str, item: Item, old: Path | None, new: Path | None, impact: Impact, use: Use, /, **facts: Fact
     ) -> None:
         """A change by `rule`; `old` and `new` are where it stands."""
+        for now, was in self.moved.items():
+            if old is not None and old[: len(now)] == now:
+                old = (*was, *old[len(now) :])
         told = tuple((name, fact if isinstance(fact, str) else tuple(fact.items())) for name, fact in facts.items())
         key = (rule, item, told, old, new)
         known = self._changes.get(key)
         change = Change(CHANGES[rule], item, facts, old, new, impact, use.sides, use.commands)
         if known is not None:
             worst = min(known.impact, impact, key=_ORDER.index)
-            sides = tuple(side for side in Side if side in (*known.sides, *use.sides))
+            hit = [*(known.sides if known.impact is worst else ()), *(use.sides if impact is worst else ())]
+            sides = tuple(side for side in Side if side in hit)
             used_by = tuple(dict.fromkeys((*known.used_by, *use.commands)))
             change = dataclasses.replace(change, impact=worst, sides=sides, used_by=used_by)
         self._changes[key] = change
@@ -47,9 +53,16 @@ class Found:
         """A change of a name alone."""
         self.add(rule, item, old, new, Impact.BUILD, use, **facts)
 
+    def section(self, item: Item, places: tuple[Path, Path], old: str, new: str, use: Use) -> None:
+        """A change of the section of the manual."""
+        if old != new:
+            facts = {"old": {"en": old or "none"}, "new": {"en": new or "none"}}
+            paths = [(*place, "manual") for place in places]
+            self.add("section-changed", item, paths[0], paths[1], Impact.SAFE, use, **facts)
+
     def text(self, rule: str, item: Item, places: tuple[Path, Path], name: str, old: Text, new: Text) -> None:
         """A change of a text, in any language that both have."""
-        if any(old[language] != new[language] for language in old.keys() & new.keys()):
+        if differ(old, new):
             self.add(rule, item, *places, Impact.SAFE, Use(), name=name, old=shortened(old), new=shortened(new))
 
     def title(self, item: Item, places: tuple[Path, Path], names: tuple[str, str], old: Text, new: Text) -> None:
@@ -59,6 +72,11 @@ class Found:
 
     def __iter__(self) -> Iterator[Change]:
         return iter(self._changes.values())
+
+
+def differ(old: Text, new: Text) -> bool:
+    """Whether a text is another one in a language that both have."""
+    return any(old[language] != new[language] for language in old.keys() & new.keys())
 
 
 def shortened(text: Text, longest: int = 60) -> Mapping[str, str]:

@@ -58,7 +58,7 @@ def _scales(found: Found, pair: Pair) -> None:
     for when, one, other in _cases(old, new, lambda a, b: step(a)[0] == step(b)[0]):
         facts = {"when": when, "old": _worth(one, pair.old), "new": _worth(other, pair.new)}
         pair.add(found, "scale-changed", Impact.SILENT, "scale", **facts)
-    for when, one, other in _cases(old, new, lambda a, b: step(a)[1] == step(b)[1]):
+    for when, one, other in _cases(old, new, lambda a, b: not a or not b or step(a)[1] == step(b)[1]):
         told = [words.exact(step(linear)[1]) + _unit(type_) for linear, type_ in ((one, pair.old), (other, pair.new))]
         facts = {"when": when, "old": told[0], "new": told[1]}
         pair.add(found, "offset-changed", Impact.SILENT, "offset", **facts)

@@ -1,0 +1,155 @@
+"""What of the old edition has another name in the new one, and the old edition in the names of the new one."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from .. import words
+from ..model import Bound, Command, Dependent, Edition, Effect, Layout, Mode, Parameter, Path, Setting
+from . import api
+from .change import Item, Side
+from .found import Found, Use
+from .match import Matched, Named, by_name
+
+_BOTH = Use((Side.SENDING, Side.RECEIVING))
+T = TypeVar("T", bound=Named)
+
+
+@dataclass
+class _Names:
+    """Old names to new ones; the values of a parameter under its new name."""
+
+    of: dict[type[object], dict[str, str]] = field(default_factory=dict)
+    values: dict[str, dict[str, str]] = field(default_factory=dict)
+
+    def new(self, kind: type[object], name: str) -> str:
+        return self.of.get(kind, {}).get(name, name)
+
+    def value(self, parameter: str | None, name: str) -> str:
+        return self.values.get(self.new(Parameter, parameter or ""), {}).get(name, name)
+
+    def scope(self, only: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+        return {self.new(Parameter, p): tuple(self.value(p, value) for value in values) for p, values in only.items()}
+
+
+def compare(found: Found, old: Edition, new: Edition) -> Edition:
+    """All renames of what commands name; the old edition as it would be with the new names."""
+    names = _Names()
+    _renamed(found, names, Parameter, ("parameters",), _parameters(old, new), api.parameter)
+    for one, other in _parameters(old, new).pairs:
+        if one.is_numeric or other.is_numeric:
+            continue
+        for value, now in by_name(one.values, other.values).also(lambda a, b: a.title == b.title).pairs:
+            if value.name != now.name:
+                names.values.setdefault(other.name, {})[value.name] = now.name
+                places = ("parameters", one.name, "values", value.name), ("parameters", other.name, "values", now.name)
+                facts = {"name": other.name, "old": value.name, "new": now.name}
+                told = api.member(other.name, value.name, now.name)
+                item = Item("parameter", one.name)
+                found.renamed("parameter-value-renamed", item, *places, _BOTH, **facts, names=told)
+    settings = by_name(old.settings, new.settings).also(_same_title, _same_use(old, new, lambda c: c.limited_by))
+    _renamed(found, names, Setting, ("settings",), settings, api.listed_name)
+    effects = by_name(old.effects, new.effects).also(_same_title, _same_use(old, new, lambda c: c.effects))
+    _renamed(found, names, Effect, ("effects",), effects, api.listed_name)
+    modes = by_name(old.bus.modes, new.bus.modes).also(
+        lambda a, b: (a.bit_rates_kbps, a.default_kbps) == (b.bit_rates_kbps, b.default_kbps)
+    )
+    _renamed(found, names, Mode, ("bus", "modes"), modes, None)
+    if not names.of and not names.values:
+        return old
+    renamed: Edition = _in(names, old)
+    return renamed
+
+
+def _parameters(old: Edition, new: Edition) -> Matched[Parameter]:
+    def same_values(one: Parameter, other: Parameter) -> bool:
+        bounds = (one.minimum, one.maximum) == (other.minimum, other.maximum)
+        return bounds and [v.name for v in one.values] == [v.name for v in other.values]
+
+    return by_name(old.parameters, new.parameters).also(_same_title, same_values)
+
+
+def _same_title(one: Parameter | Setting | Effect, other: Parameter | Setting | Effect) -> bool:
+    return one.title == other.title
+
+
+def _same_use(
+    old: Edition, new: Edition, names: Callable[[Command], tuple[Setting, ...] | tuple[Effect, ...]]
+) -> Callable[[Setting | Effect, Setting | Effect], bool]:
+    """Whether two are named by the same commands, and by any."""
+
+    def users(edition: Edition, name: str) -> set[str]:
+        return {c.name for c in edition.commands if any(named.name == name for named in names(c))}
+
+    return lambda one, other: bool(users(old, one.name)) and users(old, one.name) == users(new, other.name)
+
+
+def _renamed(
+    found: Found,
+    names: _Names,
+    kind: type[object],
+    path: Path,
+    matched: Matched[T],
+    told: Callable[[str, str], str] | None,
+) -> None:
+    called = kind.__name__.lower()
+    for one, other in matched.pairs:
+        if one.name != other.name:
+            names.of.setdefault(kind, {})[one.name] = other.name
+            was, now = (*path, one.name), (*path, other.name)
+            facts = {"old": one.name, "new": other.name}
+            if told is not None:
+                facts["names"] = told(one.name, other.name)
+            found.renamed(f"{called}-renamed", Item(called, one.name), was, now, _BOTH, **facts)
+            found.moved[now] = was
+
+
+def _in(names: _Names, part: Any) -> Any:
+    """A part of the old edition in new names; the same object where nothing has another name."""
+    if isinstance(part, tuple):
+        made = tuple(_in(names, one) for one in part)
+        return part if all(a is b for a, b in zip(part, made, strict=True)) else made
+    if not dataclasses.is_dataclass(part) or isinstance(part, type):
+        return part
+    facts = {f.name: getattr(part, f.name) for f in dataclasses.fields(part)}
+    changed = {name: _in(names, fact) for name, fact in facts.items()} | _own(names, part)
+    return part if all(changed[name] is fact for name, fact in facts.items()) else dataclasses.replace(part, **changed)
+
+
+def _own(names: _Names, part: Any) -> dict[str, Any]:
+    """The facts of one thing that are names, or are kept under names."""
+    if isinstance(part, (Parameter, Setting, Effect, Mode)):
+        name = names.new(type(part), part.name)
+        own: dict[str, Any] = {"name": name}
+        if name != part.name and set(part.title.values()) == {words.spoken(part.name)}:
+            own["title"] = dict.fromkeys(part.title, words.spoken(name))
+        if isinstance(part, Parameter):
+            own["values"] = tuple(dataclasses.replace(v, name=names.value(part.name, v.name)) for v in part.values)
+        if isinstance(part, Setting):
+            own["only"] = names.scope(part.only)
+        return own
+    if isinstance(part, Command):
+        return {"only": names.scope(part.only), "mode": part.mode and names.new(Mode, part.mode)}
+    if isinstance(part, Bound):
+        return {"parameter": part.parameter and names.new(Parameter, part.parameter)}
+    if isinstance(part, Dependent) and part.parameter is not None:
+        cases = {names.value(part.parameter, name): _in(names, case) for name, case in part.cases.items()}
+        return {"parameter": names.new(Parameter, part.parameter), "cases": cases}
+    if isinstance(part, Layout) and part.parameter is not None:
+        return _layout(names, part, part.parameter)
+    return {}
+
+
+def _layout(names: _Names, layout: Layout, parameter: str) -> dict[str, Any]:
+    def values(old: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(names.value(parameter, value) for value in old)
+
+    fields = {f.name: dataclasses.replace(_in(names, f), only=values(f.only)) for f in layout.fields}
+    variants = tuple(
+        dataclasses.replace(v, values=values(v.values), fields=tuple(fields[f.name] for f in v.fields))
+        for v in layout.variants
+    )
+    return {"parameter": names.new(Parameter, parameter), "fields": tuple(fields.values()), "variants": variants}

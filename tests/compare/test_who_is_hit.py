@@ -1,0 +1,77 @@
+"""Each change is told once, of what it belongs to, with whoever it hits and how."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from canwright.compare import compare
+
+from ..spec_texts import ROOT, edition
+
+V2_35 = (ROOT / "spec/mwd_motor/v2.35.yaml").read_text("utf-8")
+V2_36 = (ROOT / "spec/mwd_motor/v2.36-2025-03.yaml").read_text("utf-8")
+ID = "    id: 0x140 + node\n"
+OFF = "    code: 0x80\n    manual: "
+ON = "    code: 0x88\n    manual: "
+
+
+def told(folder: Path, text: str, *changes: tuple[str, str]) -> list[str]:
+    changed = text
+    for old, new in changes:
+        assert old in changed, old
+        changed = changed.replace(old, new)
+    return [
+        f"{c.impact.value} {'+'.join(s.value for s in c.sides) or 'nobody'}: {c.item}: {c.rule.id}"
+        for c in compare(edition(folder, text), edition(folder, changed))
+    ]
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ([(ID, ID.replace("0x140", "0x400"))], ["loud sending+receiving: address motor: id-changed"]),
+        ([(ID, ID.replace("0x140", "0x148"))], ["silent sending+receiving: address motor: id-changed"]),
+        ([(ID, f"{ID}    extended: true\n")], ["loud sending+receiving: address motor: id-changed"]),
+        ([("nodes: 1..32", "nodes: 1..33")], ["loud receiving: address motor: nodes-changed"]),
+        ([("nodes: 1..32", "nodes: 1..31")], ["loud sending: address motor: nodes-changed"]),
+        (
+            [(OFF, "    code: 0xFF\n    manual: "), (ON, OFF), ("    code: 0xFF\n    manual: ", ON)],
+            [
+                "silent sending+receiving: command motor_off: code-taken",
+                "silent sending+receiving: command motor_on: code-taken",
+            ],
+        ),
+        (
+            [(f'{OFF}"2.1"\n    reply: echo', f'{OFF}"2.1"\n    reply: motion_feedback')],
+            ["silent receiving: command motor_off: reply-form-changed"],
+        ),
+        ([("clears_turns", "forgets_turns")], ["build sending+receiving: effect clears_turns: effect-renamed"]),
+        ([("max_angle", "top_angle")], ["build sending+receiving: setting max_angle: setting-renamed"]),
+        ([("series", "model")], ["build sending+receiving: parameter series: parameter-renamed"]),
+        (
+            [("by: series, MF", "by: series, XF"), (" MF:", " XF:"), ("[MF,", "[XF,")],
+            ["build sending+receiving: parameter series: parameter-value-renamed"],
+        ),
+        (
+            [("by: series, MF: 16.5/2048", "by: series, XF: 17.5/2048"), (" MF:", " XF:"), ("[MF,", "[XF,")],
+            [
+                "build sending+receiving: parameter series: parameter-value-renamed",
+                "silent sending+receiving: type torque_current: scale-changed",
+            ],
+        ),
+    ],
+)
+def test_of_one_id(changes: list[tuple[str, str]], says: list[str], tmp_path: Path) -> None:
+    found = told(tmp_path, V2_35, *changes)
+    assert [line for line in found if "nobody" not in line] == says
+
+
+def test_of_tables(tmp_path: Path) -> None:
+    renamed = [(f"{before}stored_settings", f"{before}kept_settings") for before in ("\n  ", "table: ", "tables.")]
+    found = told(tmp_path, V2_36, *renamed)
+    assert [line for line in found if "nobody" not in line] == ["build sending: table stored_settings: table-renamed"]
+    index = "  control_parameters:\n    index: {at: 1, raw: u8}\n"
+    assert told(tmp_path, V2_36, (index, index.replace("at: 1, raw: u8", "at: 1.1, raw: u7"))) == [
+        "loud sending+receiving: table control_parameters: index-moved"
+    ]
