@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from .folder import (
     JOURNAL,
@@ -75,7 +75,7 @@ class _Manifest(Record):
 
 
 def _target(path: str) -> str:
-    return PurePosixPath(path).parts[0]
+    return path.partition("/")[0]
 
 
 def write(out: Path, content: Content, *, force: bool = False, patience: float = PATIENCE) -> Changes:
