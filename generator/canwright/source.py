@@ -37,7 +37,7 @@ _INTEGER = re.compile(r"-?(?:0|[1-9][0-9]{0,30})|0x[0-9A-Fa-f]{1,16}")
 _DECIMAL = re.compile(r"-?(?:0|[1-9][0-9]{0,30})\.[0-9]{1,30}")
 _AMBIGUOUS = re.compile(
     r"""(?aix) (?: yes|no|on|off | true|false | ~|null | [-+]?\.(?:inf|nan) | [-+]?0[obx][0-9a-f_]+
-    | [-+]?[\d_]*\d[\d_]*(?:\.[\d_]*)?(?:e[-+]?\d+)? | [-+]?\.[\d_]+(?:e[-+]?\d+)?
+    | [-+]?_*\d[\d_]*(?:\.[\d_]*)?(?:e[-+]?\d+)? | [-+]?\.[\d_]+(?:e[-+]?\d+)?
     | [-+]?\d[\d_]*(?::[0-5]?\d)+(?:\.[\d_]*)? )"""
 )
 """What some reader takes for something else than a text: all that is left of numbers, and other words for `true`."""
