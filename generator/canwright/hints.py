@@ -55,6 +55,14 @@ _FORMATS: Mapping[str, str] = {
     "long": "i32",
 }
 
+_LONG = re.compile(r"-?[1-9][0-9]{31,}|0x[0-9A-Fa-f]{17,}")
+_AMBIGUOUS = re.compile(
+    r"""(?aix) (?: yes|no|on|off | true|false | ~|null | [-+]?\.(?:inf|nan) | [-+]?0[obx][0-9a-f_]+
+    | [-+]?_*\d[\d_]*(?:\.[\d_]*)?(?:e[-+]?\d+)? | [-+]?\.[\d_]+(?:e[-+]?\d+)?
+    | [-+]?\d[\d_]*(?::[0-5]?\d)+(?:\.[\d_]*)? )"""
+)
+"""What some reader takes for something else than a text: all that is left of numbers, and other words for `true`."""
+
 NAME = "a small letter, then small letters, digits and `_`"
 
 _SHAPES: Mapping[str, str] = {
@@ -131,6 +139,18 @@ def unit(written: str, units: Mapping[str, Unit]) -> str:
         return f"did you mean `{meant.name}`?"
     close = near(written, units)
     return f"did you mean `{close}`?" if close else "there are: " + ", ".join(units)
+
+
+def doubt(text: str) -> tuple[str, str, str] | None:
+    """Rule, message and hint for a bare scalar that is no number and may be no text either; None for a plain text."""
+    if _LONG.fullmatch(text):
+        message = f"this number has {len(text)} characters, more than any that is meant"
+        return "value", message, "a whole number has at most 31 digits, or 16 hexadecimal ones"
+    if not _AMBIGUOUS.fullmatch(text):
+        return None
+    short = text if len(text) <= 40 else f"{text[:40]}…"
+    hint = f'for a text write "{short}" in quotes; a number is written like 12, 0x1F or 0.01'
+    return "ambiguous-scalar", f"`{short}` reads differently from one YAML reader to the next", hint
 
 
 def flow(example: object) -> str:

@@ -35,13 +35,6 @@ Data = Scalar | list[Any] | dict[str, Any]
 
 _INTEGER = re.compile(r"-?(?:0|[1-9][0-9]{0,30})|0x[0-9A-Fa-f]{1,16}")
 _DECIMAL = re.compile(r"-?(?:0|[1-9][0-9]{0,30})\.[0-9]{1,30}")
-_LONG = re.compile(r"-?[1-9][0-9]{31,}|0x[0-9A-Fa-f]{17,}")
-_AMBIGUOUS = re.compile(
-    r"""(?aix) (?: yes|no|on|off | true|false | ~|null | [-+]?\.(?:inf|nan) | [-+]?0[obx][0-9a-f_]+
-    | [-+]?_*\d[\d_]*(?:\.[\d_]*)?(?:e[-+]?\d+)? | [-+]?\.[\d_]+(?:e[-+]?\d+)?
-    | [-+]?\d[\d_]*(?::[0-5]?\d)+(?:\.[\d_]*)? )"""
-)
-"""What some reader takes for something else than a text: all that is left of numbers, and other words for `true`."""
 _MARKS = {
     codecs.BOM_UTF8: "a byte order mark",
     codecs.BOM_UTF16_LE: "the byte order mark of UTF-16",
@@ -301,15 +294,8 @@ class _Builder:
             return Decimal(text)
         elif text in ("true", "false"):
             return text == "true"
-        elif _LONG.fullmatch(text):
-            hint = "a whole number has at most 31 digits, or 16 hexadecimal ones"
-            self._report("value", f"this number has {len(text)} characters, more than any that is meant", hint, path)
-        elif _AMBIGUOUS.fullmatch(text):
-            short = text if len(text) <= 40 else f"{text[:40]}…"
-            hint = f'for a text write "{short}" in quotes; a number is written like 12, 0x1F or 0.01'
-            self._report(
-                "ambiguous-scalar", f"`{short}` reads differently from one YAML reader to the next", hint, path
-            )
+        elif doubt := hints.doubt(text):
+            self._report(*doubt, path)
         return text
 
 
