@@ -158,3 +158,23 @@ def test_machines_are_told_when_all_is_well(tmp_path: Path) -> None:
     assert machine(tmp_path, "github", MINIMAL)[0] == 0
     code, printed = machine(tmp_path, "json", MINIMAL)
     assert (code, [f["rule"] for f in json.loads(printed)["findings"]]) == (0, ["missing-frame"])
+
+
+def test_what_is_refused_names_what_is_there(tmp_path: Path) -> None:
+    """A golden frame that a copied spec no longer has is found before it is replayed."""
+    (tmp_path / "lamp.yaml").write_text(MINIMAL, "utf-8")
+    (tmp_path / "lamp.frames.yaml").write_text(
+        "canwright: 1\nfamily: lamp\nedition: v1\nsources: {manual: The manual.}\nframes: []\nrefused:\n"
+        "  - {encode: request, command: dim, node: 1, raw: {levle: 1001}, says: out_of_range, source: manual}\n"
+        "  - {encode: request, command: dom, node: 1, raw: {level: 1001}, says: out_of_range, source: manual}\n"
+        "  - {encode: request, command: dim, node: 1, raw: {level: 1001}, says: out_of_range, source: manual}\n",
+        "utf-8",
+    )
+    with pytest.raises(SpecError) as refused:
+        load(tmp_path / "lamp.yaml")
+    assert [
+        (d.position.line, d.message, d.hint) for d in refused.value.diagnostics if d.rule == "frame-contradiction"
+    ] == [
+        (7, "there is no field `levle`", "did you mean `level`?"),
+        (8, "there is no command `dom`", "did you mean `dim`?"),
+    ]

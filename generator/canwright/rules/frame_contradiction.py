@@ -18,12 +18,10 @@ def check(subject: Subject) -> Found:
     for i, frame in enumerate(subject.frames.frames if subject.frames else ()):
         for path, text, hint in _frame(messages[frame.direction], frame):
             yield Finding(("frames", i, *path), text, hint, in_frames=True)
-    commands = {c.name for c in subject.edition.commands}
     for i, refused in enumerate(subject.frames.refused if subject.frames else ()):
-        if isinstance(refused, RefusedValues) and refused.command not in commands:
-            text = f"there is no command `{refused.command}`"
-            hint = nearest(refused.command, commands)
-            yield Finding(("refused", i, "command"), text, hint, in_frames=True)
+        if isinstance(refused, RefusedValues):
+            for path, text, hint in _refused(subject.edition, refused):
+                yield Finding(("refused", i, *path), text, hint, in_frames=True)
 
     for key in ("frames", "refused", "exchanges"):
         for i, entry in enumerate(getattr(subject.frames, key, ())):
@@ -69,6 +67,22 @@ def _frame(messages: Mapping[str, Message], frame: Frame) -> list[Problem]:
     wrong = [((), f"`{f.name}` should hold {f.constant}", "check `data`") for f in wrong_constants(variant, can)]
     found = raws(variant, can)
     return [*wrong, *_raws(frame, found), *_values(frame, {f.name: f for f in variant.fields}, found)]
+
+
+def _refused(edition: Edition, refused: RefusedValues) -> list[Problem]:
+    """What is refused has to be refused for its values, not for names that are not there."""
+    commands = {c.name: c for c in edition.commands}
+    command = commands.get(refused.command)
+    if command is None:
+        return [(("command",), f"there is no command `{refused.command}`", nearest(refused.command, commands))]
+    message = command.request if refused.encode is Direction.REQUEST else command.reply
+    known = [f.name for f in message.layout.fields] if message else []
+    return [
+        ((key, name), f"there is no field `{name}`", nearest(name, known))
+        for key, told in (("raw", refused.raw), ("values", refused.values))
+        for name in told
+        if name not in known
+    ]
 
 
 def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
