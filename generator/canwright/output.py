@@ -51,7 +51,7 @@ class Content:
 
     def replaces(self, path: str) -> bool:
         """Whether a file of an earlier run goes when it is not made again."""
-        return self.alone or PurePosixPath(path).parts[0] in self.targets
+        return self.alone or path.partition("/")[0] in self.targets
 
 
 @dataclass(frozen=True)
