@@ -104,6 +104,11 @@ class Key:
     segments: tuple[Segment, ...]
     value: int
 
+    @property
+    def is_index(self) -> bool:
+        """Whether it tells the entry of a table."""
+        return self.name.rstrip("0123456789") in ("index", "index_")
+
 
 @dataclass(frozen=True)
 class Message:

@@ -180,6 +180,23 @@ def _codes(found: Found, both: Editions, old: Command, new: Command) -> None:
     ):
         if one and other:
             _places(found, both, old, new, one.keys, other.keys, Use((side,), (old.group,)))
+            _constants(found, one, other, Use((side,), (old.group,)))
+
+
+def _constants(found: Found, old: Message, new: Message, use: Use) -> None:
+    """Constants that tell one message from others, as a code does."""
+    before, after = ({k.name: k for k in m.keys if k.name != "code" and not k.is_index} for m in (old, new))
+    item = Item("command", use.commands[0])
+    for name in before.keys() & after.keys():
+        one, other = before[name], after[name]
+        if one.value != other.value:
+            facts = {"name": name, "old": str(one.value), "new": str(other.value)}
+            paths = (*old.path, name, "constant"), (*new.path, name, "constant")
+            found.add("constant-changed", item, *paths, Impact.LOUD, use, **facts)
+        if (one.space, one.segments) != (other.space, other.segments):
+            stood = [words.place(k.space, k.segments) for k in (one, other)]
+            paths = (*old.path, name, "at"), (*new.path, name, "at")
+            found.add("field-moved", item, *paths, Impact.LOUD, use, name=name, old=stood[0], new=stood[1])
 
 
 def _one_selector(edition: Edition) -> bool:

@@ -108,4 +108,4 @@ def _code(command: Command) -> str:
 
 def index(message: Message | None) -> str:
     """The bytes that tell the entry: `0x05 0x0A`."""
-    return " ".join(f"0x{key.value:02X}" for key in message.keys if tables.is_index(key)) if message else ""
+    return " ".join(f"0x{key.value:02X}" for key in message.keys if key.is_index) if message else ""

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from ... import words
-from ...model import Assignment, Command, Field, Key, Layout, Message, Order, ReplyForm, Type
+from ...model import Assignment, Command, Field, Layout, Message, Order, ReplyForm, Type
 from .text import code, markdown
 
 Labels = Mapping[str, str]
@@ -26,11 +26,6 @@ class Row(NamedTuple):
     what: str
 
 
-def is_index(key: Key) -> bool:
-    """Whether a key of a form of a table tells the entry."""
-    return key.name.startswith("index")
-
-
 def group_title(command: Command, language: str) -> str:
     """The title of a command as the spec has it, without that of an entry."""
     title = command.title[language]
@@ -41,7 +36,7 @@ def rows(message: Message, command: Command, labels: Labels, language: str) -> I
     """The selector and the fields of a frame, in the order of the spec."""
     for i, key in enumerate(message.keys):
         accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept) if i == 0 else ""
-        note = labels["selector_of_entry" if command.entry and is_index(key) else "selector"]
+        note = labels["selector_of_entry" if command.entry and key.is_index else "selector"]
         note += f"; {labels['accepted']} {accepted}" if accepted else ""
         order = " big-endian" if key.order is Order.BIG and len(key.segments) > 1 else ""
         raw, value = code(f"u{key.width}{order}"), code(f"0x{key.value:02X}")
