@@ -18,10 +18,14 @@ NAMES = ("v2_35", "v2_35_2024_02", "v2_36_2025_03", "nodes", "python_can", "_cod
 
 @pytest.fixture(scope="module")
 def package() -> Iterator[dict[str, ModuleType]]:
-    """The committed package, all editions in one process."""
+    """The committed package, all editions in one process, whatever other tests have imported under its name."""
+    others = {name: sys.modules.pop(name) for name in list(sys.modules) if name.split(".")[0] == "mwd_motor"}
     sys.path.insert(0, str(ROOT / "generated/python"))
     yield {name: import_module(f"mwd_motor.{name}") for name in NAMES}
     sys.path.remove(str(ROOT / "generated/python"))
+    for name in [name for name in sys.modules if name.split(".")[0] == "mwd_motor"]:
+        del sys.modules[name]
+    sys.modules.update(others)
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
 
 from .. import words
-from ..model import Command, Direction, Edition, Effect, Key, Level, Message, Path, ReplyForm
-from . import api, fields, match
+from ..model import Command, Direction, Edition, Effect, Level, Message, Path, ReplyForm
+from . import api, fields, keys, match
 from .change import Impact, Item, Side
 from .fields import Editions
 from .found import Found, Use, listed
@@ -87,23 +87,14 @@ def _item(command: Command) -> Item:
 
 
 def _code(command: Command) -> str:
-    return f" ({code(command.code)})" if command.code is not None else ""
-
-
-def code(value: int | None) -> str:
-    return "none" if value is None else f"0x{value:02X}"
-
-
-def _index(command: Command) -> str:
-    message = command.request or command.reply
-    return listed(code(key.value) for key in message.keys if key.name != "code") if message else "none"
+    return f" ({keys.code(command.code)})" if command.code is not None else ""
 
 
 def _repurposed(found: Found, old: Command, new: Command) -> None:
     use = Use((Side.SENDING, Side.RECEIVING), (old.group,))
     if old.entry and new.entry:
         item = Item("entry", f"{old.entry.table}.{old.entry.name}")
-        facts = {"index": _index(old), "old": old.entry.name, "new": new.entry.name}
+        facts = {"index": keys.index(old), "old": old.entry.name, "new": new.entry.name}
         found.add("entry-repurposed", item, old.entry.path, new.entry.path, Impact.SILENT, use, **facts)
         return
     facts = {"code": _code(old), "old": old.group, "new": new.group}
@@ -115,7 +106,7 @@ def _removed(found: Found, old: Command, new: Edition) -> None:
     use = Use((Side.SENDING,), (old.group,))
     if old.entry and any(c.group == old.group for c in new.commands):
         item = Item("entry", f"{old.entry.table}.{old.entry.name}")
-        facts = {"name": old.entry.name, "index": _index(old)}
+        facts = {"name": old.entry.name, "index": keys.index(old)}
         found.add("entry-removed", item, old.entry.path, ("tables", old.entry.table), Impact.LOUD, use, **facts)
         return
     facts = {"name": old.group, "code": _code(old)}
@@ -125,7 +116,7 @@ def _removed(found: Found, old: Command, new: Edition) -> None:
 def _added(found: Found, new: Command, old: Edition) -> None:
     if new.entry and any(c.group == new.group for c in old.commands):
         item = Item("entry", f"{new.entry.table}.{new.entry.name}")
-        facts = {"name": new.entry.name, "index": _index(new)}
+        facts = {"name": new.entry.name, "index": keys.index(new)}
         use = Use((), (new.group,))
         found.add("entry-added", item, ("tables", new.entry.table), new.entry.path, Impact.SAFE, use, **facts)
         return
@@ -147,7 +138,7 @@ def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
     elif old.group != new.group:
         names = {"old": old.group, "new": new.group, "names": api.command(old.name, new.name)}
         found.renamed("command-renamed", item, *where, use, **names)
-    _codes(found, both, old, new)
+    keys.compare(found, both, old, new)
     _facts(found, both, old, new)
     _texts(found, old, new)
     _reply(found, old, new)
@@ -155,75 +146,6 @@ def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
         used = Use((_SIDE[direction],), (old.group,))
         _message(found, both, old, new, one, other)
         fields.compare(found, both, old.group, one.layout, other.layout, used)
-
-
-def _codes(found: Found, both: Editions, old: Command, new: Command) -> None:
-    use = Use((Side.SENDING, Side.RECEIVING), (old.group,))
-    paths = ((*old.path, "code"), (*new.path, "code"))
-    facts = {"old": code(old.code), "new": code(new.code)}
-    if old.code != new.code:
-        now = [
-            c.group for c in both.new.commands if c.address == new.address and c.code == old.code and c.entry is None
-        ]
-        if now:
-            found.add("code-taken", _item(old), *paths, Impact.SILENT, use, **facts, other=now[0])
-        else:
-            found.add("code-changed", _item(old), *paths, Impact.LOUD, use, **facts)
-    if old.entry and new.entry and _index(old) != _index(new):
-        entry = Item("entry", f"{old.entry.table}.{old.entry.name}")
-        places = ((*old.entry.path, "index"), (*new.entry.path, "index"))
-        facts = {"old": _index(old), "new": _index(new)}
-        found.add("index-changed", entry, *places, Impact.SILENT, use, **facts)
-    for side, one, other in (
-        (Side.SENDING, old.request, new.request),
-        (Side.RECEIVING, old.reply, new.reply),
-    ):
-        if one and other:
-            _places(found, both, old, new, one.keys, other.keys, Use((side,), (old.group,)))
-            _constants(found, one, other, Use((side,), (old.group,)))
-
-
-def _constants(found: Found, old: Message, new: Message, use: Use) -> None:
-    """Constants that tell one message from others, as a code does."""
-    before, after = ({k.name: k for k in m.keys if k.name != "code" and not k.is_index} for m in (old, new))
-    item = Item("command", use.commands[0])
-    for name in before.keys() & after.keys():
-        one, other = before[name], after[name]
-        if one.value != other.value:
-            facts = {"name": name, "old": str(one.value), "new": str(other.value)}
-            paths = (*old.path, name, "constant"), (*new.path, name, "constant")
-            found.add("constant-changed", item, *paths, Impact.LOUD, use, **facts)
-        if (one.space, one.segments) != (other.space, other.segments):
-            stood = [words.place(k.space, k.segments) for k in (one, other)]
-            paths = (*old.path, name, "at"), (*new.path, name, "at")
-            found.add("field-moved", item, *paths, Impact.LOUD, use, name=name, old=stood[0], new=stood[1])
-
-
-def _one_selector(edition: Edition) -> bool:
-    """Whether all frames have their code in the same bits."""
-    return len({m.keys[0].segments for m in edition.all_messages() if m.keys and m.keys[0].name == "code"}) < 2
-
-
-def _places(
-    found: Found, both: Editions, old: Command, new: Command, one: Sequence[Key], other: Sequence[Key], use: Use
-) -> None:
-    """Where the code stands, and the index of a table."""
-
-    def stand(keys: Sequence[Key]) -> str:
-        return listed(words.place(k.space, k.segments) for k in keys)
-
-    first = [keys[: 1 if keys and keys[0].name == "code" else 0] for keys in (one, other)]
-    rest = [keys[len(lead) :] for keys, lead in zip((one, other), first, strict=True)]
-    if stand(first[0]) != stand(first[1]):
-        facts = {"old": stand(first[0]), "new": stand(first[1])}
-        whole = _one_selector(both.old) and _one_selector(both.new)
-        item = Item("edition", "") if whole else Item("address", old.address)
-        paths: list[Path] = [("selector",) if whole else ("addresses", c.address, "selector") for c in (old, new)]
-        found.add("code-moved", item, paths[0], paths[1], Impact.LOUD, use, **facts)
-    if old.entry and new.entry and stand(rest[0]) != stand(rest[1]):
-        facts = {"old": stand(rest[0]), "new": stand(rest[1])}
-        was, now = ("tables", old.entry.table, "index"), ("tables", new.entry.table, "index")
-        found.add("index-moved", Item("table", old.entry.table), was, now, Impact.LOUD, use, **facts)
 
 
 def _facts(found: Found, both: Editions, old: Command, new: Command) -> None:
@@ -337,9 +259,9 @@ def _message(found: Found, both: Editions, old: Command, new: Command, one: Mess
     own = [m.keys[0].value if m.keys else None for m in (one, other)]
     if own != [old.code, new.code] and own[0] != own[1]:
         known = other.keys and other.keys[0].value in one.accept
-        add("reply-code-changed", Impact.SAFE if known else Impact.LOUD, "code", code(own[0]), code(own[1]))
+        add("reply-code-changed", Impact.SAFE if known else Impact.LOUD, "code", keys.code(own[0]), keys.code(own[1]))
     if one.accept != other.accept:
-        add("accept-changed", Impact.SAFE, "accept", *(listed(map(code, m.accept)) for m in (one, other)))
+        add("accept-changed", Impact.SAFE, "accept", *(listed(map(keys.code, m.accept)) for m in (one, other)))
     if one.address != other.address and one.id != other.id:
         add("address-of-command-changed", Impact.LOUD, "address", one.address, other.address, direction=direction)
     usual = [edition.bus.dlc for edition in (both.old, both.new)]
