@@ -19,11 +19,12 @@ from .common import SPEC_FOLDER, show_findings, stop
 @click.argument("old")
 @click.argument("new")
 @click.option("--date", help="Date of the new manual: 2023-03 or 2023-03-21.")
-def copy(old: str, new: str, date: str | None) -> None:
+@click.option("--no-frames", is_flag=True, help="Leave the golden frames behind, where most of them would be wrong.")
+def copy(old: str, new: str, date: str | None, no_frames: bool) -> None:
     """Start the edition NEW as a copy of OLD, with its golden frames.
 
     OLD is a file or an edition of spec/; the copy stands beside it. What the new manual says otherwise is yours to edit;
-    `canwright diff OLD NEW` shows it then.
+    `canwright diff OLD NEW` shows it then, and `canwright check` the golden frames that contradict it.
     """
     _fits("edition", new)
     if date is not None:
@@ -34,7 +35,7 @@ def copy(old: str, new: str, date: str | None) -> None:
             stop(f"`{old}` is no file that a copy could stand beside; name a file or an edition")
         target = source.with_name(f"{new}.yaml")
         made = {target: _renamed(source, new, date)}
-        if frames_file(source).is_file():
+        if frames_file(source).is_file() and not no_frames:
             made[frames_file(target)] = _renamed(frames_file(source), new, None)
         for file in made:
             if file.exists():
