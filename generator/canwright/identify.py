@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from .compare import Impact, Side, compare
+from .compare import Change, Impact, Side, compare
 from .interpret import CanFrame, has_id, node_of
 from .model import Command, Edition
 from .readings import STRONG, Reader, Reading, Reason
@@ -88,10 +88,15 @@ def identify(frames: Iterable[CanFrame], editions: Sequence[Edition]) -> tuple[l
         else:
             foreign[frame.id] += 1
     ordered = sorted(by_node.items(), key=lambda item: (item[0] is None, item[0] or 0))
-    return [_finding(node, own, editions) for node, own in ordered], foreign
+    compared: Compared = {}
+    return [_finding(node, own, editions, compared) for node, own in ordered], foreign
 
 
-def _finding(node: int | None, frames: Sequence[CanFrame], editions: Sequence[Edition]) -> Finding:
+Compared = dict[tuple[str, str], tuple[Change, ...]]
+"""What was found to differ between two editions, by their names; nodes mostly leave the same ones open."""
+
+
+def _finding(node: int | None, frames: Sequence[CanFrame], editions: Sequence[Edition], compared: Compared) -> Finding:
     readers = [Reader(edition) for edition in editions]
     tallies = [_Tally() for _ in editions]
     strange: dict[str, tuple[CanFrame, int]] = {}
@@ -113,7 +118,7 @@ def _finding(node: int | None, frames: Sequence[CanFrame], editions: Sequence[Ed
     fitting = tuple(c.edition for c in possible if c.score < possible[0].score + LEAD)
     seen = {kind for tally in tallies for kind in tally.kinds}
     by_count = sorted(strange.values(), key=lambda one: -one[1])
-    return Finding(node, len(frames), tuple(by_count), tuple(candidates), fitting, _tell(fitting, seen))
+    return Finding(node, len(frames), tuple(by_count), tuple(candidates), fitting, _tell(fitting, seen, compared))
 
 
 @dataclass
@@ -155,11 +160,15 @@ class _Tally:
         return tuple(sorted(found, key=lambda e: (not e.counts, -e.points, -e.count)))
 
 
-def _tell(fitting: Sequence[Edition], seen: set[str]) -> tuple[str, ...]:
+def _tell(fitting: Sequence[Edition], seen: set[str], compared: Compared) -> tuple[str, ...]:
     """Commands that only read and whose replies differ between the editions that fit, those not yet seen first."""
     if len(fitting) < 2:
         return ()
-    changes = [change for other in fitting[1:] for change in compare(fitting[0], other)]
+    first = fitting[0]
+    for other in fitting[1:]:
+        if (first.name, other.name) not in compared:
+            compared[first.name, other.name] = compare(first, other)
+    changes = [change for other in fitting[1:] for change in compared[first.name, other.name]]
     counts = Counter(
         name
         for change in changes

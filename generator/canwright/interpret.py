@@ -6,7 +6,7 @@ This is for looking at frames while generating or checking. Programs use the gen
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -89,11 +89,6 @@ def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
             return None
         return Fraction(number) * linear.scale + linear.offset
     return raw * linear.scale + linear.offset
-
-
-def number_parameters(parameters: Mapping[str, int | str]) -> dict[str, Fraction]:
-    """The parameters that are numbers, exact."""
-    return {name: Fraction(value) for name, value in parameters.items() if isinstance(value, int)}
 
 
 def _key_holds(message: Message, index: int, frame: CanFrame) -> bool:

@@ -92,6 +92,10 @@ class Address:
     manual: str
     path: Path = field(compare=False)
 
+    def rule(self, direction: Direction) -> IdRule:
+        """The rule of its requests, or of its replies."""
+        return self.request if direction is Direction.REQUEST else self.reply
+
 
 @dataclass(frozen=True)
 class Key:
@@ -202,6 +206,10 @@ class Command:
     notes: tuple[Text, ...]
     manual: str
     path: Path = field(compare=False)
+
+    def message(self, direction: Direction) -> Message | None:
+        """Its request, or its reply."""
+        return self.request if direction is Direction.REQUEST else self.reply
 
     def available(self, assignment: Assignment) -> bool:
         """False when an assigned parameter has a value that lacks the command."""

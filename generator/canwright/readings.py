@@ -71,7 +71,7 @@ class Reader:
         if not readings:
             start = frame.data[:1].hex().upper()
             kind = f"0x{frame.id:X} {start}"
-            size = f"{len(frame.data)} byte{'' if len(frame.data) == 1 else 's'}"
+            size = words.counted(len(frame.data), "byte")
             code = f" that starts with {start}" if start else ""
             return Reading(kind, (Reason(STRONG, kind, f"it has no frame of {size}{code} on 0x{frame.id:X}"),))
         return self._chosen(frame, readings)

@@ -48,7 +48,7 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
 
 def _distinct(commands: Sequence[Command], direction: Direction) -> Iterator[Message]:
     for command in commands:
-        message = command.request if direction is Direction.REQUEST else command.reply
+        message = command.message(direction)
         if message is not None and message.command == command.name:
             yield message
 
@@ -93,7 +93,7 @@ def with_claims(commands: Sequence[Command]) -> tuple[Command, ...]:
     """The commands with `claims` filled in: which codes stand for which message when nothing else is known."""
     claims: dict[str, list[int]] = {}
     for direction in Direction:
-        messages = [(c, c.request if direction is Direction.REQUEST else c.reply) for c in commands]
+        messages = [(c, c.message(direction)) for c in commands]
         own = [(c.code, m) for c, m in messages if m is not None and m.command == c.name and m.keys]
         taken: set[tuple[object, ...]] = set()
         by_right = [(m.keys[0].value, m) for code, m in own if code == m.keys[0].value]

@@ -203,7 +203,7 @@ class MessageResolver:
             form.name,
             direction,
             address.name,
-            address.request if direction is Direction.REQUEST else address.reply,
+            address.rule(direction),
             (*self._keys(command, code, address.name, direction), *form.keys),
             tuple(spec.accept or ()),
             (),

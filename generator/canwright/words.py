@@ -20,6 +20,11 @@ def exact(number: Fraction) -> str:
     return f"{sign}{digits[:-15]}.{digits[-15:]}".rstrip("0")
 
 
+def counted(count: int, noun: str) -> str:
+    """`1 frame`, `2 frames`."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def spoken(name: str) -> str:
     """A name as a title, where a spec gives none: `read_level` is `Read level`."""
     return name.replace("_", " ").capitalize()

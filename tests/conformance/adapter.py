@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import Protocol
 
 from canwright.golden import Refusal
+from canwright.interpret import CanFrame as CanFrame
 from canwright.model import Direction
 
 Raw = int | list[int]
@@ -43,16 +44,6 @@ class Refused:
 
     says: Refusal
     field: str | None = None
-
-
-@dataclass(frozen=True)
-class CanFrame:
-    """A frame as it is on the bus."""
-
-    id: int
-    data: bytes
-    extended: bool = False
-    remote: bool = False
 
 
 class Cannot(Exception):  # noqa: N818 - it is no error

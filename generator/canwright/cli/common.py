@@ -15,6 +15,7 @@ from ..generate import TARGETS
 from ..load import Loaded, all_loaded, spec_files
 from ..printers import PRINTERS
 from ..targets import Described
+from ..words import counted
 
 SPEC_FOLDER = Path("spec")
 OUT_FOLDER = Path("generated")
@@ -85,7 +86,7 @@ def show_findings(findings: Sequence[Diagnostic], printer: str) -> None:
         return
     click.echo(PRINTERS[printer](findings), err=True)
     counts = Counter(finding.severity.value for finding in findings)
-    told = " and ".join(f"{count} {kind}{'' if count == 1 else 's'}" for kind, count in sorted(counts.items()))
+    told = " and ".join(counted(count, kind) for kind, count in sorted(counts.items()))
     click.echo(f"{told}; `canwright explain RULE` says more", err=True)
 
 

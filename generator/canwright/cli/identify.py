@@ -14,6 +14,7 @@ from ..identify import Candidate, Evidence, Finding, identify as look
 from ..interpret import CanFrame
 from ..logs import LogError, frames
 from ..model import Edition
+from ..words import counted
 from .common import FINDINGS, FilePath, read, spec_option, stop
 
 SHOWN = 4
@@ -56,10 +57,10 @@ def _text(family: str, findings: Sequence[Finding], foreign: Counter[int], count
         click.echo(f"{foreign.total()} of {count} frames have no id of {family} and are left out: {ids}\n")
     for finding in findings:
         node = "no node" if finding.node is None else f"node {finding.node}"
-        click.echo(f"{family}, {node}, {_frames(finding.frames)}: {_verdict(finding)}")
+        click.echo(f"{family}, {node}, {counted(finding.frames, 'frame')}: {_verdict(finding)}")
         if finding.strange:
             told = _some([f"{_frame(frame)} ({n})" for frame, n in finding.strange])
-            click.echo(f"  no edition has {_frames(finding.frames - finding.judged)}, left out: {told}")
+            click.echo(f"  no edition has {counted(finding.frames - finding.judged, 'frame')}, left out: {told}")
         for candidate in finding.candidates if finding.judged else ():
             click.echo(f"  {candidate.edition.name:<16} {_summary(candidate, finding.judged)}")
             for evidence in candidate.against[:SHOWN]:
@@ -69,10 +70,6 @@ def _text(family: str, findings: Sequence[Finding], foreign: Counter[int], count
         click.echo()
     if not findings:
         click.echo(f"cannot tell: no frame has an id of {family}")
-
-
-def _frames(count: int) -> str:
-    return f"{count} frame{'' if count == 1 else 's'}"
 
 
 def _some(names: Sequence[str]) -> str:
@@ -95,11 +92,7 @@ def _listed(editions: Sequence[Edition]) -> str:
 def _summary(candidate: Candidate, count: int) -> str:
     if not candidate.against:
         return "explains every frame"
-    return f"explains {candidate.explained} of {count} frames; {_points(candidate.score)} against it"
-
-
-def _points(score: int) -> str:
-    return f"{score} point{'' if score == 1 else 's'}"
+    return f"explains {candidate.explained} of {count} frames; {counted(candidate.score, 'point')} against it"
 
 
 def _evidence(evidence: Evidence) -> str:

@@ -8,12 +8,14 @@ from ..targets.python import text as python
 
 def command(old: str, new: str) -> str:
     """The class of the request, for both names."""
-    return _told(f"{old}_request_t", f"{new}_request_t", python.class_name(f"{old}_request"), _class(f"{new}_request"))
+    return _told(
+        f"{old}_request_t", f"{new}_request_t", python.class_name(f"{old}_request"), python.class_name(f"{new}_request")
+    )
 
 
 def layout(old: str, new: str) -> str:
     """The struct and the class, for both names."""
-    return _told(f"{old}_t", f"{new}_t", _class(old), _class(new))
+    return _told(f"{old}_t", f"{new}_t", python.class_name(old), python.class_name(new))
 
 
 def type_(old: str, new: str) -> str:
@@ -45,10 +47,6 @@ def member(owner: str, old: str, new: str) -> str:
     """Constants, for both names of a member of `owner`."""
     macro, other = f"…_{owner}_{old}".upper(), f"…_{owner}_{new}".upper()
     return _told(macro, other, python.member_name(old), python.member_name(new))
-
-
-def _class(name: str) -> str:
-    return python.class_name(name)
 
 
 def _told(c_old: str, c_new: str, python_old: str, python_new: str) -> str:

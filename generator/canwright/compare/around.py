@@ -9,9 +9,10 @@ from ..model import Address, Bus, Direction, Edition, Erratum, IdRule, Mode, Par
 from . import api
 from .change import Impact, Item, Side
 from .found import Found, Use, differ, listed
-from .match import by_name
+from .match import Matched, T, by_name
 
 _BOTH = Use((Side.SENDING, Side.RECEIVING))
+_UNHIT = (Impact.SAFE, Use())
 
 
 def compare(found: Found, old: Edition, new: Edition) -> None:
@@ -37,6 +38,16 @@ def compare(found: Found, old: Edition, new: Edition) -> None:
         found.add("languages-changed", edition, ("languages",), ("languages",), Impact.SAFE, Use(), **facts)
 
 
+def _come_and_gone(
+    found: Found, kind: str, path: Path, matched: Matched[T], lost: tuple[Impact, Use], new: tuple[Impact, Use]
+) -> None:
+    """What is gone and what is new at a path, each with how it hits and whom."""
+    for gone in matched.removed:
+        found.add(f"{kind}-removed", Item(kind, gone.name), (*path, gone.name), path, *lost, name=gone.name)
+    for fresh in matched.added:
+        found.add(f"{kind}-added", Item(kind, fresh.name), path, (*path, fresh.name), *new, name=fresh.name)
+
+
 def _settings(found: Found, old: Sequence[Setting], new: Sequence[Setting]) -> None:
     settings = by_name(old, new)
     for one, other in settings.pairs:
@@ -47,12 +58,7 @@ def _settings(found: Found, old: Sequence[Setting], new: Sequence[Setting]) -> N
             place = (*path, "only")
             found.add("setting-scope-changed", item, place, place, Impact.SAFE, Use(), **facts)
         found.title(item, ((*path, "title"), (*path, "title")), (one.name, other.name), one.title, other.title)
-    for gone in settings.removed:
-        item, path = Item("setting", gone.name), ("settings", gone.name)
-        found.add("setting-removed", item, path, ("settings",), Impact.SAFE, Use(), name=gone.name)
-    for fresh in settings.added:
-        item, path = Item("setting", fresh.name), ("settings", fresh.name)
-        found.add("setting-added", item, ("settings",), path, Impact.SAFE, Use(), name=fresh.name)
+    _come_and_gone(found, "setting", ("settings",), settings, _UNHIT, _UNHIT)
 
 
 def _addresses(found: Found, old: Sequence[Address], new: Sequence[Address]) -> None:
@@ -129,26 +135,7 @@ def _bus(found: Found, old: Bus, new: Bus) -> None:
     matched = by_name(old.modes, new.modes)
     for one, other in matched.pairs:
         _mode(found, Item("mode", one.name), one, other)
-    for gone in matched.removed:
-        found.add(
-            "mode-removed",
-            Item("mode", gone.name),
-            ("bus", "modes", gone.name),
-            ("bus", "modes"),
-            Impact.LOUD,
-            _BOTH,
-            name=gone.name,
-        )
-    for fresh in matched.added:
-        found.add(
-            "mode-added",
-            Item("mode", fresh.name),
-            ("bus", "modes"),
-            ("bus", "modes", fresh.name),
-            Impact.SAFE,
-            Use(),
-            name=fresh.name,
-        )
+    _come_and_gone(found, "mode", ("bus", "modes"), matched, (Impact.LOUD, _BOTH), _UNHIT)
     for rule, key, a, b in (
         ("reply-time-changed", "reply_within_ms", old.reply_within_ms, new.reply_within_ms),
         ("max-nodes-changed", "max_nodes", old.max_nodes, new.max_nodes),
@@ -177,26 +164,7 @@ def _rates(mode: Mode) -> str:
 
 def _parameters(found: Found, old: Sequence[Parameter], new: Sequence[Parameter]) -> None:
     matched = by_name(old, new)
-    for gone in matched.removed:
-        found.add(
-            "parameter-removed",
-            Item("parameter", gone.name),
-            ("parameters", gone.name),
-            ("parameters",),
-            Impact.BUILD,
-            _BOTH,
-            name=gone.name,
-        )
-    for fresh in matched.added:
-        found.add(
-            "parameter-added",
-            Item("parameter", fresh.name),
-            ("parameters",),
-            ("parameters", fresh.name),
-            Impact.BUILD,
-            _BOTH,
-            name=fresh.name,
-        )
+    _come_and_gone(found, "parameter", ("parameters",), matched, (Impact.BUILD, _BOTH), (Impact.BUILD, _BOTH))
     for one, other in matched.pairs:
         item, path = Item("parameter", one.name), ("parameters", one.name)
         at = (*path, "values")

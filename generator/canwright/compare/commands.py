@@ -67,7 +67,7 @@ def _tables(found: Found, old: Edition, new: Edition) -> set[str]:
 def messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, Message]]:
     """The frames of a command that both editions have and that are its own."""
     for direction in Direction:
-        one, other = (c.request if direction is Direction.REQUEST else c.reply for c in (old, new))
+        one, other = (c.message(direction) for c in (old, new))
         if one is None or other is None or one.command != old.name or other.command != new.name:
             continue
         if direction is Direction.REQUEST or not _is_another(old, new, one, other):

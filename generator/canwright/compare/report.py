@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import click
 
+from .. import words
 from ..diagnostics import Position
 from ..load import Loaded
 from ..model import Path
@@ -100,7 +101,7 @@ def summary(changes: Sequence[Change]) -> str:
     impacts = Counter(change.impact for change in changes)
     kinds = ", ".join(f"{categories[c]} {c.value}" for c in Category if categories[c])
     hits = ", ".join(f"{impacts[i]} {i.value}" for i in (Impact.SILENT, Impact.LOUD) if impacts[i])
-    count = f"{len(changes)} change{'' if len(changes) == 1 else 's'}"
+    count = words.counted(len(changes), "change")
     return count + (f": {kinds}" if kinds else "") + (f"; {hits}" if hits else "; nothing breaks" if changes else "")
 
 

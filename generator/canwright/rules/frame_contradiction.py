@@ -44,7 +44,7 @@ def _parameters(edition: Edition, given: Mapping[str, int | str]) -> Iterator[Pr
 
 def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:
     """What each command sends in a direction, by its name."""
-    both = ((c.name, c.request if direction is Direction.REQUEST else c.reply) for c in edition.commands)
+    both = ((c.name, c.message(direction)) for c in edition.commands)
     return {name: message for name, message in both if message is not None}
 
 
@@ -75,7 +75,7 @@ def _refused(edition: Edition, refused: RefusedValues) -> list[Problem]:
     command = commands.get(refused.command)
     if command is None:
         return [(("command",), f"there is no command `{refused.command}`", nearest(refused.command, commands))]
-    message = command.request if refused.encode is Direction.REQUEST else command.reply
+    message = command.message(refused.encode)
     known = [f.name for f in message.layout.fields] if message else []
     return [
         ((key, name), f"there is no field `{name}`", nearest(name, known))

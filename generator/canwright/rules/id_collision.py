@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..model import Address, Direction, Edition, IdRule, Space
+from ..model import Address, Direction, Edition, Space
 from . import alike, ids
 from .rule import Finding, Found, Subject
 
@@ -14,7 +14,7 @@ def check(subject: Subject) -> Found:
     for direction in Direction:
         for (address, other), shared in sorted(_shared(edition, direction).items()):
             one, two = edition.addresses[address], edition.addresses[other]
-            if _rule(one, direction) != _rule(two, direction):
+            if one.rule(direction) != two.rule(direction):
                 text = f"the {direction.value} id 0x{shared:X} belongs to `{two.name}` as well"
                 yield Finding(one.path, text, "check `id` and `nodes` of both")
 
@@ -34,11 +34,7 @@ def _shared(edition: Edition, direction: Direction) -> dict[tuple[int, int], int
 
 def _ids(edition: Edition, direction: Direction, address: Address) -> Sequence[range]:
     """The ids of an address; where the selector is in the id, those of its messages."""
-    rule = _rule(address, direction)
+    rule = address.rule(direction)
     of_address = [m for m in edition.of_rule(direction, rule) if m.address == address.name]
     selected = [ids.of_message(m) for m in of_address if any(k.space is Space.ID for k in m.keys)]
     return list(dict.fromkeys(selected)) or [ids.of_rule(rule)]
-
-
-def _rule(address: Address, direction: Direction) -> IdRule:
-    return address.request if direction is Direction.REQUEST else address.reply

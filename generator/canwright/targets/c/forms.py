@@ -44,5 +44,5 @@ def named_forms(edition: Edition) -> dict[Form, tuple[str, ...]]:
 def address_mask(edition: Edition, address: str, direction: Direction) -> int:
     """Bits of the id that keys and fields fill in some message of this direction."""
     here = edition.address(address)
-    rule = here.request if direction is Direction.REQUEST else here.reply
+    rule = here.rule(direction)
     return reduce(or_, (m.id_mask for m in edition.of_rule(direction, rule)), 0)

@@ -138,7 +138,7 @@ def addresses(names: Names, edition: Edition, forms: Forms) -> list[AddressView]
 
 
 def rule_view(names: Names, edition: Edition, address: Address, direction: Direction) -> RuleView:
-    rule = address.request if direction is Direction.REQUEST else address.reply
+    rule = address.rule(direction)
     mask = address_mask(edition, address.name, direction)
     base = names.lower(address.name, direction.value)
     return RuleView(

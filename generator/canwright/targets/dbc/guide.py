@@ -141,7 +141,7 @@ def _examples(described: Described, files: Sequence[File], direction: Direction)
 
 def _example(edition: Edition, file: File, view: Message, frame: GoldenFrame) -> Example | None:
     command = edition.command(frame.command)
-    message = command.request if frame.direction is Direction.REQUEST else command.reply
+    message = command.message(frame.direction)
     if message is None:
         return None
     code = Part(command, message, tuple(key.value for key in message.keys)).code

@@ -82,7 +82,7 @@ class Pages:
 
     def _half(self, command: Command, direction: Direction) -> Half:
         labels = self._labels
-        message = command.request if direction is Direction.REQUEST else command.reply
+        message = command.message(direction)
         facts = list(tables.facts(message, labels)) if message else []
         if message and self._is_rest(message):
             facts.append((labels["selector_of"], labels["rest"]))
