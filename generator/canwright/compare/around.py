@@ -8,10 +8,9 @@ from .. import words
 from ..model import Address, Bus, Direction, Edition, Erratum, IdRule, Mode, Parameter, Path, Setting, Text
 from . import api
 from .change import Impact, Item, Side
-from .found import Found, Use, differ, listed
+from .found import BOTH_SIDES, Found, Use, differ, listed
 from .match import Matched, T, by_name
 
-_BOTH = Use((Side.SENDING, Side.RECEIVING))
 _UNHIT = (Impact.SAFE, Use())
 
 
@@ -66,7 +65,7 @@ def _addresses(found: Found, old: Sequence[Address], new: Sequence[Address]) -> 
     for one, other in matched.pairs:
         item = Item("address", one.name)
         if one.name != other.name:
-            found.renamed("address-renamed", item, one.path, other.path, _BOTH, old=one.name, new=other.name)
+            found.renamed("address-renamed", item, one.path, other.path, BOTH_SIDES, old=one.name, new=other.name)
         if one.request == one.reply and other.request == other.reply:
             _rule(found, item, (one, other), tuple(Direction), one.request, other.request)
         else:
@@ -80,7 +79,7 @@ def _addresses(found: Found, old: Sequence[Address], new: Sequence[Address]) -> 
     for gone in matched.removed:
         facts = {"name": gone.name, "old": words.id_rule(gone.request)}
         item = Item("address", gone.name)
-        found.add("address-removed", item, gone.path, ("addresses",), Impact.LOUD, _BOTH, **facts)
+        found.add("address-removed", item, gone.path, ("addresses",), Impact.LOUD, BOTH_SIDES, **facts)
     for fresh in matched.added:
         facts = {"name": fresh.name, "new": words.id_rule(fresh.request)}
         item = Item("address", fresh.name)
@@ -95,8 +94,7 @@ def _rule(
     old: IdRule,
     new: IdRule,
 ) -> None:
-    sides = {Direction.REQUEST: Side.SENDING, Direction.REPLY: Side.RECEIVING}
-    use = Use(tuple(sides[direction] for direction in directions))
+    use = Use(tuple(map(Side.of, directions)))
     if (old.base, old.node_shift, old.extended, old.nodes is None) != (
         *(new.base, new.node_shift, new.extended),
         new.nodes is None,
@@ -130,12 +128,12 @@ def _bus(found: Found, old: Bus, new: Bus) -> None:
     item = Item("bus", "")
     if old.host != new.host:
         names = {"old": old.host, "new": new.host, "names": api.host(old.host, new.host)}
-        found.renamed("host-renamed", item, ("bus", "host"), ("bus", "host"), _BOTH, **names)
+        found.renamed("host-renamed", item, ("bus", "host"), ("bus", "host"), BOTH_SIDES, **names)
     found.section(item, (("bus",), ("bus",)), old.manual, new.manual, Use())
     matched = by_name(old.modes, new.modes)
     for one, other in matched.pairs:
         _mode(found, Item("mode", one.name), one, other)
-    _come_and_gone(found, "mode", ("bus", "modes"), matched, (Impact.LOUD, _BOTH), _UNHIT)
+    _come_and_gone(found, "mode", ("bus", "modes"), matched, (Impact.LOUD, BOTH_SIDES), _UNHIT)
     for rule, key, a, b in (
         ("reply-time-changed", "reply_within_ms", old.reply_within_ms, new.reply_within_ms),
         ("max-nodes-changed", "max_nodes", old.max_nodes, new.max_nodes),
@@ -152,7 +150,7 @@ def _mode(found: Found, item: Item, old: Mode, new: Mode) -> None:
         facts = {"old": _rates(old), "new": _rates(new)}
         gone = set(old.bit_rates_kbps) - set(new.bit_rates_kbps) or (another and new.default_kbps is not None)
         place = (*path, "bit_rates_kbps")
-        found.add("bit-rates-changed", item, place, place, Impact.LOUD if gone else Impact.SAFE, _BOTH, **facts)
+        found.add("bit-rates-changed", item, place, place, Impact.LOUD if gone else Impact.SAFE, BOTH_SIDES, **facts)
     found.title(item, ((*path, "title"), (*path, "title")), (old.name, new.name), old.title, new.title)
     found.text("text-changed", item, ((*path, "about"), (*path, "about")), old.name, old.about, new.about)
 
@@ -164,7 +162,7 @@ def _rates(mode: Mode) -> str:
 
 def _parameters(found: Found, old: Sequence[Parameter], new: Sequence[Parameter]) -> None:
     matched = by_name(old, new)
-    _come_and_gone(found, "parameter", ("parameters",), matched, (Impact.BUILD, _BOTH), (Impact.BUILD, _BOTH))
+    _come_and_gone(found, "parameter", ("parameters",), matched, (Impact.BUILD, BOTH_SIDES), (Impact.BUILD, BOTH_SIDES))
     for one, other in matched.pairs:
         item, path = Item("parameter", one.name), ("parameters", one.name)
         at = (*path, "values")
@@ -174,14 +172,14 @@ def _parameters(found: Found, old: Sequence[Parameter], new: Sequence[Parameter]
             found.title(item, places, (value.name, now.name), value.title, now.title)
         for value in values.removed:
             facts = {"name": one.name, "value": value.name}
-            found.add("parameter-value-removed", item, (*at, value.name), at, Impact.BUILD, _BOTH, **facts)
+            found.add("parameter-value-removed", item, (*at, value.name), at, Impact.BUILD, BOTH_SIDES, **facts)
         for value in values.added:
             facts = {"name": one.name, "value": value.name}
             found.add("parameter-value-added", item, at, (*at, value.name), Impact.SAFE, Use(), **facts)
         if (one.minimum, one.maximum) != (other.minimum, other.maximum):
             facts = {"name": one.name, "old": _bounds(one), "new": _bounds(other)}
             place = (*path, "number")
-            found.add("parameter-bounds-changed", item, place, place, Impact.SILENT, _BOTH, **facts)
+            found.add("parameter-bounds-changed", item, place, place, Impact.SILENT, BOTH_SIDES, **facts)
         found.title(item, ((*path, "title"), (*path, "title")), (one.name, other.name), one.title, other.title)
         found.text("text-changed", item, ((*path, "about"), (*path, "about")), one.name, one.about, other.about)
 

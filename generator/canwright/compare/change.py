@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from ..model import Path, Text
+from ..model import Direction, Entry, Path, Text
 
 
 class Category(str, Enum):
@@ -41,6 +41,11 @@ class Side(str, Enum):
     SENDING = "sending"
     RECEIVING = "receiving"
 
+    @classmethod
+    def of(cls, direction: Direction) -> Side:
+        """The side that a frame of a direction concerns."""
+        return cls.SENDING if direction is Direction.REQUEST else cls.RECEIVING
+
 
 Fact = str | Text
 """What a sentence is filled with; a text in several languages where it is the spec's."""
@@ -62,6 +67,10 @@ class Item:
 
     kind: str
     name: str
+
+    @classmethod
+    def of_entry(cls, entry: Entry) -> Item:
+        return cls("entry", f"{entry.table}.{entry.name}")
 
     def __str__(self) -> str:
         return f"{self.kind} {self.name}" if self.name else self.kind

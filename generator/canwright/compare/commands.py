@@ -12,8 +12,6 @@ from .change import Impact, Item, Side
 from .fields import Editions
 from .found import Found, Use, listed
 
-_SIDE = {Direction.REQUEST: Side.SENDING, Direction.REPLY: Side.RECEIVING}
-
 
 def compare(found: Found, old: Edition, new: Edition) -> None:
     """All changes of all commands, and of the layouts and types that they use."""
@@ -93,7 +91,7 @@ def _code(command: Command) -> str:
 def _repurposed(found: Found, old: Command, new: Command) -> None:
     use = Use((Side.SENDING, Side.RECEIVING), (old.group,))
     if old.entry and new.entry:
-        item = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        item = Item.of_entry(old.entry)
         facts = {"index": keys.index(old), "old": old.entry.name, "new": new.entry.name}
         found.add("entry-repurposed", item, old.entry.path, new.entry.path, Impact.SILENT, use, **facts)
         return
@@ -105,7 +103,7 @@ def _repurposed(found: Found, old: Command, new: Command) -> None:
 def _removed(found: Found, old: Command, new: Edition) -> None:
     use = Use((Side.SENDING,), (old.group,))
     if old.entry and any(c.group == old.group for c in new.commands):
-        item = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        item = Item.of_entry(old.entry)
         facts = {"name": old.entry.name, "index": keys.index(old)}
         found.add("entry-removed", item, old.entry.path, ("tables", old.entry.table), Impact.LOUD, use, **facts)
         return
@@ -115,7 +113,7 @@ def _removed(found: Found, old: Command, new: Edition) -> None:
 
 def _added(found: Found, new: Command, old: Edition) -> None:
     if new.entry and any(c.group == new.group for c in old.commands):
-        item = Item("entry", f"{new.entry.table}.{new.entry.name}")
+        item = Item.of_entry(new.entry)
         facts = {"name": new.entry.name, "index": keys.index(new)}
         use = Use((), (new.group,))
         found.add("entry-added", item, ("tables", new.entry.table), new.entry.path, Impact.SAFE, use, **facts)
@@ -132,7 +130,7 @@ def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
         table, names = Item("table", old.entry.table), {"old": old.entry.table, "new": new.entry.table}
         found.renamed("table-renamed", table, old.entry.path[:2], new.entry.path[:2], use, **names)
     if old.entry and new.entry and old.entry.name != new.entry.name:
-        entry = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        entry = Item.of_entry(old.entry)
         names = {"old": old.entry.name, "new": new.entry.name}
         found.renamed("entry-renamed", entry, old.entry.path, new.entry.path, use, **names)
     elif old.group != new.group:
@@ -143,7 +141,7 @@ def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
     _texts(found, old, new)
     _reply(found, old, new)
     for direction, one, other in messages(old, new):
-        used = Use((_SIDE[direction],), (old.group,))
+        used = Use((Side.of(direction),), (old.group,))
         _message(found, both, old, new, one, other)
         fields.compare(found, both, old.group, one.layout, other.layout, used)
 
@@ -166,7 +164,7 @@ def _facts(found: Found, both: Editions, old: Command, new: Command) -> None:
     shared = [_shared(edition, c) for edition, c in ((both.old, old), (both.new, new))]
     _conditions(found, item, (old.path, new.path), shared, use)
     if old.entry and new.entry:
-        entry = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        entry = Item.of_entry(old.entry)
         own = [
             ({p: v for p, v in c.only.items() if p not in only}, tuple(e for e in c.effects if e not in effects))
             for c, (only, effects) in zip((old, new), shared, strict=True)
@@ -179,6 +177,8 @@ _Conditions = tuple[Mapping[str, tuple[str, ...]], tuple[Effect, ...]]
 
 def _shared(edition: Edition, command: Command) -> _Conditions:
     """Where a command is there and what it does, as far as that holds for all entries of its table."""
+    if command.entry is None:
+        return command.only, command.effects
     forms = [c for c in edition.commands if c.group == command.group]
     only = {p: v for p, v in command.only.items() if all(c.only.get(p) == v for c in forms)}
     return only, tuple(e for e in command.effects if all(e in c.effects for c in forms))
@@ -209,7 +209,7 @@ def _limits(command: Command) -> str:
 def _texts(found: Found, old: Command, new: Command) -> None:
     item, name = _item(old), old.group
     if old.entry and new.entry:
-        entry = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        entry = Item.of_entry(old.entry)
         places = ((*old.entry.path, "title"), (*new.entry.path, "title"))
         found.title(entry, places, (old.entry.name, new.entry.name), old.entry.title, new.entry.title)
     else:
@@ -250,7 +250,7 @@ def _form(command: Command) -> str:
 
 def _message(found: Found, both: Editions, old: Command, new: Command, one: Message, other: Message) -> None:
     direction = one.direction.value
-    item, use = _item(old), Use((_SIDE[one.direction],), (old.group,))
+    item, use = _item(old), Use((Side.of(one.direction),), (old.group,))
 
     def add(rule: str, impact: Impact, key: str, before: str, after: str, **facts: str) -> None:
         paths = (*one.path, key), (*other.path, key)

@@ -16,10 +16,13 @@ _ORDER = list(Impact)
 
 @dataclass(frozen=True)
 class Use:
-    """Where something is used: what the host does with it, and the commands. `prefix` are the names it is part of."""
+    """Where something is used: what the host does with it, and the commands."""
 
     sides: tuple[Side, ...] = ()
     commands: tuple[str, ...] = ()
+
+
+BOTH_SIDES = Use(tuple(Side))
 
 
 class Found:

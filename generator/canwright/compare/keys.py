@@ -36,7 +36,7 @@ def compare(found: Found, both: Editions, old: Command, new: Command) -> None:
         else:
             found.add("code-changed", item, *paths, Impact.LOUD, use, **facts)
     if old.entry and new.entry and index(old) != index(new):
-        entry = Item("entry", f"{old.entry.table}.{old.entry.name}")
+        entry = Item.of_entry(old.entry)
         places = ((*old.entry.path, "index"), (*new.entry.path, "index"))
         facts = {"old": index(old), "new": index(new)}
         found.add("index-changed", entry, *places, Impact.SILENT, use, **facts)

@@ -10,11 +10,10 @@ from typing import Any, TypeVar
 from .. import words
 from ..model import Bound, Command, Dependent, Edition, Effect, Layout, Mode, Parameter, Path, Setting
 from . import api
-from .change import Item, Side
-from .found import Found, Use
+from .change import Item
+from .found import BOTH_SIDES, Found
 from .match import Matched, Named, by_name
 
-_BOTH = Use((Side.SENDING, Side.RECEIVING))
 T = TypeVar("T", bound=Named)
 
 
@@ -49,7 +48,7 @@ def compare(found: Found, old: Edition, new: Edition) -> Edition:
                 facts = {"name": other.name, "old": value.name, "new": now.name}
                 told = api.member(other.name, value.name, now.name)
                 item = Item("parameter", one.name)
-                found.renamed("parameter-value-renamed", item, *places, _BOTH, **facts, names=told)
+                found.renamed("parameter-value-renamed", item, *places, BOTH_SIDES, **facts, names=told)
     settings = by_name(old.settings, new.settings).also(_same_title, _same_use(old, new, lambda c: c.limited_by))
     _renamed(found, names, Setting, ("settings",), settings, api.listed_name)
     effects = by_name(old.effects, new.effects).also(_same_title, _same_use(old, new, lambda c: c.effects))
@@ -103,7 +102,7 @@ def _renamed(
             facts = {"old": one.name, "new": other.name}
             if told is not None:
                 facts["names"] = told(one.name, other.name)
-            found.renamed(f"{called}-renamed", Item(called, one.name), was, now, _BOTH, **facts)
+            found.renamed(f"{called}-renamed", Item(called, one.name), was, now, BOTH_SIDES, **facts)
             found.moved[now] = was
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ... import words
 from ...compare import Category, Change, Impact
 from ...model import Command, Direction, Edition
-from .tables import group_title
+from .tables import code_of, group_title, index as index_of
 from .text import code, markdown
 
 
@@ -147,8 +147,7 @@ def _commands(
 
 
 def _cell(folder: str, command: Command, labels: Mapping[str, str]) -> str:
-    shown = f"0x{command.code:02X}" if command.code is not None else "✓"
-    text = f"[{shown}]({folder}/commands/{command.name}.md)"
+    text = f"[{code_of(command)}]({folder}/commands/{command.name}.md)"
     only = words.condition(command.only)
     text += f" {code(only)}" if only else ""
     return text if command.implemented else f"{text} {labels['unimplemented']}"
@@ -164,11 +163,10 @@ def _entries(
             message = command.request or command.reply
             if command.entry is None or message is None:
                 continue
-            index = tuple(key.value for key in message.keys if key.name != "code")
+            index = tuple(key.value for key in message.keys if key.is_index)
             cells = rows.setdefault((command.entry.table, index, command.entry.name), ["—"] * len(editions))
             if cells[at] == "—":
-                shown = " ".join(f"0x{value:02X}" for value in index)
-                cells[at] = f"[{shown}]({folder}/commands/{command.name}.md)"
+                cells[at] = f"[{index_of(message)}]({folder}/commands/{command.name}.md)"
                 titles[command.entry.table, command.entry.name] = command.entry.title[language]
     return tuple(
         SupportLine(f"{code(f'{table}.{name}')}<br>{markdown(titles[table, name])}", tuple(cells))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ... import words
-from ...model import Command, Edition, Effect, Message, Table
+from ...model import Command, Edition, Effect, Table
 from . import tables
 from .tables import Labels
 from .text import code, markdown
@@ -53,7 +53,7 @@ def _line(forms: Sequence[Command], labels: Labels, language: str) -> Line:
         links = (f"[{markdown(c.entry.title[language])}](commands/{c.name}.md)" for c in forms if c.entry)
         what = f"{name}<br>{markdown(tables.group_title(first, language))}<br>{' · '.join(links)}"
     return Line(
-        "<br>".join(dict.fromkeys(code(_code(form)) for form in forms if form.code is not None)),
+        "<br>".join(dict.fromkeys(code(tables.code_of(form)) for form in forms if form.code is not None)),
         what,
         replies.pop() if len(replies) == 1 else labels["of_entry"],
         code(words.condition(first.only)) if all(form.only == first.only for form in forms) else "",
@@ -85,7 +85,7 @@ def _entries(table: Table, groups: Mapping[str, Sequence[Command]], labels: Labe
         more = {e.name: e for n, form in of_entry.items() for e in form.effects if e not in common[n]}
         rows.append(
             (
-                code(index(first.request or first.reply)),
+                code(tables.index(first.request or first.reply)),
                 code(name),
                 markdown(first.entry.title[language]) if first.entry else "",
                 *(_link(of_entry[n]) if n in of_entry else "" for n in using),
@@ -99,13 +99,4 @@ def _entries(table: Table, groups: Mapping[str, Sequence[Command]], labels: Labe
 
 
 def _link(form: Command) -> str:
-    return f"[{code(_code(form))}](commands/{form.name}.md)"
-
-
-def _code(command: Command) -> str:
-    return f"0x{command.code:02X}" if command.code is not None else "✓"
-
-
-def index(message: Message | None) -> str:
-    """The bytes that tell the entry: `0x05 0x0A`."""
-    return " ".join(f"0x{key.value:02X}" for key in message.keys if key.is_index) if message else ""
+    return f"[{code(tables.code_of(form))}](commands/{form.name}.md)"

@@ -10,7 +10,7 @@ from ...golden import GoldenFrames
 from ...model import Command, Direction, Edition, Erratum, Message, Path, Segment, Space, Variant
 from . import picture, tables
 from .examples import Example, examples
-from .overview import index, overview
+from .overview import overview
 from .tables import Labels, Row
 from .text import code, markdown
 
@@ -70,7 +70,7 @@ class Pages:
             "command": command,
             "manual": ", ".join(map(markdown, sections)),
             "table": self.edition.table(entry.table) if entry else None,
-            "index": code(index(command.request or command.reply)),
+            "index": code(tables.index(command.request or command.reply)),
             "also": [c for c in self._of_entry[entry.path] if c is not command] if entry else [],
             "halves": [self._half(command, d) for d in Direction],
             "only": code(words.condition(command.only)),

@@ -26,6 +26,16 @@ class Row(NamedTuple):
     what: str
 
 
+def code_of(command: Command) -> str:
+    """The code of a command, or a mark where it has none."""
+    return f"0x{command.code:02X}" if command.code is not None else "✓"
+
+
+def index(message: Message | None) -> str:
+    """The bytes that tell the entry: `0x05 0x0A`."""
+    return " ".join(f"0x{key.value:02X}" for key in message.keys if key.is_index) if message else ""
+
+
 def group_title(command: Command, language: str) -> str:
     """The title of a command as the spec has it, without that of an entry."""
     title = command.title[language]
