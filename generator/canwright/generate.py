@@ -12,13 +12,17 @@ from .targets import Described, Output, Target, c, dbc, docs, python
 
 TARGETS: dict[str, Target] = {"c": c.generate, "python": python.generate, "dbc": dbc.generate, "docs": docs.generate}
 
+LONGEST = ("dbc", "docs", "c", "python")
+"""Those that take longest come first: the first is made by this process, and need not be sent to it."""
+
 
 def generate(described: Sequence[Described], targets: Sequence[str], set_parameters: Assignment) -> Content:
     """Everything that `targets` make of the editions, in memory; writes nothing."""
-    made = side_by_side([partial(_outputs, TARGETS[target], described, set_parameters) for target in targets])
+    order = sorted(targets, key=LONGEST.index)
+    made = side_by_side([partial(_outputs, TARGETS[target], described, set_parameters) for target in order])
     files = {
         f"{target}/{output.path}": output.text.encode("utf-8")
-        for target, outputs in zip(targets, made, strict=True)
+        for target, outputs in zip(order, made, strict=True)
         for output in outputs
     }
     editions = tuple(f"{d.edition.family} {d.edition.name}" for d in described)

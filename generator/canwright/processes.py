@@ -15,7 +15,8 @@ Result = TypeVar("Result")
 def side_by_side(work: Sequence[Callable[[], Result]]) -> list[Result]:
     """What each piece of work returns, in their order; a result has to be one that can be pickled.
 
-    One after another where a process cannot split in two, or there is one processor. Raises what a piece raises.
+    The first is done by this process itself. One after another where a process cannot split in two, or there is one
+    processor. Raises what a piece raises.
     """
     if len(work) < 2 or not _can_split():
         return [piece() for piece in work]

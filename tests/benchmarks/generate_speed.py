@@ -29,8 +29,9 @@ FRAMES = ROOT / "spec/mwd_motor/v2.35.frames.yaml"
 ROUNDS = 3
 
 WATCHED = """
-import os, sys, time
+import gc, os, sys, time
 import jinja2
+gc.disable()
 os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # all in this process, where it can be watched
 jinja2.FileSystemBytecodeCache.load_bytecode = lambda cache, bucket: None
 spent = {"rendering": 0.0, "depth": 0}
@@ -48,9 +49,9 @@ def watched(function):
     return call
 jinja2.Environment.get_template = watched(jinja2.Environment.get_template)
 jinja2.Template.render = watched(jinja2.Template.render)
-from canwright.__main__ import run
+from canwright.cli import main
 try:
-    run()
+    main()
 except SystemExit:
     print(spent["rendering"])
 """
