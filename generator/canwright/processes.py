@@ -7,9 +7,22 @@ import pickle
 import sys
 import threading
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import BinaryIO, Generic, TypeVar
 
+Item = TypeVar("Item")
 Result = TypeVar("Result")
+
+
+def for_each(work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
+    """What `work` returns for each item, in their order, as `side_by_side`: each processor takes an equal share."""
+    shares = [items[first::count] for first in range(count)] if (count := min(len(items), _processors())) else []
+    results = side_by_side([partial(_every, work, share) for share in shares])
+    return [results[i % count][i // count] for i in range(len(items))]
+
+
+def _every(work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
+    return [work(item) for item in items]
 
 
 def side_by_side(work: Sequence[Callable[[], Result]]) -> list[Result]:
@@ -18,7 +31,7 @@ def side_by_side(work: Sequence[Callable[[], Result]]) -> list[Result]:
     The first is done by this process itself. One after another where a process cannot split in two, or there is one
     processor. Raises what a piece raises.
     """
-    if len(work) < 2 or not _can_split():
+    if len(work) < 2 or _processors() < 2:
         return [piece() for piece in work]
     here, *others = work
     split = [_Split(piece) for piece in others]
@@ -27,13 +40,15 @@ def side_by_side(work: Sequence[Callable[[], Result]]) -> list[Result]:
     finally:
         for one in split:
             one.close()
+        for one in split:
+            one.end()
 
 
-def _can_split() -> bool:
-    """Whether `fork` is safe, which it is not with threads or with the libraries of macOS, and of use."""
+def _processors() -> int:
+    """How many there are to use; one where `fork` is not safe, as with threads or with the libraries of macOS."""
     if sys.platform != "linux" or threading.active_count() > 1:
-        return False
-    return len(os.sched_getaffinity(0)) > 1
+        return 1
+    return len(os.sched_getaffinity(0))
 
 
 class _Split(Generic[Result]):
@@ -44,6 +59,7 @@ class _Split(Generic[Result]):
         receiver, sender = os.pipe()
         self._process = os.fork()
         if not self._process:
+            os.close(receiver)
             _send(piece, sender)
         os.close(sender)
         self._stream: BinaryIO = os.fdopen(receiver, "rb")
@@ -51,17 +67,17 @@ class _Split(Generic[Result]):
     def result(self) -> Result:
         """What the work returns. Where it failed there, it is done again here, to raise what it raised."""
         sent = self._stream.read()
-        if self._end() != 0:
+        if self.end() != 0:
             return self._piece()
         found: Result = pickle.loads(sent)
         return found
 
     def close(self) -> None:
-        """Ends a process whose result nobody waits for; it can write no more."""
+        """Takes no more of the result: the process can write no further, once no other holds its pipe."""
         self._stream.close()
-        self._end()
 
-    def _end(self) -> int:
+    def end(self) -> int:
+        """Waits for the process; its status, or 0 where it has ended before."""
         process, self._process = self._process, 0
         return os.waitpid(process, 0)[1] if process else 0
 
