@@ -9,11 +9,15 @@ import sys
 import pytest
 
 BEGIN = """
-import json, os, signal
+import json, os, signal, time
 from functools import partial
 from canwright import processes
 processes._processors = lambda: 3
 here = os.getpid()
+def first():
+    """Takes so long that others take what follows."""
+    time.sleep(0.5)
+    return 1
 def left():
     try:
         return os.waitpid(-1, os.WNOHANG)
@@ -33,10 +37,13 @@ def run(script: str) -> object:
 
 def test_results_are_in_order_and_from_several_processes() -> None:
     found = run(
-        "found = processes.side_by_side([lambda i=i: (i, os.getpid() == here) for i in range(4)])\n"
-        "print(json.dumps([found, left()]))"
+        "def piece(i):\n"
+        "    time.sleep(0.5)\n"
+        "    return i, os.getpid()\n"
+        "found = processes.for_each(piece, range(6))\n"
+        "print(json.dumps([[i for i, _ in found], found[0][1] == here, len({pid for _, pid in found}), left()]))"
     )
-    assert found == [[[0, True], [1, False], [2, False], [3, False]], None]
+    assert found == [[0, 1, 2, 3, 4, 5], True, 3, None]
 
 
 def test_every_item_has_its_result() -> None:
@@ -45,7 +52,7 @@ def test_every_item_has_its_result() -> None:
 
 
 def test_a_large_result_arrives_whole() -> None:
-    script = "a, b = processes.side_by_side([lambda: 1, lambda: 'x' * 5_000_000])\nprint(json.dumps([a, len(b)]))"
+    script = "a, b = processes.side_by_side([first, lambda: 'x' * 5_000_000])\nprint(json.dumps([a, len(b)]))"
     assert run(script) == [1, 5_000_000]
 
 
@@ -53,7 +60,7 @@ def test_what_a_piece_raises_is_raised() -> None:
     found = run(
         "def fail(): raise LookupError('the third')\n"
         "try:\n"
-        "    processes.side_by_side([lambda: 1, lambda: 'x' * 5_000_000, fail])\n"
+        "    processes.side_by_side([first, lambda: 'x' * 5_000_000, fail])\n"
         "except LookupError as error:\n"
         "    print(json.dumps([str(error), left()]))"
     )
@@ -77,7 +84,7 @@ def test_the_work_of_a_process_that_dies_is_done_again(death: str) -> None:
         "def piece():\n"
         f"    if os.getpid() != here: {death}\n"
         "    return 'done'\n"
-        "print(json.dumps([processes.side_by_side([lambda: 1, piece]), left()]))"
+        "print(json.dumps([processes.side_by_side([first, piece]), left()]))"
     )
     assert found == [[1, "done"], None]
 

@@ -1,4 +1,4 @@
-"""Independent pieces of work side by side, each in a process of its own."""
+"""Independent pieces of work side by side, in as many processes as there are processors."""
 
 from __future__ import annotations
 
@@ -6,42 +6,48 @@ import os
 import pickle
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import BinaryIO, Generic, TypeVar
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
+MOST = 1 << 12
+"""How many pieces are shared out; their numbers have to fit into a pipe."""
+
+_NUMBER = 4
+"""Bytes of a piece's number."""
+
 
 def for_each(work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
-    """What `work` returns for each item, in their order, as `side_by_side`: each processor takes an equal share."""
-    shares = [items[first::count] for first in range(count)] if (count := min(len(items), _processors())) else []
-    results = side_by_side([partial(_every, work, share) for share in shares])
-    return [results[i % count][i // count] for i in range(len(items))]
-
-
-def _every(work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
-    return [work(item) for item in items]
+    """What `work` returns for each item, in their order, as `side_by_side`."""
+    return side_by_side([partial(work, item) for item in items])
 
 
 def side_by_side(work: Sequence[Callable[[], Result]]) -> list[Result]:
     """What each piece of work returns, in their order; a result has to be one that can be pickled.
 
-    The first is done by this process itself. One after another where a process cannot split in two, or there is one
-    processor. Raises what a piece raises.
+    Whichever process is free takes the next piece, so that which takes longest should come first; that is always done
+    by this process itself. All is done here, one after another, where a process cannot split or there is one processor.
+    Raises what a piece raises.
     """
-    if len(work) < 2 or _processors() < 2:
+    processes = min(len(work), _processors())
+    if processes < 2 or len(work) > MOST:
         return [piece() for piece in work]
-    here, *others = work
-    split = [_Split(piece) for piece in others]
+    queue = _queue(range(1, len(work)))
+    others = [_Split(work, queue) for _ in range(processes - 1)]
     try:
-        return [here(), *(one.result() for one in split)]
+        done = {0: work[0](), **_worked(work, queue)}
+        for other in others:
+            done.update(other.results())
+        return [done[number] if number in done else piece() for number, piece in enumerate(work)]
     finally:
-        for one in split:
-            one.close()
-        for one in split:
-            one.end()
+        os.close(queue)
+        for other in others:
+            other.close()
+        for other in others:
+            other.end()
 
 
 def _processors() -> int:
@@ -51,29 +57,45 @@ def _processors() -> int:
     return len(os.sched_getaffinity(0))
 
 
-class _Split(Generic[Result]):
-    """A copy of this process, that does a piece of work and sends its result through a pipe."""
+def _queue(numbers: Sequence[int]) -> int:
+    """Where every process takes the number of its next piece from."""
+    queue, sender = os.pipe()
+    os.write(sender, b"".join(number.to_bytes(_NUMBER, "big") for number in numbers))
+    os.close(sender)
+    return queue
 
-    def __init__(self, piece: Callable[[], Result]) -> None:
-        self._piece = piece
+
+def _taken(queue: int) -> Iterator[int]:
+    while number := os.read(queue, _NUMBER):
+        yield int.from_bytes(number, "big")
+
+
+def _worked(work: Sequence[Callable[[], Result]], queue: int) -> dict[int, Result]:
+    return {number: work[number]() for number in _taken(queue)}
+
+
+class _Split(Generic[Result]):
+    """A copy of this process, that works as long as there is a piece left and sends its results through a pipe."""
+
+    def __init__(self, work: Sequence[Callable[[], Result]], queue: int) -> None:
         receiver, sender = os.pipe()
         self._process = os.fork()
         if not self._process:
             os.close(receiver)
-            _send(piece, sender)
+            _send(partial(_worked, work, queue), sender)
         os.close(sender)
         self._stream: BinaryIO = os.fdopen(receiver, "rb")
 
-    def result(self) -> Result:
-        """What the work returns. Where it failed there, it is done again here, to raise what it raised."""
+    def results(self) -> dict[int, Result]:
+        """By their numbers. None where a piece failed: whoever does it again finds out how."""
         sent = self._stream.read()
         if self.end() != 0:
-            return self._piece()
-        found: Result = pickle.loads(sent)
+            return {}
+        found: dict[int, Result] = pickle.loads(sent)
         return found
 
     def close(self) -> None:
-        """Takes no more of the result: the process can write no further, once no other holds its pipe."""
+        """Takes no more of the results: the process can write no further, once no other holds its pipe."""
         self._stream.close()
 
     def end(self) -> int:
@@ -82,12 +104,12 @@ class _Split(Generic[Result]):
         return os.waitpid(process, 0)[1] if process else 0
 
 
-def _send(piece: Callable[[], object], sender: int) -> None:
-    """Does the work and leaves at once: what is open or buffered belongs to the process this one is a copy of."""
+def _send(work: Callable[[], object], sender: int) -> None:
+    """Works and leaves at once: what is open or buffered belongs to the process this one is a copy of."""
     status = 1
     try:
         with os.fdopen(sender, "wb") as stream:
-            pickle.dump(piece(), stream, pickle.HIGHEST_PROTOCOL)
+            pickle.dump(work(), stream, pickle.HIGHEST_PROTOCOL)
         status = 0
     finally:
         os._exit(status)
