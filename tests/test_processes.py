@@ -15,7 +15,7 @@ from canwright import processes
 processes._processors = lambda: 3
 here = os.getpid()
 def first():
-    """Takes so long that others take what follows."""
+    # so long that others take what follows
     time.sleep(0.5)
     return 1
 def left():
