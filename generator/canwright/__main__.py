@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
 import sys
+
+CANNOT_PRINT = 2
 
 
 def run() -> None:
@@ -16,14 +19,19 @@ def run() -> None:
     gc.disable()
     from .cli import main
 
+    status = 0
     try:
-        main()
-    except SystemExit as ended:
+        try:
+            main()
+        except SystemExit as ended:
+            status = ended.code if isinstance(ended.code, int) else 0
         sys.stdout.flush()
-        sys.stderr.flush()
-        if isinstance(ended.code, int):
-            os._exit(ended.code)
-        raise
+    except OSError as error:  # of printing: commands tell what became of files
+        status = CANNOT_PRINT
+        if error.errno != errno.EPIPE:
+            sys.stderr.write(f"canwright: cannot print: {error.strerror or error}\n")
+    sys.stderr.flush()
+    os._exit(status)
 
 
 if __name__ == "__main__":
