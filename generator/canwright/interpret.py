@@ -9,7 +9,9 @@ import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
+from . import words
 from .model import Assignment, Encoding, Field, IdRule, Key, Message, Segment, Space, Type, Variant
 
 Raw = int | list[int]
@@ -43,6 +45,28 @@ def is_message(message: Message, frame: CanFrame) -> bool:
     return has_id(message, frame) and all(_key_holds(message, i, frame) for i in range(len(message.keys)))
 
 
+class Difference(NamedTuple):
+    """The part of a frame that is not that of a message, and what is wrong with it."""
+
+    part: str
+    text: str
+
+
+def difference(message: Message, frame: CanFrame) -> Difference | None:
+    """Why a frame is not a message; None when it is."""
+    if is_message(message, frame):
+        return None
+    if frame.extended is not message.id.extended:
+        return Difference("extended", f"{message.name} has {'a 29-bit' if message.id.extended else 'an 11-bit'} id")
+    if frame.remote is not message.remote:
+        return Difference("remote", f"{message.name} is {'a' if message.remote else 'no'} remote frame")
+    if not has_id(message, frame):
+        return Difference("id", f"0x{frame.id:X} is no id of {message.name}")
+    if len(frame.data) != message.dlc and not frame.remote:
+        return Difference("length", f"{words.counted(len(frame.data), 'byte')}, but {message.name} has {message.dlc}")
+    return Difference("keys", f"these bytes do not select {message.name}")
+
+
 def node(rule: IdRule, id_: int) -> int | None:
     """The node of an id without the bits of keys and fields; None when there is none."""
     if rule.nodes is None:
@@ -55,6 +79,11 @@ def node(rule: IdRule, id_: int) -> int | None:
 def node_of(message: Message, frame: CanFrame) -> int | None:
     """The node that a frame of this message is of."""
     return node(message.id, frame.id & ~message.id_mask)
+
+
+def held(key: Key, frame: CanFrame) -> int:
+    """What the bits of a key hold in a frame."""
+    return _bits(key.segments, key.space, frame)
 
 
 def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
@@ -93,7 +122,7 @@ def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
 
 def _key_holds(message: Message, index: int, frame: CanFrame) -> bool:
     key: Key = message.keys[index]
-    found = _bits(key.segments, key.space, frame)
+    found = held(key, frame)
     return found == key.value or (index == 0 and found in (*message.accept, *message.claims))
 
 

@@ -2,44 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
 
 from .. import words
 from ..diagnostics import nearest
-from ..golden import Frame, RefusedValues
-from ..interpret import CanFrame, Raw, Value, has_id, is_message, node_of, raws, value_of, wrong_constants
-from ..model import Direction, Edition, Field, Message, Path
-from .rule import Finding, Found, Subject
+from ..golden import Frame
+from ..interpret import CanFrame, Raw, Value, difference, node_of, raws, value_of, wrong_constants
+from ..model import Direction, Edition, Field, Message
+from .entries import Problem, judged
+from .rule import Found, Subject
 
 
 def check(subject: Subject) -> Found:
-    messages = {direction: _messages(subject.edition, direction) for direction in Direction}
-    for i, frame in enumerate(subject.frames.frames if subject.frames else ()):
-        for path, text, hint in _frame(messages[frame.direction], frame):
-            yield Finding(("frames", i, *path), text, hint, in_frames=True)
-    for i, refused in enumerate(subject.frames.refused if subject.frames else ()):
-        if isinstance(refused, RefusedValues):
-            for path, text, hint in _refused(subject.edition, refused):
-                yield Finding(("refused", i, *path), text, hint, in_frames=True)
-
-    for key in ("frames", "refused", "exchanges"):
-        for i, entry in enumerate(getattr(subject.frames, key, ())):
-            for path, text, hint in _parameters(subject.edition, entry.parameters):
-                yield Finding((key, i, *path), text, hint, in_frames=True)
-
-
-Problem = tuple[Path, str, str]
-
-
-def _parameters(edition: Edition, given: Mapping[str, int | str]) -> Iterator[Problem]:
-    known = {parameter.name: parameter for parameter in edition.parameters}
-    for name, value in given.items():
-        path: Path = ("parameters", name)
-        if name not in known:
-            yield path, f"there is no parameter `{name}`", nearest(name, known) or "leave it out"
-        elif known[name].is_choice and str(value) not in (names := [v.name for v in known[name].values]):
-            yield path, f"`{name}` has no value `{value}`", nearest(str(value), names)
+    if subject.frames is not None:
+        messages = {direction: _messages(subject.edition, direction) for direction in Direction}
+        yield from judged(
+            subject.edition, "frames", subject.frames.frames, lambda frame: _frame(messages[frame.direction], frame)
+        )
 
 
 def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:
@@ -69,37 +49,20 @@ def _frame(messages: Mapping[str, Message], frame: Frame) -> list[Problem]:
     return [*wrong, *_raws(frame, found), *_values(frame, {f.name: f for f in variant.fields}, found)]
 
 
-def _refused(edition: Edition, refused: RefusedValues) -> list[Problem]:
-    """What is refused has to be refused for its values, not for names that are not there."""
-    commands = {c.name: c for c in edition.commands}
-    command = commands.get(refused.command)
-    if command is None:
-        return [(("command",), f"there is no command `{refused.command}`", nearest(refused.command, commands))]
-    message = command.message(refused.encode)
-    known = [f.name for f in message.layout.fields] if message else []
-    return [
-        ((key, name), f"there is no field `{name}`", nearest(name, known))
-        for key, told in (("raw", refused.raw), ("values", refused.values))
-        for name in told
-        if name not in known
-    ]
-
-
 def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
-    for key, wanted in (("extended", message.id.extended), ("remote", message.remote)):
-        if getattr(frame, key) is not wanted:
-            text = f"{message.name} is {'' if wanted else 'no '}{'frame with a 29-bit id' if key == 'extended' else 'remote frame'}"
-            return (), text, f"{key}: {str(wanted).lower()}"
-    if not has_id(message, can):
-        return ("id",), f"0x{frame.id:X} is no id of {message.name}", "check the id, and the address in the spec"
-    if len(frame.data) != (0 if message.remote else message.dlc):
-        return ("data",), f"{len(frame.data)} bytes, but {message.name} has {message.dlc}", "check `data` and `dlc`"
-    if not is_message(message, can):
-        keys = ", ".join(f"{words.place(k.space, k.segments)} 0x{k.value:02X}" for k in message.keys)
-        return ("data",), f"these bytes do not select {message.name}", f"check the code: it has {keys}"
-    if node_of(message, can) != frame.node:
-        return ("node",), f"the id 0x{frame.id:X} is that of node {node_of(message, can)}", "check `id` and `node`"
-    return None
+    wrong = difference(message, can)
+    if wrong is None:
+        if node_of(message, can) != frame.node:
+            return ("node",), f"the id 0x{frame.id:X} is that of node {node_of(message, can)}", "check `id` and `node`"
+        return None
+    if wrong.part in ("extended", "remote"):
+        return (), wrong.text, f"{wrong.part}: {str(not getattr(frame, wrong.part)).lower()}"
+    if wrong.part == "id":
+        return ("id",), wrong.text, "check the id, and the address in the spec"
+    if wrong.part == "length":
+        return ("data",), wrong.text, "check `data` and `dlc`"
+    keys = ", ".join(f"{words.place(k.space, k.segments)} 0x{k.value:02X}" for k in message.keys)
+    return ("data",), wrong.text, f"check the code: it has {keys}"
 
 
 def _raws(frame: Frame, found: Mapping[str, Raw]) -> list[Problem]:

@@ -1,0 +1,147 @@
+"""What golden frames say is refused, the spec refuses, and for that reason."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..diagnostics import nearest
+from ..golden import Refusal, RefusedFrame, RefusedValues, Value
+from ..interpret import CanFrame
+from ..model import Direction, Edition, Field, Message
+from ..receiving import Receiver, Refused
+from ..sending import SPECIAL, Sender
+from .entries import Problem, judged, named, told
+from .rule import Found, Subject
+
+
+def check(subject: Subject) -> Found:
+    if subject.frames is not None:
+        yield from judged(subject.edition, "refused", subject.frames.refused, _Judge(subject.edition).judge)
+
+
+class _Judge:
+    """Judges the entries of an edition; what parameters lead to is worked out once."""
+
+    def __init__(self, edition: Edition) -> None:
+        self._commands = {command.name: command for command in reversed(edition.commands)}
+        self._receiver = Receiver(edition)
+        self._senders: dict[tuple[tuple[str, int | str], ...], Sender] = {}
+
+    def judge(self, entry: RefusedFrame | RefusedValues) -> Iterator[Problem]:
+        key = tuple(entry.parameters.items())
+        sender = self._senders.get(key)
+        if sender is None:
+            sender = self._senders[key] = Sender(entry.parameters)
+        return self._frame(entry, sender) if isinstance(entry, RefusedFrame) else self._values(entry, sender)
+
+    def _frame(self, entry: RefusedFrame, sender: Sender) -> Iterator[Problem]:
+        frame = CanFrame(entry.id, entry.data, entry.extended, entry.remote)
+        found = self._receiver.decode(entry.decode, frame, sender.assignment)
+        if isinstance(found, Refused):
+            yield from _other_reason(entry.says, found)
+        else:
+            text = f"the spec reads this: {told(*found, frame, sender.assignment)}"
+            yield ("says",), text, "if that is right, it belongs into `frames`; otherwise check the spec"
+
+    def _values(self, entry: RefusedValues, sender: Sender) -> Iterator[Problem]:
+        command = self._commands.get(entry.command)
+        if command is None:
+            hint = nearest(entry.command, self._commands) or "take it out"
+            yield ("command",), f"there is no command `{entry.command}`", hint
+            return
+        message = command.message(entry.encode)
+        if message is None:
+            other = next(direction for direction in Direction if direction is not entry.encode)
+            hint = f"encode: {other.value}" if command.message(other) else "take it out"
+            yield ("encode",), f"`{entry.command}` has no {entry.encode.value}", hint
+            return
+        amiss = list(_amiss(sender, message, entry))
+        if amiss:
+            yield from amiss
+            return
+        refused = sender.refuses(message, entry.node) or _refused(sender, message, entry)
+        if refused is None:
+            yield (
+                ("says",),
+                f"the spec lets this be sent: {named(message, entry.node)}",
+                _beyond(sender, message, entry),
+            )
+            return
+        yield from _other_reason(entry.says, refused)
+        if refused.says is entry.says and entry.field is not None and entry.field != refused.field:
+            hint = f"field: {refused.field}" if refused.field else "leave `field` out"
+            yield ("field",), f"it is not for `{entry.field}` that the spec refuses this: {refused.text}", hint
+
+
+def _other_reason(says: Refusal, refused: Refused) -> Iterator[Problem]:
+    if refused.says is not says:
+        yield ("says",), f"the spec refuses this as {refused.says.value}: {refused.text}", f"says: {refused.says.value}"
+
+
+def _amiss(sender: Sender, message: Message, entry: RefusedValues) -> Iterator[Problem]:
+    """What keeps an entry from being asked at all: fields that are not there, or are of another shape."""
+    fields = sender.fields(message)
+    if fields is None:
+        fields = {f.name: f for f in message.layout.fields if f.constant is None}
+    for key, given in (("raw", entry.raw), ("values", entry.values)):
+        for name in given:
+            if name not in fields:
+                text = f"there is no field `{name}` in {named(message, None)}"
+                yield (key, name), text, nearest(name, fields) or "take it out"
+    for name, raw in entry.raw.items():
+        if name in fields and isinstance(raw, list) is not fields[name].is_array:
+            yield ("raw", name), *_shape(fields[name])
+    for name, value in entry.values.items():
+        misfit = _misfit(fields[name], value) if name in fields else None
+        if misfit:
+            yield ("values", name), *misfit
+    if message.id.nodes is None and entry.node is not None:
+        yield ("node",), f"{named(message, None)} has no node", "leave `node` out"
+    given = entry.values or entry.raw
+    lacking = [name for name in fields if name not in given]
+    if lacking and sender.refuses(message, entry.node) is None:
+        path = (("values" if entry.values else "raw"),) if given else ()
+        yield path, f"`{lacking[0]}` is missing in {named(message, None)}", "write every field of it"
+
+
+def _misfit(field: Field, value: Value) -> tuple[str, str] | None:
+    """What is wrong with the kind of a value: not a list where one is meant, no number, or a name that is not there."""
+    if isinstance(value, list) is not (field.is_array or bool(field.type.flags and not isinstance(value, str))):
+        return _shape(field)
+    members = field.type.enum or field.type.flags
+    for one in value if isinstance(value, list) else (value,):
+        if isinstance(one, str) and (members or one not in SPECIAL):
+            names = [member.name for member in members]
+            if one not in names:
+                text = f"`{field.name}` has no value `{one}`" if members else f"`{field.name}` is a number"
+                return text, nearest(one, names) or "check the type in the spec"
+    return None
+
+
+def _shape(field: Field) -> tuple[str, str]:
+    if field.is_array:
+        return f"`{field.name}` is an array", f"write a list of {len(field.elements)}"
+    if field.type.flags:
+        return f"`{field.name}` are flags", "write a list of their names, [] for none"
+    return f"`{field.name}` is one number", "write it without brackets"
+
+
+def _refused(sender: Sender, message: Message, entry: RefusedValues) -> Refused | None:
+    """Why the spec refuses the first field that it refuses."""
+    fields = sender.fields(message) or {}
+    refusals = (
+        sender.refuses_value(field, entry.values[name]) if entry.values else sender.refuses_raw(field, entry.raw[name])
+        for name, field in fields.items()
+    )
+    return next((refused for refused in refusals if refused), None)
+
+
+def _beyond(sender: Sender, message: Message, entry: RefusedValues) -> str:
+    """What would be refused in place of what is accepted."""
+    field = (sender.fields(message) or {}).get(entry.field or next(iter(entry.values or entry.raw), ""))
+    if entry.says is Refusal.OUT_OF_RANGE and field is not None:
+        return f"take it out, or write what is beyond {sender.limits(field.type)} of `{field.name}`"
+    nodes = message.id.nodes
+    if entry.says is Refusal.UNKNOWN_NODE and nodes is not None:
+        return f"take it out, or write a node beyond {nodes[0]}..{nodes[-1]}"
+    return "take it out, or check the spec"
