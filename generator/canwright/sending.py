@@ -8,14 +8,30 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Mapping
 from fractions import Fraction
+from functools import reduce
+from operator import or_
 
 from . import notation, words
 from .golden import Refusal, Value
 from .interpret import Raw, value_of
-from .model import Bound, Encoding, Field, Message, Range, Type
+from .model import Bound, Encoding, Field, Message, Range, Segment, Space, Type
 from .receiving import Refused
 
 SPECIAL = ("nan", "inf", "-inf")
+
+
+class Senders:
+    """A sender for each set of parameters, made when it is first asked for."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[tuple[str, int | str], ...], Sender] = {}
+
+    def under(self, parameters: Mapping[str, int | str]) -> Sender:
+        key = tuple(parameters.items())
+        known = self._known.get(key)
+        if known is None:
+            known = self._known[key] = Sender(parameters)
+        return known
 
 
 class Sender:
@@ -24,6 +40,7 @@ class Sender:
     def __init__(self, parameters: Mapping[str, int | str]) -> None:
         self.assignment = {name: str(value) for name, value in parameters.items()}
         self._fields: dict[int, tuple[Message, dict[str, Field] | None]] = {}
+        self._reserved: dict[int, tuple[Message, int]] = {}
         self._allows: dict[int, tuple[Type, Callable[[int], bool]]] = {}
         self._raw_of: dict[int, tuple[Field, Callable[[Fraction], int | Refused]]] = {}
 
@@ -34,6 +51,17 @@ class Sender:
             variant = message.layout.variant(self.assignment)
             fields = None if variant is None else {f.name: f for f in variant.fields if f.constant is None}
             known = self._fields[id(message)] = (message, fields)
+        return known[1]
+
+    def reserved(self, message: Message) -> int:
+        """The bits of the data that no key and no field of a message fills, the first byte lowest; they are sent as 0."""
+        known = self._reserved.get(id(message))
+        if known is None:
+            variant = message.layout.variant(self.assignment)
+            places = [(k.space, k.segments) for k in message.keys]
+            places += [(f.space, e.segments) for f in (variant.fields if variant else ()) for e in f.elements]
+            used = (s for space, segments in places if space is Space.DATA for s in segments)
+            known = self._reserved[id(message)] = (message, ~reduce(or_, map(_bits, used), 0))
         return known[1]
 
     def refuses(self, message: Message, node: int | None) -> Refused | None:
@@ -144,6 +172,10 @@ class Sender:
             return size if (above < 0) == (below < 0) else -size
 
         return nearest
+
+
+def _bits(segment: Segment) -> int:
+    return ((1 << segment.width) - 1) << (segment.byte * 8 + segment.low)
 
 
 def _refuses_count(field: Field, count: int) -> Refused | None:

@@ -2,24 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from .. import words
 from ..diagnostics import nearest
 from ..golden import Frame
-from ..interpret import CanFrame, Raw, Value, difference, node_of, raws, value_of, wrong_constants
-from ..model import Direction, Edition, Field, Message
+from ..interpret import CanFrame, Raw, Value, difference, held, node_of, raws, value_of, wrong_constants
+from ..model import Assignment, Direction, Edition, Field, Message
+from ..sending import Sender, Senders
 from .entries import Problem, judged
 from .rule import Found, Subject
 
 
 def check(subject: Subject) -> Found:
     if subject.frames is not None:
-        messages = {direction: _messages(subject.edition, direction) for direction in Direction}
-        yield from judged(
-            subject.edition, "frames", subject.frames.frames, lambda frame: _frame(messages[frame.direction], frame)
-        )
+        yield from judged(subject.edition, "frames", subject.frames.frames, _Judge(subject.edition).judge)
+
+
+class _Judge:
+    """Judges the frames of an edition; what parameters lead to is worked out once."""
+
+    def __init__(self, edition: Edition) -> None:
+        self._messages = {direction: _messages(edition, direction) for direction in Direction}
+        self._senders = Senders()
+
+    def judge(self, frame: Frame) -> list[Problem]:
+        direction = frame.direction
+        if not frame.command or (frame.request and frame.reply):
+            text = "this is no frame of a command" if not frame.command else "a frame is a request or a reply, not both"
+            return [((), text, "write `request: COMMAND` or `reply: COMMAND`")]
+        message = self._messages[direction].get(frame.command)
+        if message is None:
+            hint = nearest(frame.command, self._messages[direction]) or "take it out"
+            return [((direction.value,), f"no command `{frame.command}` has a {direction.value}", hint)]
+        can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
+        problem = _header(message, frame, can)
+        if problem:
+            return [problem]
+        sender = self._senders.under(frame.parameters)
+        variant = message.layout.variant(sender.assignment)
+        if variant is None:
+            text = f"the fields depend on `{message.layout.parameter}`, which is not given"
+            return [((), text, f"add parameters: {{{message.layout.parameter}: …}}")]
+        wrong = [
+            (("data",), f"`{f.name}` should hold {f.constant}", "check `data`") for f in wrong_constants(variant, can)
+        ]
+        found = raws(variant, can)
+        fields = {f.name: f for f in variant.fields}
+        problems = [*wrong, *_raws(frame, found), *_values(frame, fields, found, sender.assignment)]
+        return problems or ([] if frame.decode_only else list(_sent(sender, message, fields, frame, can)))
 
 
 def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:
@@ -28,25 +60,28 @@ def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:
     return {name: message for name, message in both if message is not None}
 
 
-def _frame(messages: Mapping[str, Message], frame: Frame) -> list[Problem]:
-    direction = frame.direction.value
-    if not frame.command or (frame.request and frame.reply):
-        text = "this is no frame of a command" if not frame.command else "a frame is a request or a reply, not both"
-        return [((), text, "write `request: COMMAND` or `reply: COMMAND`")]
-    message = messages.get(frame.command)
-    if message is None:
-        return [((direction,), f"no command `{frame.command}` has a {direction}", nearest(frame.command, messages))]
-    can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
-    problem = _header(message, frame, can)
-    if problem:
-        return [problem]
-    variant = message.layout.variant({name: str(value) for name, value in frame.parameters.items()})
-    if variant is None:
-        text = f"the fields depend on `{message.layout.parameter}`, which is not given"
-        return [((), text, f"add parameters: {{{message.layout.parameter}: …}}")]
-    wrong = [((), f"`{f.name}` should hold {f.constant}", "check `data`") for f in wrong_constants(variant, can)]
-    found = raws(variant, can)
-    return [*wrong, *_raws(frame, found), *_values(frame, {f.name: f for f in variant.fields}, found)]
+def _sent(
+    sender: Sender, message: Message, fields: Mapping[str, Field], frame: Frame, can: CanFrame
+) -> Iterator[Problem]:
+    """Why the frame that is read so is not the one that is sent."""
+    for name, raw in frame.raw.items():
+        refused = sender.refuses_raw(fields[name], raw)
+        if refused:
+            hint = f"`{name}` may be {sender.limits(fields[name].type)}; decode_only: true is for what is read and never sent"
+            yield ("raw", name), f"nobody can send this: {refused.text}", hint
+    hint = "decode_only: true is for what is read and never sent so"
+    for key in message.keys[:1]:
+        if held(key, can) != key.value:
+            place = words.place(key.space, key.segments)
+            yield ("data",), f"a sender writes 0x{key.value:02X} in {place}", hint
+    if can.remote:
+        if can.data:
+            yield ("data",), "a remote frame has no data", 'data: ""'
+        return
+    beside = int.from_bytes(can.data, "little") & sender.reserved(message)
+    if beside:
+        at = ((beside & -beside).bit_length() - 1) // 8
+        yield ("data",), f"DATA[{at}] has bits of no field, which a sender leaves 0", hint
 
 
 def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
@@ -75,9 +110,10 @@ def _raws(frame: Frame, found: Mapping[str, Raw]) -> list[Problem]:
     ]
 
 
-def _values(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[Problem]:
+def _values(
+    frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw], assignment: Assignment
+) -> list[Problem]:
     problems: list[Problem] = []
-    assignment = {name: str(value) for name, value in frame.parameters.items()}
     for name, wanted in frame.values.items():
         if name not in fields or name not in found:
             problems.append((("values", name), f"there is no field `{name}`", nearest(name, found)))

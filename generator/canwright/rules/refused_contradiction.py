@@ -9,7 +9,7 @@ from ..golden import Refusal, RefusedFrame, RefusedValues, Value
 from ..interpret import CanFrame
 from ..model import Direction, Edition, Field, Message
 from ..receiving import Receiver, Refused
-from ..sending import SPECIAL, Sender
+from ..sending import SPECIAL, Sender, Senders
 from .entries import Problem, judged, named, told
 from .rule import Found, Subject
 
@@ -25,13 +25,10 @@ class _Judge:
     def __init__(self, edition: Edition) -> None:
         self._commands = {command.name: command for command in reversed(edition.commands)}
         self._receiver = Receiver(edition)
-        self._senders: dict[tuple[tuple[str, int | str], ...], Sender] = {}
+        self._senders = Senders()
 
     def judge(self, entry: RefusedFrame | RefusedValues) -> Iterator[Problem]:
-        key = tuple(entry.parameters.items())
-        sender = self._senders.get(key)
-        if sender is None:
-            sender = self._senders[key] = Sender(entry.parameters)
+        sender = self._senders.under(entry.parameters)
         return self._frame(entry, sender) if isinstance(entry, RefusedFrame) else self._values(entry, sender)
 
     def _frame(self, entry: RefusedFrame, sender: Sender) -> Iterator[Problem]:
@@ -129,10 +126,10 @@ def _shape(field: Field) -> tuple[str, str]:
 def _refused(sender: Sender, message: Message, entry: RefusedValues) -> Refused | None:
     """Why the spec refuses the first field that it refuses."""
     fields = sender.fields(message) or {}
-    refusals = (
-        sender.refuses_value(field, entry.values[name]) if entry.values else sender.refuses_raw(field, entry.raw[name])
-        for name, field in fields.items()
-    )
+    if entry.values:
+        refusals = (sender.refuses_value(field, entry.values[name]) for name, field in fields.items())
+    else:
+        refusals = (sender.refuses_raw(fields[name], raw) for name, raw in entry.raw.items())
     return next((refused for refused in refusals if refused), None)
 
 
