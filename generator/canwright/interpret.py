@@ -64,7 +64,9 @@ def difference(message: Message, frame: CanFrame) -> Difference | None:
         return Difference("id", f"0x{frame.id:X} is no id of {message.name}")
     if len(frame.data) != message.dlc and not frame.remote:
         return Difference("length", f"{words.counted(len(frame.data), 'byte')}, but {message.name} has {message.dlc}")
-    return Difference("keys", f"these bytes do not select {message.name}")
+    key = next(key for i, key in enumerate(message.keys) if not _key_holds(message, i, frame))
+    found = f"{words.place(key.space, key.segments)} is 0x{held(key, frame):02X}"
+    return Difference("keys", f"{found}, but {message.name} has 0x{key.value:02X}")
 
 
 def node(rule: IdRule, id_: int) -> int | None:
@@ -117,7 +119,8 @@ def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
         if number != number or number in (float("inf"), float("-inf")):
             return None
         return Fraction(number) * linear.scale + linear.offset
-    return raw * linear.scale + linear.offset
+    number = raw * linear.scale
+    return number + linear.offset if linear.offset else number
 
 
 def _key_holds(message: Message, index: int, frame: CanFrame) -> bool:

@@ -107,7 +107,7 @@ class _Route:
 
     def __init__(self, messages: Sequence[Message]) -> None:
         self.first = messages[0]
-        self._mask = reduce(or_, (m.id_mask for m in messages))
+        self.mask = reduce(or_, (m.id_mask for m in messages))
         self._lengths = sorted({m.dlc for m in messages})
         self._claims: dict[object, tuple[Key, dict[int, list[Message]]]] = {}
         for message in messages:
@@ -122,7 +122,7 @@ class _Route:
         rule = self.first.id
         if (rule.extended, self.first.remote) != (frame.extended, frame.remote):
             return None
-        rest = frame.id & ~self._mask
+        rest = frame.id & ~self.mask
         if rule.nodes is None:
             return (None,) if rest == rule.base else None
         found = node(rule, rest)
@@ -142,7 +142,7 @@ class _Route:
         if len(frame.data) != found.dlc:
             alike = (m for m in fitting if m.keys == found.keys and m.claims == found.claims)
             found = next((m for m in alike if m.dlc == len(frame.data)), found)
-        if frame.id & self._mask & ~found.id_mask:
+        if frame.id & self.mask & ~found.id_mask:
             return Refused(Refusal.UNKNOWN_ID, f"0x{frame.id:X} has bits that are 0 in every {found.name}")
         if len(frame.data) != found.dlc and not frame.remote:
             return _wrong_length(frame, [found.dlc])
@@ -158,10 +158,11 @@ class _Route:
 
 
 def _routes(messages: Iterable[Message]) -> list[_Route]:
+    """One route for each rule; an id that is written out goes before one of which a code or a field is a part."""
     groups: dict[tuple[object, bool], list[Message]] = {}
     for message in messages:
         groups.setdefault((message.id, message.remote), []).append(message)
-    return [_Route(group) for group in groups.values()]
+    return sorted((_Route(group) for group in groups.values()), key=lambda route: route.mask != 0)
 
 
 def _wrong_length(frame: CanFrame, lengths: Iterable[int]) -> Refused:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..golden import CheckedFrame, Exchange
+from ..golden import CheckedFrame, Exchange, Refusal
 from ..interpret import CanFrame
 from ..model import Path
 from ..receiving import Receiver, Refused
@@ -27,15 +27,12 @@ def _exchange(receiver: Receiver, entry: Exchange) -> Iterator[Problem]:
         return
     at: Path = ("says",) if entry.says else ("reply",)
     if isinstance(found, Refused):
-        hint = (
-            f"says: {found.says.value}"
-            if entry.says
-            else f"check the frames and the spec, or say so: {found.says.value}"
-        )
-        yield at, f"the spec takes this for no answer, {found.says.value}: {found.text}", hint
+        no = "this is no answer" if found.says is Refusal.NOT_ANSWER else "the request cannot be read"
+        hint = f"says: {found.says.value}" + ("" if entry.says else ", if that is right; otherwise check the spec")
+        yield at, f"by the spec {no}: {found.text}", hint
     else:
-        text = f"the spec takes this for the answer: {named(found.message, found.node)}"
-        yield at, text, "leave `says` out if that is right; otherwise check the spec"
+        text = f"by the spec this is the answer, {named(found.message, found.node)}"
+        yield at, text, "leave `says` out, if that is right; otherwise check the spec"
 
 
 def _frame(frame: CheckedFrame) -> CanFrame:

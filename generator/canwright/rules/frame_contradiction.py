@@ -10,8 +10,9 @@ from ..diagnostics import nearest
 from ..golden import Frame
 from ..interpret import CanFrame, Raw, Value, difference, held, node_of, raws, value_of, wrong_constants
 from ..model import Assignment, Direction, Edition, Field, Message
+from ..receiving import Read, Receiver, Refused
 from ..sending import Sender, Senders
-from .entries import Problem, judged
+from .entries import Problem, judged, named
 from .rule import Found, Subject
 
 
@@ -26,6 +27,7 @@ class _Judge:
     def __init__(self, edition: Edition) -> None:
         self._messages = {direction: _messages(edition, direction) for direction in Direction}
         self._senders = Senders()
+        self._receiver = Receiver(edition)
 
     def judge(self, frame: Frame) -> list[Problem]:
         direction = frame.direction
@@ -37,9 +39,12 @@ class _Judge:
             hint = nearest(frame.command, self._messages[direction]) or "take it out"
             return [((direction.value,), f"no command `{frame.command}` has a {direction.value}", hint)]
         can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
-        problem = _header(message, frame, can)
-        if problem:
-            return [problem]
+        alone = self._receiver.read(direction, can)
+        is_meant = isinstance(alone, Read) and (alone.message.name, alone.node) == (message.name, frame.node)
+        if not is_meant:
+            problem = _header(message, frame, can)
+            if problem:
+                return [problem]
         sender = self._senders.under(frame.parameters)
         variant = message.layout.variant(sender.assignment)
         if variant is None:
@@ -50,6 +55,9 @@ class _Judge:
         ]
         found = raws(variant, can)
         fields = {f.name: f for f in variant.fields}
+        if not is_meant and (direction is Direction.REQUEST or not _reads_alike(alone, sender, can, found)):
+            said = f"refused: {alone.text}" if isinstance(alone, Refused) else named(alone.message, alone.node)
+            return [(("data",), f"by itself this is {said}", "check the codes in the spec")]
         problems = [*wrong, *_raws(frame, found), *_values(frame, fields, found, sender.assignment)]
         return problems or ([] if frame.decode_only else list(_sent(sender, message, fields, frame, can)))
 
@@ -58,6 +66,12 @@ def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:
     """What each command sends in a direction, by its name."""
     both = ((c.name, c.message(direction)) for c in edition.commands)
     return {name: message for name, message in both if message is not None}
+
+
+def _reads_alike(alone: Read | Refused, sender: Sender, can: CanFrame, found: Mapping[str, Raw]) -> bool:
+    """Whether a frame that is read as another message has the same fields in it."""
+    variant = alone.message.layout.variant(sender.assignment) if isinstance(alone, Read) else None
+    return variant is not None and raws(variant, can) == found
 
 
 def _sent(
@@ -87,17 +101,16 @@ def _sent(
 def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
     wrong = difference(message, can)
     if wrong is None:
-        if node_of(message, can) != frame.node:
-            return ("node",), f"the id 0x{frame.id:X} is that of node {node_of(message, can)}", "check `id` and `node`"
-        return None
+        node = node_of(message, can)
+        of = f"is that of node {node}" if node is not None else "has no node"
+        return None if node == frame.node else (("node",), f"the id 0x{frame.id:X} {of}", "check `id` and `node`")
     if wrong.part in ("extended", "remote"):
         return (), wrong.text, f"{wrong.part}: {str(not getattr(frame, wrong.part)).lower()}"
     if wrong.part == "id":
         return ("id",), wrong.text, "check the id, and the address in the spec"
     if wrong.part == "length":
         return ("data",), wrong.text, "check `data` and `dlc`"
-    keys = ", ".join(f"{words.place(k.space, k.segments)} 0x{k.value:02X}" for k in message.keys)
-    return ("data",), wrong.text, f"check the code: it has {keys}"
+    return ("data",), wrong.text, "check `data`, and the code in the spec"
 
 
 def _raws(frame: Frame, found: Mapping[str, Raw]) -> list[Problem]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
 
+from .. import words
 from ..diagnostics import nearest
 from ..golden import Refusal, RefusedFrame, RefusedValues, Value
 from ..interpret import CanFrame
-from ..model import Direction, Edition, Field, Message
+from ..model import Direction, Edition, Field, Message, Path
 from ..receiving import Receiver, Refused
 from ..sending import SPECIAL, Sender, Senders
 from .entries import Problem, judged, named, told
@@ -37,8 +39,8 @@ class _Judge:
         if isinstance(found, Refused):
             yield from _other_reason(entry.says, found)
         else:
-            text = f"the spec reads this: {told(*found, frame, sender.assignment)}"
-            yield ("says",), text, "if that is right, it belongs into `frames`; otherwise check the spec"
+            text = f"the spec accepts this, {told(*found, frame, sender.assignment)}"
+            yield ("says",), text, "it belongs into `frames`, if that is right; otherwise check the spec"
 
     def _values(self, entry: RefusedValues, sender: Sender) -> Iterator[Problem]:
         command = self._commands.get(entry.command)
@@ -58,11 +60,7 @@ class _Judge:
             return
         refused = sender.refuses(message, entry.node) or _refused(sender, message, entry)
         if refused is None:
-            yield (
-                ("says",),
-                f"the spec lets this be sent: {named(message, entry.node)}",
-                _beyond(sender, message, entry),
-            )
+            yield ("says",), f"the spec accepts this, {_accepted(message, entry)}", _beyond(sender, message, entry)
             return
         yield from _other_reason(entry.says, refused)
         if refused.says is entry.says and entry.field is not None and entry.field != refused.field:
@@ -80,11 +78,11 @@ def _amiss(sender: Sender, message: Message, entry: RefusedValues) -> Iterator[P
     fields = sender.fields(message)
     if fields is None:
         fields = {f.name: f for f in message.layout.fields if f.constant is None}
-    for key, given in (("raw", entry.raw), ("values", entry.values)):
-        for name in given:
-            if name not in fields:
-                text = f"there is no field `{name}` in {named(message, None)}"
-                yield (key, name), text, nearest(name, fields) or "take it out"
+    written = [("raw", name) for name in entry.raw] + [("values", name) for name in entry.values]
+    unknown = [path for path in written if path[1] not in fields]
+    for path in unknown:
+        text = f"there is no field `{path[1]}` in {named(message, None)}"
+        yield path, text, nearest(path[1], fields) or "take it out"
     for name, raw in entry.raw.items():
         if name in fields and isinstance(raw, list) is not fields[name].is_array:
             yield ("raw", name), *_shape(fields[name])
@@ -96,9 +94,9 @@ def _amiss(sender: Sender, message: Message, entry: RefusedValues) -> Iterator[P
         yield ("node",), f"{named(message, None)} has no node", "leave `node` out"
     given = entry.values or entry.raw
     lacking = [name for name in fields if name not in given]
-    if lacking and sender.refuses(message, entry.node) is None:
-        path = (("values" if entry.values else "raw"),) if given else ()
-        yield path, f"`{lacking[0]}` is missing in {named(message, None)}", "write every field of it"
+    if lacking and not unknown and sender.refuses(message, entry.node) is None:
+        at: Path = ("values" if entry.values else "raw",) if given else ()
+        yield at, f"`{lacking[0]}` is missing in {named(message, None)}", "write every field of it"
 
 
 def _misfit(field: Field, value: Value) -> tuple[str, str] | None:
@@ -131,6 +129,19 @@ def _refused(sender: Sender, message: Message, entry: RefusedValues) -> Refused 
     else:
         refusals = (sender.refuses_raw(fields[name], raw) for name, raw in entry.raw.items())
     return next((refused for refused in refusals if refused), None)
+
+
+def _accepted(message: Message, entry: RefusedValues) -> str:
+    """What is accepted, in words: `the request of dim, node 1: level raw 1000`."""
+    given = [f"{name} {_shown(value)}" for name, value in entry.values.items()]
+    given = given or [f"{name} raw {raw}" for name, raw in entry.raw.items()]
+    return named(message, entry.node) + (f": {', '.join(given)}" if given else "")
+
+
+def _shown(value: Value | Fraction) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_shown, value))}]"
+    return words.exact(value) if isinstance(value, Fraction) else value
 
 
 def _beyond(sender: Sender, message: Message, entry: RefusedValues) -> str:
