@@ -134,10 +134,9 @@ class _Route:
             return _wrong_length(frame, self._lengths)
         fitting = [*self._keyed(frame), *self._rest]
         if not fitting:
-            codes = (f"{words.place(k.space, k.segments)} 0x{held(k, frame):02X}" for k, _ in self._claims.values())
-            return Refused(
-                Refusal.UNKNOWN_CODE, f"no {self.first.direction.value} on 0x{frame.id:X} has {', '.join(codes)}"
-            )
+            codes = ", ".join(self._told(key, frame) for key, _ in self._claims.values())
+            text = f"no {self.first.direction.value} on 0x{frame.id:X} has {codes}"
+            return Refused(Refusal.UNKNOWN_CODE, text)
         found = fitting[0]
         if len(frame.data) != found.dlc:
             alike = (m for m in fitting if m.keys == found.keys and m.claims == found.claims)
@@ -147,6 +146,12 @@ class _Route:
         if len(frame.data) != found.dlc and not frame.remote:
             return _wrong_length(frame, [found.dlc])
         return found
+
+    def _told(self, key: Key, frame: CanFrame) -> str:
+        """The selector of a frame in words; where its value is known, with the further ones that are not."""
+        known = self._claims[key.space, key.segments][1].get(held(key, frame), ())
+        keys = [key, *(known[0].keys[1:] if known else ())]
+        return " and ".join(f"{words.place(k.space, k.segments)} 0x{held(k, frame):02X}" for k in keys)
 
     def _keyed(self, frame: CanFrame) -> list[Message]:
         return [
