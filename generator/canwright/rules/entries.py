@@ -35,8 +35,16 @@ def _parameters(known: Mapping[str, Parameter], given: Mapping[str, int | str]) 
             yield path, f"there is no parameter `{name}`", nearest(name, known) or "leave it out"
         elif known[name].is_choice and str(value) not in (names := [v.name for v in known[name].values]):
             yield path, f"`{name}` has no value `{value}`", nearest(str(value), names) or "check `parameters`"
-        elif not known[name].is_choice and not notation.NUMBER.fullmatch(str(value)):
+        elif not known[name].is_choice and not _is_number(str(value)):
             yield path, f"`{name}` is a number", f"write {name}: 12"
+
+
+def _is_number(text: str) -> bool:
+    try:
+        notation.number(text)
+    except ValueError:
+        return False
+    return True
 
 
 def told(message: Message, node: int | None, variant: Variant, frame: CanFrame, assignment: Assignment) -> str:

@@ -129,7 +129,7 @@ def _values(
     problems: list[Problem] = []
     for name, wanted in frame.values.items():
         if name not in fields or name not in found:
-            problems.append((("values", name), f"there is no field `{name}`", nearest(name, found)))
+            problems.append((("values", name), f"there is no field `{name}`", nearest(name, found) or "take it out"))
             continue
         raw, type_ = found[name], fields[name].type
         value = (
