@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from canwright.diagnostics import Severity, SpecError
+from canwright.diagnostics import Diagnostic, Severity, SpecError
 from canwright.load import frames_file, load
 
 from .spec_texts import ROOT
@@ -107,16 +107,28 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_stale_frames_are_named(name: str, tmp_path: Path) -> None:
-    edition, old, new, says = CASES[name]
-    file = tmp_path / "changed.yaml"
+def changed(folder: Path, edition: str, old: str, new: str) -> tuple[Diagnostic, ...]:
+    """What is found in an edition with its golden frames when its spec says something else in one place."""
+    file = folder / "changed.yaml"
     shutil.copy(frames_file(ROOT / f"{edition}.yaml"), frames_file(file))
     text = (ROOT / f"{edition}.yaml").read_text("utf-8")
     assert old in text
     file.write_text(text.replace(old, new, 1), "utf-8")
     with pytest.raises(SpecError) as found:
         load(file)
-    rules = {d.rule for d in found.value.diagnostics if d.severity is Severity.ERROR}
+    return found.value.diagnostics
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_stale_frames_are_named(name: str, tmp_path: Path) -> None:
+    edition, old, new, says = CASES[name]
+    found = changed(tmp_path, edition, old, new)
+    rules = {d.rule for d in found if d.severity is Severity.ERROR}
     assert rules <= {"frame-contradiction", "refused-contradiction", "exchange-contradiction"}
-    assert any(says in d.message for d in found.value.diagnostics)
+    assert any(says in d.message for d in found)
+
+
+def test_an_id_that_is_written_out_goes_before_one_with_a_code_in_it(tmp_path: Path) -> None:
+    """With one node more, its id without a code is that of the broadcast, which stays what it is."""
+    found = changed(tmp_path, "tests/specs/blower/v1", "nodes: 0..62", "nodes: 0..63")
+    assert {d.rule for d in found} == {"refused-contradiction"}
