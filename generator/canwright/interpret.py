@@ -6,7 +6,7 @@ This is for looking at frames while generating or checking. Programs use the gen
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
@@ -86,6 +86,15 @@ def node_of(message: Message, frame: CanFrame) -> int | None:
 def held(key: Key, frame: CanFrame) -> int:
     """What the bits of a key hold in a frame."""
     return _bits(key.segments, key.space, frame)
+
+
+def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:
+    """The bits of the data that some places take, as a mask, the first byte lowest."""
+    taken = 0
+    for space, segments in places:
+        for s in segments if space is Space.DATA else ():
+            taken |= ((1 << s.width) - 1) << (s.byte * 8 + s.low)
+    return taken
 
 
 def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:

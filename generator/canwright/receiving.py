@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from . import words
 from .golden import Refusal
-from .interpret import CanFrame, difference, held, node, node_of, wrong_constants
+from .interpret import CanFrame, data_bits, difference, held, node, node_of, wrong_constants
 from .model import Assignment, Direction, Edition, Key, Message, ReplyForm, Variant
 
 
@@ -116,6 +116,8 @@ class _Route:
                 for value in message.claims:
                     claims[value] = sorted([*claims.get(value, ()), message], key=lambda m: -len(m.keys))
         self._rest = [m for m in messages if not m.keys]
+        self._bits = data_bits((k.space, k.segments) for m in messages for k in m.keys)
+        self._known: dict[tuple[int, int, int], Message] = {}
 
     def node(self, frame: CanFrame) -> tuple[int | None] | None:
         """The node of a frame's id, in a tuple; None when the id is not of this rule, whatever its code."""
@@ -129,7 +131,18 @@ class _Route:
         return None if found is None else (found,)
 
     def message(self, frame: CanFrame) -> Message | Refused:
-        """The message that a frame is. What has most keys goes first, what has none is left for the rest."""
+        """The message that a frame is; frames with the same keys are looked at once."""
+        key = (len(frame.data), frame.id & self.mask, int.from_bytes(frame.data, "little") & self._bits)
+        known = self._known.get(key)
+        if known is None:
+            found = self._message(frame)
+            if isinstance(found, Refused):
+                return found
+            known = self._known[key] = found
+        return known
+
+    def _message(self, frame: CanFrame) -> Message | Refused:
+        """What has most keys goes first, what has none is left for the rest."""
         if len(frame.data) not in self._lengths and not frame.remote:
             return _wrong_length(frame, self._lengths)
         fitting = [*self._keyed(frame), *self._rest]

@@ -8,13 +8,11 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from functools import reduce
-from operator import or_
 
 from . import notation, words
 from .golden import Refusal, Value
-from .interpret import Raw, value_of
-from .model import Bound, Encoding, Field, Message, Range, Segment, Space, Type
+from .interpret import Raw, data_bits, value_of
+from .model import Bound, Encoding, Field, Message, Range, Type
 from .receiving import Refused
 
 SPECIAL = ("nan", "inf", "-inf")
@@ -60,8 +58,7 @@ class Sender:
             variant = message.layout.variant(self.assignment)
             places = [(k.space, k.segments) for k in message.keys]
             places += [(f.space, e.segments) for f in (variant.fields if variant else ()) for e in f.elements]
-            used = (s for space, segments in places if space is Space.DATA for s in segments)
-            known = self._reserved[id(message)] = (message, ~reduce(or_, map(_bits, used), 0))
+            known = self._reserved[id(message)] = (message, ~data_bits(places))
         return known[1]
 
     def refuses(self, message: Message, node: int | None) -> Refused | None:
@@ -172,10 +169,6 @@ class Sender:
             return size if (above < 0) == (below < 0) else -size
 
         return nearest
-
-
-def _bits(segment: Segment) -> int:
-    return ((1 << segment.width) - 1) << (segment.byte * 8 + segment.low)
 
 
 def _refuses_count(field: Field, count: int) -> Refused | None:
