@@ -173,8 +173,8 @@ def test_what_is_refused_names_what_is_there(tmp_path: Path) -> None:
     with pytest.raises(SpecError) as refused:
         load(tmp_path / "lamp.yaml")
     assert [
-        (d.position.line, d.message, d.hint) for d in refused.value.diagnostics if d.rule == "frame-contradiction"
+        (d.position.line, d.message, d.hint) for d in refused.value.diagnostics if d.rule == "refused-contradiction"
     ] == [
-        (7, "there is no field `levle`", "did you mean `level`?"),
+        (7, "there is no field `levle` in the request of dim", "did you mean `level`?"),
         (8, "there is no command `dom`", "did you mean `dim`?"),
     ]
