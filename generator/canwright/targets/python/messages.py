@@ -278,6 +278,8 @@ class MessageViews:
         if count:
             value = f"tuple({value} for one in {raw})"
             check, convert = f"each({check}, {count})", f"each({convert}, {count})"
+        if view.enum:
+            convert = f"self.TYPES[{text.literal(attribute)}]"
         to_raw = f"{convert}({attribute}, self.parameters, {name})"
         manual = f"Manual {text.plain(field.manual)}." if field.manual != manual_of_layout else ""
         facts = (
