@@ -63,8 +63,36 @@ def test_no_warning(compiler: Compiler, standard: str, units: Path, tmp_path: Pa
     language = ("-x", "c++") if standard.startswith("c++") else ()
     flags = (*WARNINGS, f"-I{units / 'include'}", *language, "-c", "-o", tmp_path / "unit.o")
     for level in LEVELS:
-        compiler.run(standard, *flags, level, units / "everything.c")
+        compiler.run(standard, *flags, "-Wswitch-enum", level, units / "everything.c")
     compiler.run(standard, *flags, "-O3", units / "program.c")
+
+
+@pytest.mark.parametrize("compiler", compilers(), ids=lambda compiler: compiler.name)
+def test_strict_cxx_takes_the_casts_of_c(compiler: Compiler, units: Path, tmp_path: Path) -> None:
+    """What C++ projects forbid in their own code, and what a pragma of ours must not leave behind."""
+    names = headers([described(spec) for spec in SPECS])
+    unit = tmp_path / "unit.cpp"
+    unit.write_text("".join(f'#include "{name}"\n' for name in names) + "int own(double d);\n", "utf-8")
+    forbidden = ["-Wold-style-cast", "-Wzero-as-null-pointer-constant"]
+    forbidden += ["-Wuseless-cast"] if compiler.name == "gcc" else []
+    arguments = (*WARNINGS, *forbidden, f"-I{units / 'include'}", "-fsyntax-only", unit)
+    compiler.run("c++17", *arguments)
+    with unit.open("a", encoding="utf-8") as file:
+        file.write("int own(double d)\n{\n    return (int)d;\n}\n")
+    with pytest.raises(AssertionError, match="old-style"):
+        compiler.run("c++17", *arguments)
+
+
+def test_every_macro_and_member_has_a_comment(units: Path) -> None:
+    """Doxygen with WARN_IF_UNDOCUMENTED says nothing; include guards it knows by itself."""
+    for header in sorted((units / "include").rglob("*.h")):
+        text = header.read_text("utf-8")
+        declared = re.findall(r"(.*)\n(#define .*)", text)
+        for struct in re.findall(r"^typedef struct \{(.*?)^\}", text, re.DOTALL | re.MULTILINE):
+            declared += re.findall(r"(.*)\n( +(?:\w+ \w+\S*;|union \{))(?=\n)", struct)
+        assert declared
+        for before, line in declared:
+            assert before.endswith("*/") or before.startswith("#ifndef") or "/**<" in line, f"{header.name}: {line}"
 
 
 def test_two_editions_of_a_family_in_one_unit(tmp_path: Path) -> None:
