@@ -76,7 +76,7 @@ def test_strict_cxx_takes_the_casts_of_c(compiler: Compiler, units: Path, tmp_pa
     unit.write_text("".join(f'#include "{name}"\n' for name in names) + "int own(double d);\n", "utf-8")
     forbidden = ["-Wold-style-cast", "-Wzero-as-null-pointer-constant"]
     forbidden += ["-Wuseless-cast"] if compiler.name == "gcc" else []
-    arguments = (*WARNINGS, *forbidden, f"-I{units / 'include'}", "-fsyntax-only", unit)
+    arguments: tuple[str | Path, ...] = (*WARNINGS, *forbidden, f"-I{units / 'include'}", "-fsyntax-only", unit)
     compiler.run("c++17", *arguments)
     with unit.open("a", encoding="utf-8") as file:
         file.write("int own(double d)\n{\n    return (int)d;\n}\n")
