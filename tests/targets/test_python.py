@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from fractions import Fraction
@@ -14,7 +15,7 @@ from canwright.load import described
 from canwright.targets import python as target
 
 from ..conformance.adapters.python import load
-from ..spec_texts import MINIMAL, ROOT, SPECS
+from ..spec_texts import MINIMAL, ROOT, SPECS, called
 
 SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
 
@@ -217,3 +218,23 @@ def test_messages_and_errors_go_from_process_to_process(tmp_path: Path) -> None:
     folder = write(tmp_path, SPEC)
     result = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_the_programs_of_the_readme(spec: Path, tmp_path: Path) -> None:
+    """The first runs and prints what a golden frame has; both are typed."""
+    folder, item = write(tmp_path, spec), described(spec)
+    blocks = re.findall(r"```python\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
+    assert item.frames is not None and len(blocks) == (0 if spec.parent.name == "pump" else 2)
+    if blocks:
+        command = [sys.executable, "-c", blocks[0]]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        sent = done.stdout.splitlines()[0]
+        assert sent in {f"{f.id:03X} {f.data.hex(' ').upper()}" for f in item.frames.frames if f.request}
+        assert "_raw=" not in done.stdout
+    if spec == SPEC:
+        (folder / "use.py").write_text("".join(blocks), "utf-8")
+        mypy = [sys.executable, "-m", "mypy", "--strict", "--no-incremental", "use.py"]
+        result = subprocess.run(mypy, cwd=folder, capture_output=True, text=True, check=False)
+        assert result.returncode == 0, result.stdout + result.stderr

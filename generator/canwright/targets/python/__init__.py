@@ -12,6 +12,7 @@ from ...model import Assignment, Direction, Edition, Parameter
 from ...render import environment
 from .. import Described, Output, header
 from . import codec_names, messages, routes, text, types
+from .examples import example
 from .problems import problems as problems
 
 _TEXTS = re.compile(r'""".*?"""|"(?:\\.|[^"\\\n])*"', re.DOTALL)
@@ -42,7 +43,7 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     families = list(dict.fromkeys(d.edition.family for d in described))
     distribution = families[0] if len(families) == 1 else "canwright_bindings"
     yield Output("pyproject.toml", env.get_template("pyproject.toml.j2").render(name=distribution, families=families))
-    yield Output("README.md", env.get_template("README.md.j2").render(name=distribution, families=families))
+    yield Output("README.md", env.get_template("README.md.j2").render(name=distribution, x=example(described)))
     for family in families:
         yield Output(f"{family}/__init__.py", env.get_template("__init__.py.j2").render(family=family))
         yield Output(f"{family}/py.typed", "")
