@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -83,3 +85,18 @@ def test_show_by_name_and_by_code() -> None:
 def test_show_names_the_nearest() -> None:
     result = run("show", "set_torqe", "--spec", str(ROOT / "spec/mwd_motor/v2.35.yaml"))
     assert (result.exit_code, "did you mean `set_torque`?" in result.output) == (2, True)
+
+
+def test_what_cannot_be_printed_is_told() -> None:
+    command = [sys.executable, "-m", "canwright", "show", "set_torque"]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(command, cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (2, "canwright: cannot print: No space left on device\n")
+
+
+def test_a_reader_that_has_enough_is_no_failure_of_ours() -> None:
+    command = [sys.executable, "-m", "canwright", "show", "set_torque"]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout and process.stderr
+        process.stdout.close()
+        assert process.stderr.read() == ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from . import rules, source
 from .diagnostics import MOST_FINDINGS, Diagnostic, Severity, SpecError, nearest
 from .golden import GoldenFrames
 from .model import Edition, Path as ItemPath
+from .processes import for_each
 from .resolve import resolve
 from .rules import Subject
 from .rules.too_large import commands
@@ -82,15 +83,11 @@ def described(file: Path) -> Described:
 
 def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     """Every edition of `files`, in order of family and edition. Raises SpecError with the findings of all files."""
-    result: list[Loaded] = []
-    findings: list[Diagnostic] = []
-    for file in files:
-        try:
-            result.append(load(file))
-        except SpecError as error:
-            findings += error.diagnostics
+    tried = for_each(_tried, list(files))
+    findings = [finding for one in tried if not isinstance(one, Loaded) for finding in one]
     if findings:
         raise SpecError(findings)
+    result = [one for one in tried if isinstance(one, Loaded)]
     result.sort(key=lambda one: (one.described.edition.family, one.described.edition.name))
     documents = {id(one.described.edition): one.document for one in result}
     clashes = c.between([one.described.edition for one in result])
@@ -101,6 +98,14 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     if findings:
         raise SpecError(findings)
     return result
+
+
+def _tried(file: Path) -> Loaded | Sequence[Diagnostic]:
+    """An edition, or what is wrong with it."""
+    try:
+        return load(file)
+    except SpecError as error:
+        return error.diagnostics
 
 
 def frames_file(file: Path) -> Path:

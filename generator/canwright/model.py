@@ -296,6 +296,10 @@ class Edition:
     def _index(self) -> _Index:
         return _Index(self)
 
+    def __getstate__(self) -> dict[str, object]:
+        """Without the index: it knows layouts by their identity, which a copy of them does not have."""
+        return {name: value for name, value in vars(self).items() if name != "_index"}
+
 
 def _is_about(where: str, table: Path) -> bool:
     """Whether a dotted path leads into a table, and not to one of its entries."""

@@ -195,6 +195,10 @@ class Type:
     about: Text
     path: Path = field(compare=False)
 
+    def __hash__(self) -> int:
+        """Equal types have equal names; what else a type has is slow to hash, or has no hash."""
+        return hash(self.name)
+
     @property
     def raw_limits(self) -> tuple[int, int]:
         """Smallest and largest raw integer that the bits hold."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
@@ -83,7 +84,8 @@ def _bits(low: int, width: int) -> str:
     return f"bit {low}" if width == 1 else f"bits {low}..{low + width - 1}"
 
 
-def scale(type_: Type, among: Sequence[str] = ()) -> list[tuple[str, str]]:
+@functools.lru_cache(maxsize=1 << 12)
+def scale(type_: Type, among: tuple[str, ...] = ()) -> Sequence[tuple[str, str]]:
     """What one raw step is worth: (under which parameter values, `33/2048 A`); empty conditions hold always.
 
     `among` leaves out what holds under other values only, where it names values of the deciding parameter.
@@ -107,7 +109,8 @@ def _among(names: Sequence[str], among: Sequence[str]) -> Sequence[str] | None:
     return [name for name in names if name in among] or None
 
 
-def ranges(type_: Type) -> list[tuple[str, str]]:
+@functools.lru_cache(maxsize=1 << 12)
+def ranges(type_: Type) -> Sequence[tuple[str, str]]:
     """Allowed raw integers: (under which parameter values, `-2048..2048`)."""
     found: Dependent[Range] = type_.raw_range
     return [(", ".join(names), span(limits)) for names, limits in found.distinct() if limits is not None]

@@ -10,7 +10,7 @@ from ...golden import Frame as GoldenFrame
 from ...model import Direction, Edition
 from .. import Described, header
 from .files import KIND
-from .frames import MOST_NODES, Part, Scope, frames, obstacle, overlaid
+from .frames import MOST_NODES, Part, Scope, obstacle, overlaid
 from .selectors import joined_span
 from .signals import LETTER
 from .text import number
@@ -119,7 +119,7 @@ def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
         for message in edition.messages(direction):
             if message.name in reasons:
                 yield kind, message.command, f"left out: {reasons[message.name]}"
-        for frame in frames(scope):
+        for frame in scope.frames:
             nodes = frame.rule.nodes or range(0)
             if len(nodes) > MOST_NODES:
                 last = nodes[MOST_NODES - 1]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import functools
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ... import words
@@ -99,7 +100,7 @@ def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> 
     return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
 
 
-def cases(pairs: list[tuple[str, str]]) -> str:
+def cases(pairs: Sequence[tuple[str, str]]) -> str:
     """`A: 16.5/2048 V`, one line a case."""
     return "<br>".join(f"{names}: {code(text)}" if names else code(text) for names, text in pairs)
 
@@ -120,6 +121,7 @@ def raw_range(type_: Type) -> str:
     return cases(words.ranges(type_))
 
 
+@functools.lru_cache(maxsize=1 << 12)
 def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
     """The range in the unit, where scale and range allow to say it."""
     unit = f" {type_.unit.symbol}" if type_.unit else ""
