@@ -67,6 +67,7 @@ def _module(edition: Edition) -> dict[str, object]:
     views = types.type_views(edition)
     built = messages.MessageViews(edition, views)
     bodies = [*(v.body for v in built.layouts), *(m.body for m in built.messages if m.body)]
+    readers = routes.Readers()
     enums = [v for v in views.values() if v.enum]
     choices = tuple(_choice(p) for p in edition.parameters if p.is_choice and not p.is_numeric)
     return {
@@ -87,9 +88,10 @@ def _module(edition: Edition) -> dict[str, object]:
         "patterns": list(dict.fromkeys(c.struct for b in bodies for c in b.cases if c.struct)),
         "layouts": built.layouts,
         "messages": built.messages,
-        "request_routes": list(routes.routes(edition, Direction.REQUEST)),
-        "reply_routes": list(routes.routes(edition, Direction.REPLY)),
-        "answers": list(routes.answers(edition)),
+        "request_routes": list(routes.routes(edition, Direction.REQUEST, readers)),
+        "reply_routes": list(routes.routes(edition, Direction.REPLY, readers)),
+        "answers": list(routes.answers(edition, readers)),
+        "readers": readers.names,
     }
 
 
