@@ -6,7 +6,7 @@ import functools
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from .model import Bound, Dependent, Encoding, Field, IdRule, Linear, Order, Range, Segment, Space, Type
+from .model import Bound, Dependent, Encoding, Field, IdRule, Linear, Order, Parameter, Range, Segment, Space, Type
 
 
 def exact(number: Fraction) -> str:
@@ -52,6 +52,14 @@ def in_unit(limits: Range, linear: Linear) -> Range:
 
     low, high = value(limits.low), value(limits.high)
     return Range(low, high) if linear.scale > 0 else Range(high, low)
+
+
+def allowed(parameter: Parameter) -> str:
+    """What a number may be: `1..9`, `1 or more`, `9 or less`; empty for any."""
+    low, high = parameter.minimum, parameter.maximum
+    if low is not None and high is not None:
+        return f"{exact(low)}..{exact(high)}"
+    return f"{exact(low)} or more" if low is not None else f"{exact(high)} or less" if high is not None else ""
 
 
 def raw_format(type_: Type, segments: tuple[Segment, ...] = ()) -> str:

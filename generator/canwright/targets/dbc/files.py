@@ -32,11 +32,11 @@ def _files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
         for direction, scope in scopes.items():
             contents = list(_contents(scope))
             shared = {(frame.rule, frame.id_bits) for frame in scopes[_OTHER[direction]].frames}
-            yield from (_file(scope, part, found, shared) for part, found in contents)
+            yield from (_file(scope, joined, (), found, shared) for joined, found in contents)
             nodes = next((m.id.nodes for m in edition.messages(direction) if m.id.nodes), None)
             if nodes and len(nodes) > 1:
                 first = replace(scope, first_node_only=True)
-                yield from (_file(first, (*part, f"node{nodes[0]}"), found, shared) for part, found in contents)
+                yield from (_file(first, joined, (f"node{nodes[0]}",), found, shared) for joined, found in contents)
 
 
 def _scopes(edition: Edition, set_parameters: Assignment) -> Iterator[Mapping[Direction, Scope]]:
@@ -65,12 +65,12 @@ Contents = Sequence[tuple[Frame, tuple[Signal, ...]]]
 """Frames with their signals."""
 
 
-def _contents(scope: Scope) -> Iterator[tuple[tuple[str, ...], Contents]]:
+def _contents(scope: Scope) -> Iterator[tuple[str, Contents]]:
     """What a file that knows the first selector has, and one for each place where all selectors are read as one number.
 
     Each comes with what its name says of that.
     """
-    yield (), [(frame, Signals(scope).of(frame.parts)) for frame in scope.frames]
+    yield "", [(frame, Signals(scope).of(frame.parts)) for frame in scope.frames]
     joined: dict[range, list[tuple[Frame, tuple[Signal, ...]]]] = {}
     names: dict[range, str] = {}
     for frame in scope.frames:
@@ -84,10 +84,12 @@ def _contents(scope: Scope) -> Iterator[tuple[tuple[str, ...], Contents]]:
                 names[span] = fitting("-".join(key.name for key, _ in parts[0].selectors[1:]), names.values())
             joined.setdefault(span, []).append((frame._replace(parts=tuple(parts)), Signals(scope).joined(parts, span)))
     for span, found in joined.items():
-        yield (names[span],), found
+        yield names[span], found
 
 
-def _file(scope: Scope, part: tuple[str, ...], found: Contents, shared: Container[tuple[IdRule, int]]) -> File:
+def _file(
+    scope: Scope, joined: str, part: tuple[str, ...], found: Contents, shared: Container[tuple[IdRule, int]]
+) -> File:
     """A file with some frames; `shared` are the ids that the other direction has as well."""
     edition = scope.edition
     host = fitting(edition.bus.host, ())
@@ -102,7 +104,8 @@ def _file(scope: Scope, part: tuple[str, ...], found: Contents, shared: Containe
         f"{edition.family}-{edition.name}",
         tuple(_known(scope)),
         KIND[scope.direction],
-        part,
+        joined,
+        (*filter(None, [joined]), *part),
         header(edition),
         _about(scope),
         tuple(dict.fromkeys((host, *ends))),

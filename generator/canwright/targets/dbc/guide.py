@@ -22,6 +22,7 @@ _HIGHEST_STANDARD_ID = 0x7FF
 class Section(NamedTuple):
     """The files of one edition as a table: a row for each combination of parameter values.
 
+    `joined` are what names say of joined selectors, with the commands of such a file.
     `open_choices` are parameters that are not set, with their values; `lacking` is direction, command and reason.
     """
 
@@ -30,6 +31,7 @@ class Section(NamedTuple):
     parameters: str
     columns: tuple[str, ...]
     rows: tuple[tuple[str, tuple[File, ...]], ...]
+    joined: tuple[tuple[str, tuple[str, ...]], ...]
     open_choices: tuple[tuple[str, tuple[str, ...]], ...]
     lacking: tuple[tuple[str, str, str], ...]
 
@@ -91,9 +93,18 @@ def _section(edition: Edition, files: Sequence[File]) -> Section:
         ", ".join(p.name for p in edition.parameters if p.is_choice and not p.is_numeric) or "for",
         tuple(" ".join((file.kind, *file.part)) for file in next(iter(rows.values()), ())),
         tuple((" ".join(known) or "all", tuple(row)) for known, row in rows.items()),
+        tuple((name, tuple(dict.fromkeys(commands))) for name, commands in _joined(files).items()),
         tuple((p.name, tuple(v.name for v in p.values)) for p in edition.parameters if p.is_choice and p.is_numeric),
         tuple(_lacking(edition)),
     )
+
+
+def _joined(files: Sequence[File]) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {}
+    for file in files:
+        if file.joined:
+            found.setdefault(file.joined, []).extend(name for _, name in file.messages[0].signals[0].values)
+    return found
 
 
 def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ...model import IDENTITY, Direction, Element, Encoding, Field, Key, Level, Linear, Order, Space, Type
 from .frames import Part, Scope
-from .selectors import bits, joined_value, runs, selector_bits
+from .selectors import bits, joined_span, joined_value, runs, selector_bits
 from .text import fitting, in_ascii, number
 from .view import Signal
 
@@ -88,9 +88,10 @@ class Signals:
             name = f"{self._letter}{code}_{key.name}"
             yield self._selector(name, mux, key, names, "Tells what the other bits mean.")
         free = set(range(max(part.message.dlc for part in parts) * 8)) - {b for key, _ in shared for b in bits(key)}
+        elsewhere = "; another file has them as fields" if all(map(joined_span, parts)) else ""
         for run in runs(free):
             place = _Place(f"{self._letter}{code}_data", mux, run)
-            yield self._integer(place, "Bits whose meaning the other selector tells.")
+            yield self._integer(place, f"Bits whose meaning the other selector tells{elsewhere}.")
 
     def _message(self, part: Part, mux: str, taken: Collection[int] = ()) -> list[Signal]:
         """The fields of a message that are not `taken`; where there is none, the reserved bits, for readers' sake."""
@@ -117,7 +118,12 @@ class Signals:
         index = "" if element.index is None else str(element.index)
         place = _Place(f"{name}_{index}" if index else name, mux, element.bits, type_.order)
         which = f"{in_ascii(field.title)} {index}".strip()
-        comment = f"{title}: {which}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{about}"
+        whole = (
+            title
+            if title.lower() == which.lower() or title.lower().endswith(f": {which}".lower())
+            else f"{title}: {which}"
+        )
+        comment = f"{whole}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{about}"
         if field.constant is not None:
             always = f"{comment} Always {field.constant}."
             yield self._integer(place, always, type_, documented=(field.constant,) * 2, start=field.constant)
