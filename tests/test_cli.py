@@ -83,3 +83,22 @@ def test_show_by_name_and_by_code() -> None:
 def test_show_names_the_nearest() -> None:
     result = run("show", "set_torqe", "--spec", str(ROOT / "spec/mwd_motor/v2.35.yaml"))
     assert (result.exit_code, "did you mean `set_torque`?" in result.output) == (2, True)
+
+
+def test_the_list_of_commands_is_not_cut_off() -> None:
+    _, _, commands = run("--help").output.partition("Commands:\n")
+    assert len(commands.splitlines()) == 10
+    assert "..." not in commands
+
+
+def test_show_takes_a_command_as_the_spec_has_it_and_one_edition() -> None:
+    specs = [f"--spec={ROOT / 'spec/mwd_motor' / name}.yaml" for name in ("v2.36-2024-11", "v2.36-2025-03")]
+    result = run("show", "read_control_parameter", "--edition", "v2.36-2025-03", *specs)
+    assert result.exit_code == 0
+    assert "read_control_parameter_angle_pid  0xC0" in result.output
+    assert "read_control_parameter_lower_angle  0xC0" in result.output
+    assert "mwd_motor v2.36-2024-11" not in result.output
+    both = run("show", "set_torque", *specs).output
+    assert "\n\nset_torque  0xA1  Torque control\nmwd_motor v2.36-2025-03" in both
+    result = run("show", "set_torque", "--edition", "v2.36-2025-04", *specs)
+    assert (result.exit_code, "did you mean `v2.36-2025-03`?" in result.output) == (2, True)

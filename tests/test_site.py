@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from canwright import site as site_module
 from canwright.cli import main
 from canwright.folder import OutputError
 from canwright.load import described, spec_files
@@ -172,6 +173,12 @@ def test_a_folder_with_other_files_is_refused_and_left_alone(
     assert result.exit_code == 2
     assert "--out" in result.stderr
     assert files(tmp_path) == before
+
+
+def test_what_is_not_installed_is_named_as_pip_knows_it(small: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(site_module._NEEDED, "no_such_module", "no-such-package")
+    with pytest.raises(SiteError, match=r"run: pip install no-such-package$"):
+        build(small / "docs", small / "site")
 
 
 def test_no_pages_is_an_error(tmp_path: Path) -> None:

@@ -21,7 +21,8 @@ _PAGES = ("bus", "types", "parameters", "errata", "changes")
 _ACROSS = ("support.md", "new-edition.md")
 _COMMANDS = {"en": "Commands", "zh": "命令"}
 EXTENSIONS = ["tables", "toc", "attr_list", "md_in_html"]
-_NEEDED = ("mkdocs", "material", "mkdocs_static_i18n")
+_NEEDED = {"mkdocs": "mkdocs", "material": "mkdocs-material", "mkdocs_static_i18n": "mkdocs-static-i18n"}
+"""Modules, and the packages that have them."""
 
 
 _THEME = """{% extends "base.html" %}
@@ -69,12 +70,12 @@ def build(docs: Path, site: Path, *, force: bool = False) -> None:
     refuse_occupied(site, (_TARGET,))
     if docs.resolve() in (site.resolve(), *site.resolve().parents):
         raise SiteError(f"{site.as_posix()} is among the pages; name a folder elsewhere with --out")
-    missing = [name for name in _NEEDED if importlib.util.find_spec(name) is None]
-    if missing:
-        raise SiteError(f"the site needs {', '.join(missing)}; run: pip install 'canwright[site]'")
     languages = [name for name in LANGUAGES if (docs / name / "index.md").is_file()]
     if not languages:
         raise SiteError(f"there are no pages in {docs.as_posix()}; run `canwright generate --target docs` first")
+    missing = [package for module, package in _NEEDED.items() if importlib.util.find_spec(module) is None]
+    if missing:
+        raise SiteError(f"the site needs what is not installed; run: pip install {' '.join(missing)}")
     with tempfile.TemporaryDirectory() as folder:
         config, theme, made = (Path(folder) / name for name in ("mkdocs.yml", "theme", "site"))
         theme.mkdir()
