@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import importlib.util
+import json
 import re
 import subprocess
 import sys
@@ -32,6 +33,8 @@ _THEME = """{% extends "base.html" %}
 .md-typeset table:not([class]) code { white-space: nowrap }
 @media (max-width: 99.9em) { .md-main__inner:has(th:nth-child(5)) .md-sidebar--secondary { display: none } }
 @media (max-width: 44.9em) {
+  .md-typeset table:not([class]) :is(td, th) { min-width: 5em }
+  .md-typeset table:not([class]):has(th:nth-child(3)) td:last-child:not(:empty) { min-width: 12em }
   .md-typeset table:has(th:nth-child(5)) :is(td, th):first-child {
     position: sticky; left: 0; z-index: 1; background: var(--md-default-bg-color) }
   {% if page and page.file.name in ("changes", "support", "new-edition") %}
@@ -86,8 +89,20 @@ def build(docs: Path, site: Path, *, force: bool = False) -> None:
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         if result.returncode != 0:
             raise SiteError(f"mkdocs stopped:\n{result.stdout}{result.stderr}")
+        _name_editions(made / "search/search_index.json", docs, languages)
         files = {f.relative_to(made).as_posix(): f.read_bytes() for f in sorted(made.rglob("*")) if f.is_file()}
     write(site, Content((), (_TARGET,), files, alone=True), force=force)
+
+
+def _name_editions(index: Path, docs: Path, languages: list[str]) -> None:
+    """Adds to the title of each page that search finds the edition that it is of: one command has a page in many."""
+    found = json.loads(index.read_text("utf-8"))
+    for page in found["docs"]:
+        folders = Path(page["location"]).parts
+        edition = next(iter(folders[1:] if folders[:1] in {(name,) for name in languages} else folders), "")
+        if (docs / languages[0] / edition).is_dir() and edition not in page["title"] and "#" not in page["location"]:
+            page["title"] += f" · {edition}"
+    index.write_text(json.dumps(found, ensure_ascii=False, separators=(",", ":")), "utf-8")
 
 
 def _config(docs: Path, site: Path, theme: Path, languages: list[str]) -> dict[str, Any]:
