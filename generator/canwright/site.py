@@ -33,10 +33,12 @@ _THEME = """{% extends "base.html" %}
 .md-typeset table:not([class]) code { white-space: nowrap }
 @media (max-width: 99.9em) { .md-main__inner:has(th:nth-child(5)) .md-sidebar--secondary { display: none } }
 @media (max-width: 44.9em) {
-  .md-typeset table:not([class]) :is(td, th) { min-width: 5em }
-  .md-typeset table:not([class]):has(th:nth-child(3)) td:last-child:not(:empty) { min-width: 12em }
   .md-typeset table:has(th:nth-child(5)) :is(td, th):first-child {
     position: sticky; left: 0; z-index: 1; background: var(--md-default-bg-color) }
+  {% if page and "/commands/" in page.file.src_uri %}
+  .md-typeset table:not([class]) :is(td, th) { min-width: 5em }
+  .md-typeset table:not([class]):has(th:nth-child(3)) td:last-child:not(:empty) { min-width: 12em }
+  {% endif %}
   {% if page and page.file.name in ("changes", "support", "new-edition") %}
   .md-typeset table:not([class]) td:first-child { min-width: 9em }
   .md-typeset table:not([class]) td code { white-space: normal; overflow-wrap: anywhere }
