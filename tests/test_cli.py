@@ -59,7 +59,7 @@ def test_what_cannot_run_exits_2(folder: Path) -> None:
     assert (result.exit_code, "there is no spec in spec/" in result.output) == (2, True)
     assert run("generate", "--spec", "missing.yaml").exit_code == 2
     result = run("generate", "--spec", "my.yaml", "--set", "size=big", "--out", "out")
-    assert (result.exit_code, "--set size=big" in result.output) == (2, True)
+    assert (result.exit_code, result.output.endswith("; the spec has none\n")) == (2, True)
     (folder / "file").write_text("")
     assert run("generate", "--spec", "my.yaml", "--out", "file").exit_code == 2
 

@@ -181,6 +181,9 @@ def test_what_is_not_installed_is_named_as_pip_knows_it(small: Path, monkeypatch
     monkeypatch.setitem(site_module._NEEDED, "no_such_module", "no-such-package")
     with pytest.raises(SiteError, match=r"run: pip install no-such-package$"):
         build(small / "docs", small / "site")
+    (wanted,) = re.findall(r"(?m)^site = (.*)$", (ROOT / "pyproject.toml").read_text("utf-8"))
+    named = [package for package in site_module._NEEDED.values() if package != "no-such-package"]
+    assert named == [re.sub(r">=.*<", "<", one) for one in re.findall(r'"([^"]+)"', wanted)]
 
 
 def test_no_pages_is_an_error(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import html
 import importlib.util
 import json
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -22,8 +23,8 @@ _PAGES = ("bus", "types", "parameters", "errata", "changes")
 _ACROSS = ("support.md", "new-edition.md")
 _COMMANDS = {"en": "Commands", "zh": "命令"}
 EXTENSIONS = ["tables", "toc", "attr_list", "md_in_html"]
-_NEEDED = {"mkdocs": "mkdocs", "material": "mkdocs-material", "mkdocs_static_i18n": "mkdocs-static-i18n"}
-"""Modules, and the packages that have them."""
+_NEEDED = {"mkdocs": "mkdocs<2", "material": "mkdocs-material<10", "mkdocs_static_i18n": "mkdocs-static-i18n<2"}
+"""Modules, and the packages that have them, as `pyproject.toml` has them."""
 
 
 _THEME = """{% extends "base.html" %}
@@ -80,7 +81,7 @@ def build(docs: Path, site: Path, *, force: bool = False) -> None:
         raise SiteError(f"there are no pages in {docs.as_posix()}; run `canwright generate --target docs` first")
     missing = [package for module, package in _NEEDED.items() if importlib.util.find_spec(module) is None]
     if missing:
-        raise SiteError(f"the site needs what is not installed; run: pip install {' '.join(missing)}")
+        raise SiteError(f"the site needs what is not installed; run: pip install {shlex.join(missing)}")
     with tempfile.TemporaryDirectory() as folder:
         config, theme, made = (Path(folder) / name for name in ("mkdocs.yml", "theme", "site"))
         theme.mkdir()

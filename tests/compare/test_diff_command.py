@@ -118,8 +118,9 @@ def test_markdown_and_changelog(specs: Path) -> None:
     assert all(line.replace("\\|", "").count("|") == 7 for line in rows)
     assert "a \\| &lt;b&gt; c" in text
     section = diff("v1", "v2", "--format", "changelog").output
-    assert section.startswith("## v2 (2026-01)\n\nSince v1: ")
+    assert section.startswith("## v2 (2026-01)\n\nSince v1, ")
     assert "- **silent**, host sending: one step of `level` is 0.01 %, was 0.1 %" in section
+    assert "### Documents\n\n- A title is another one: `dim`" in section
 
 
 def test_editions() -> None:

@@ -125,6 +125,7 @@ def _assignment(described: Sequence[Described], settings: Sequence[str]) -> Assi
         name, _, value = setting.partition("=")
         if value not in known.get(name, set()):
             wanted = "; ".join(f"{n}={'|'.join(sorted(v))}" for n, v in sorted(known.items()))
-            stop(f"--set {setting} is not a parameter and its value; there are: {wanted}")
+            there = f"there are: {wanted}" if wanted else "the spec has none"
+            stop(f"--set {setting} is not a parameter and its value; {there}")
         result[name] = value
     return result
