@@ -131,6 +131,8 @@ def _values(
         if name not in fields or name not in found:
             problems.append((("values", name), f"there is no field `{name}`", nearest(name, found) or "take it out"))
             continue
+        if name in frame.raw and frame.raw[name] != found[name]:
+            continue  # told already: the value follows from the raw integer
         raw, type_ = found[name], fields[name].type
         value = (
             [value_of(type_, r, assignment) for r in raw] if isinstance(raw, list) else value_of(type_, raw, assignment)
