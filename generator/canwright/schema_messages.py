@@ -50,6 +50,10 @@ EMPTY_RAW: tuple[Encoding, int] = (Encoding.UNSIGNED, 1)
 Fields = Annotated[dict[Name, FieldSpec], Field(max_length=1000)]
 
 
+LayoutOrName = Annotated[Annotated[Name, Tag("plain")] | Annotated[Fields, Tag("map")], Discriminator(is_map)]
+"""A shared layout's name, or fields."""
+
+
 class LayoutSpec(Titled):
     """Fields with their bits, shared by several messages. Bits that no field covers are reserved."""
 
@@ -67,7 +71,7 @@ class MessageSpec(Concept):
     """A request or reply that needs more said than its fields."""
 
     layout: Annotated[
-        Name | Fields | None,
+        LayoutOrName | None,
         Field(description="A shared layout's name, fields, or `entry`, those of the table's entry."),
     ] = None
     fields: Annotated[Fields | None, Field(description="Further fields, besides those of `layout`.")] = None
@@ -124,7 +128,7 @@ class Entry(Titled):
         Discriminator(is_list),
         Field(description="Value of the index; a list where the index is one, and then it may be shorter."),
     ]
-    layout: Annotated[Name | Fields, Field(description="Fields, or a shared layout's name.")]
+    layout: Annotated[LayoutOrName, Field(description="Fields, or a shared layout's name.")]
     kind: Annotated[
         Name | None, Field(description="A name of your own for entries alike, where a command's codes differ by it.")
     ] = None
@@ -135,6 +139,10 @@ class Entry(Titled):
             description="The commands that have it, when not all of the table: for what can only be read.",
             examples=[["read"]],
         ),
+    ] = None
+    dlc: Annotated[
+        int | None,
+        Field(ge=0, le=8, description="Data bytes of the messages that hold its layout, when not those of the others."),
     ] = None
     only: Only = None
     effects: Annotated[list[Name], Field(description="What writing it does, besides the command's effects.")] = []

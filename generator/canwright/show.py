@@ -12,6 +12,7 @@ from rich.text import Text as RichText
 from . import words
 from .characters import visible
 from .diagnostics import nearest
+from .hints import LISTED_KEYS
 from .model import Command, Edition, Field, IdRule, Layout, Level, Message, ReplyForm
 from .targets import Described
 
@@ -26,6 +27,10 @@ def find(described: Sequence[Described], wanted: str) -> tuple[list[tuple[Editio
         code = None
     pairs = [(d.edition, c) for d in described for c in d.edition.commands]
     found = [(e, c) for e, c in pairs if wanted == c.name or (code is not None and code == c.code)]
+    forms = list(dict.fromkeys(f"`{c.name}`" for _, c in pairs if wanted == c.group))
+    if forms:
+        more = ", …" if len(forms) > LISTED_KEYS else ""
+        return found, f"there is one for each entry of its table: {', '.join(forms[:LISTED_KEYS])}{more}"
     return found, nearest(wanted, (c.name for _, c in pairs)) or "`canwright show --help` says how to name one"
 
 

@@ -97,14 +97,22 @@ def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
     if not is_message(message, can):
         keys = ", ".join(f"{words.place(k.space, k.segments)} 0x{k.value:02X}" for k in message.keys)
         return ("data",), f"these bytes do not select {message.name}", f"check the code: it has {keys}"
-    if node_of(message, can) != frame.node:
-        return ("node",), f"the id 0x{frame.id:X} is that of node {node_of(message, can)}", "check `id` and `node`"
+    node = node_of(message, can)
+    if node is None and frame.node is not None:
+        return ("node",), f"the id 0x{frame.id:X} is that of no node, but of all", "leave `node` out"
+    if node != frame.node:
+        return ("node",), f"the id 0x{frame.id:X} is that of node {node}", f"check `id`, and write `node: {node}`"
     return None
 
 
 def _raws(frame: Frame, found: Mapping[str, Raw]) -> list[Problem]:
-    if set(found) != set(frame.raw):
-        return [(("raw",), f"the fields are {', '.join(found) or 'none'}", "write every field and no other")]
+    unknown = [name for name in frame.raw if name not in found]
+    if unknown:
+        return [(("raw", name), f"there is no field `{name}`", nearest(name, found)) for name in unknown]
+    missing = [name for name in found if name not in frame.raw]
+    if missing:
+        names = ", ".join(f"`{name}`" for name in missing)
+        return [(("raw",), f"`raw` lacks {names}", "write the raw number of every field; `values` may have fewer")]
     return [
         (("raw", name), f"the bytes hold {raw} in `{name}`", "check `data` by hand, and the layout in the spec")
         for name, raw in found.items()
