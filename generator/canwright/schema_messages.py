@@ -19,8 +19,9 @@ class FieldSpec(Titled):
     at: Annotated[
         Start,
         Field(
-            description="Where it starts: byte 4, bit 3 of byte 4 (4.3), or bit 5 of the id (id.5). Little-endian "
-            "fields start at their least significant bit, big-endian ones at their most significant."
+            description="Where it starts: byte 4, bit 3 of byte 4 (4.3), or bit 5 of the id (id.5). In the data, "
+            "little-endian fields start at their least significant bit and big-endian ones at their most significant: with a "
+            "byte alone, at its bit 0 or its bit 7. In the id, all start at their least significant bit."
         ),
     ]
     type: Annotated[Name | None, Field(description="A type of this edition.")] = None
@@ -32,7 +33,9 @@ class FieldSpec(Titled):
         Indices | None, Field(description="Indices of an array whose elements follow one another.", examples=["1..4"])
     ] = None
     only: Only = None
-    constant: Annotated[int | None, Field(description="The raw value that it always holds.")] = None
+    constant: Annotated[
+        int | None, Field(description="The raw value that it always holds, in the data or in the id.")
+    ] = None
     holds: Annotated[
         Literal["node"] | None,
         Field(
@@ -184,8 +187,8 @@ class Command(Titled):
     request: Annotated[
         Message | None,
         Field(
-            description="Fields, the name of a shared layout, `entry` (the fields of the table's entry) or `none`; "
-            "left out, a request without fields."
+            description="Fields, the name of a shared layout, `entry` (the fields of the table's entry) or `none`, for "
+            "what nodes send unasked; left out, a request without fields."
         ),
     ] = None
     reply: Annotated[
