@@ -418,7 +418,8 @@ class Route:
     """The messages behind one rule from node to id, told apart by a selector, or by `more` of them in other places.
 
     `single` is what is left. `of_length` are messages that only their length tells from the one they stand with.
-    `unused` are bits of the id that a message lacks and others of the rule have.
+    `unused` are bits of the id that a message lacks and others of the rule have. `answers` are what a frame is taken for
+    only where it answers a request: by itself it is another message of that code.
     """
 
     def __init__(
@@ -436,6 +437,7 @@ class Route:
         single: type[Message] | None = None,
         of_length: Mapping[type[Message], tuple[type[Message], ...]] | None = None,
         unused: Mapping[type[Message], int] | None = None,
+        answers: frozenset[type[Message]] = frozenset(),
     ) -> None:
         self.base = base
         self.shift = shift
@@ -451,7 +453,7 @@ class Route:
         self.selectors = (*([(selector, self.messages)] if selector else []), *more)
         found = {entry[0] for _, codes in self.selectors for entries in codes.values() for entry in entries}
         self.classes = found | {single} if single else found
-        self.classes |= {cls for others in self.of_length.values() for cls in others}
+        self.classes |= {cls for others in self.of_length.values() for cls in others} | answers
         self.lengths = frozenset(message.DLC for message in self.classes)
         self.length = next(iter(self.lengths)) if len(self.lengths) == 1 and not remote else -1
         alone = {code: entries[0] for code, entries in self.messages.items() if len(entries) == 1}

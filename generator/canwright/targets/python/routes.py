@@ -56,13 +56,17 @@ def _route(messages: list[Message], readers: Readers) -> str:
         arguments += [f"selector={selectors[0][0]}", f"messages={selectors[0][1]}"]
     if len(selectors) > 1:
         arguments.append(f"more=({', '.join(f'({read}, {codes})' for read, codes in selectors[1:])},)")
-    arguments += [f"single={text.class_name(m.name)}" for m in first if not m.keys][:1]
+    single = [m for m in first if not m.keys][:1]
+    arguments += [f"single={text.class_name(m.name)}" for m in single]
     if of_length:
         listed = (f"{name}: ({', '.join(others)},)" for name, others in of_length.items())
         arguments.append(f"of_length={{{', '.join(listed)}}}")
     unused = {text.class_name(m.name): mask & ~m.id_mask for m in messages if mask & ~m.id_mask}
     if unused:
         arguments.append(f"unused={{{', '.join(f'{name}: 0x{bits_:X}' for name, bits_ in unused.items())}}}")
+    answers = [text.class_name(m.name) for m in first if not m.claims and m not in single]
+    if answers:
+        arguments.append(f"answers=frozenset({{{', '.join(answers)}}})")
     return f"Route({', '.join(arguments)})"
 
 
