@@ -33,8 +33,8 @@ class Loaded:
     warnings: tuple[Diagnostic, ...]
 
 
-def load(file: Path, name: str | None = None) -> Loaded:
-    """The edition in `file`, with the golden frames beside it where there are any.
+def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
+    """The edition in `file`, with the golden frames beside it where there are any, unless without `golden`.
 
     `name` is what findings call the file, when it is not the path. Raises SpecError with all findings when one of them
     is an error, and OSError.
@@ -50,16 +50,16 @@ def load(file: Path, name: str | None = None) -> Loaded:
     edition, unresolved = resolve(document, read.spec, digest, read.dropped)
     findings = [*read.diagnostics, *unresolved]
     beside = frames_file(file)
-    golden, frames_document = None, document
-    if beside.is_file():
+    frames, frames_document = None, document
+    if golden and beside.is_file():
         try:
             frames_document, _ = source.read(beside)
-            golden, amiss = _frames(frames_document, edition)
+            frames, amiss = _frames(frames_document, edition)
             findings += amiss
         except SpecError as error:
             findings += error.diagnostics
     known = {_place(d): d.rule for d in findings}
-    found = list(rules.check(Subject(edition, read.spec, golden), whole=not findings))
+    found = list(rules.check(Subject(edition, read.spec, frames), whole=not findings))
     wrong = bool(findings) or any(rule.severity is Severity.ERROR for rule, _ in found)
     for rule, finding in itertools.islice(found, MOST_FINDINGS):
         warning = rule.severity is Severity.WARNING
@@ -73,7 +73,7 @@ def load(file: Path, name: str | None = None) -> Loaded:
             findings.append(diagnostic)
     if wrong:
         raise SpecError(findings)
-    return Loaded(Described(edition, golden), document, tuple(findings))
+    return Loaded(Described(edition, frames), document, tuple(findings))
 
 
 def described(file: Path) -> Described:

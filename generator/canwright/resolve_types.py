@@ -105,12 +105,19 @@ def resolve_parameters(context: Context, written: Mapping[str, schema.ParameterS
         values: tuple[ParameterValue, ...] = ()
         if isinstance(spec.values, list):
             values = tuple(
-                ParameterValue(str(n), n if isinstance(n, int) else None, context.title(path, None, str(n)))
+                ParameterValue(
+                    str(n),
+                    n if isinstance(n, int) else None,
+                    context.title(path, None, str(n)),
+                    context.text(path, None),
+                )
                 for n in spec.values
             )
         elif spec.values is not None:
             values = tuple(
-                ParameterValue(n, None, context.title((*path, "values", n), v.title, n)) for n, v in spec.values.items()
+                ParameterValue(n, None, context.title(at, v.title, n), context.text((*at, "about"), v.about))
+                for n, v in spec.values.items()
+                for at in [(*path, "values", n)]
             )
         result[name] = Parameter(
             name,
@@ -151,6 +158,7 @@ def bare_type(context: Context, raw: tuple[Encoding, int], order: Order, path: P
         None,
         empty,
         empty,
+        empty,
         path,
     )
 
@@ -179,6 +187,7 @@ class _TypeResolver:
             self._spans("plausible", spec.plausible).constant,
             self.context.title(self.path, spec.title, name),
             self.context.text((*self.path, "about"), spec.about),
+            self.context.text((*self.path, "differs"), spec.differs),
             self.path,
         )
 
@@ -189,15 +198,12 @@ class _TypeResolver:
         return self.units.get(name or "")
 
     def _member(self, at: Path, name: str, written: int | schema.Member | schema.Flag) -> Member:
-        title = None if isinstance(written, int) else written.title
-        value = (
-            written
-            if isinstance(written, int)
-            else written.value
-            if isinstance(written, schema.Member)
-            else written.bit
-        )
-        return Member(name, value, self.context.title((*self.path, *at), title, name))
+        path = (*self.path, *at)
+        if isinstance(written, int):
+            return Member(name, written, self.context.title(path, None, name), self.context.text(path, None))
+        value = written.value if isinstance(written, schema.Member) else written.bit
+        title = self.context.title(path, written.title, name)
+        return Member(name, value, title, self.context.text((*path, "about"), written.about))
 
     def _linear(self, spec: schema.Type) -> Dependent[Linear]:
         scale, offset = self._scale(spec.scale), self._offset(spec.offset)

@@ -36,11 +36,13 @@ def main() -> None:
     Start here:
       canwright generate                              everything in spec/ into generated/
       canwright check                                 is generated/ what spec/ says?
-      canwright explain RULE                          what a finding means
+      canwright explain RULE                          what a finding means; or a key of a spec
       canwright copy OLD NEW                          start a new edition
       canwright diff OLD NEW                          what changed between editions, and who is hit
       canwright identify LOG                          which edition a recorded exchange fits
+      canwright editions                              the editions there are
       canwright show COMMAND                          one command, in the terminal
+      canwright site                                  the pages as a site, for a browser
       canwright generate --spec my.yaml --out out     your own protocol, in any folder
 
     Exit status: 0 when all is well, 1 when there are findings, 2 when it could not run.

@@ -75,7 +75,7 @@ def generate(
 def check(
     specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], printer: str, out: Path | None, strict: bool
 ) -> None:
-    """Check that the specs are right and that the output is what they say.
+    """Check the specs, and the output against them.
 
     Prints a unified diff and exits 1 where the output differs. With --spec and without --out, the spec alone is checked.
     """
@@ -125,6 +125,7 @@ def _assignment(described: Sequence[Described], settings: Sequence[str]) -> Assi
         name, _, value = setting.partition("=")
         if value not in known.get(name, set()):
             wanted = "; ".join(f"{n}={'|'.join(sorted(v))}" for n, v in sorted(known.items()))
-            stop(f"--set {setting} is not a parameter and its value; there are: {wanted}")
+            there = f"there are: {wanted}" if wanted else "the spec has none"
+            stop(f"--set {setting} is not a parameter and its value; {there}")
         result[name] = value
     return result
