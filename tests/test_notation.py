@@ -31,7 +31,7 @@ def test_ranges_may_depend_on_a_parameter() -> None:
     assert words.span(notation.span("0..36000*gear_ratio-1")) == "0..36000*gear_ratio-1"
 
 
-@pytest.mark.parametrize("text", ["5", "9..3", "0..x", "1..2..3", "0..2*Gear"])
+@pytest.mark.parametrize("text", ["5", "9..3", "0..X", "1..2..3", "0..2*Gear"])
 def test_what_is_no_range_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="range"):
         notation.span(text)

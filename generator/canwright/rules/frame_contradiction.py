@@ -7,6 +7,7 @@ from fractions import Fraction
 
 from .. import words
 from ..diagnostics import nearest
+from ..given import number
 from ..golden import Frame, RefusedValues
 from ..interpret import CanFrame, Raw, Value, has_id, is_message, node_of, raws, value_of, wrong_constants
 from ..model import Direction, Edition, Field, Message, Path
@@ -40,6 +41,11 @@ def _parameters(edition: Edition, given: Mapping[str, int | str]) -> Iterator[Pr
             yield path, f"there is no parameter `{name}`", nearest(name, known) or "leave it out"
         elif known[name].is_choice and str(value) not in (names := [v.name for v in known[name].values]):
             yield path, f"`{name}` has no value `{value}`", nearest(str(value), names)
+        elif not known[name].is_choice:
+            try:
+                number(edition, known[name], str(value))
+            except ValueError as error:
+                yield path, str(error), "write what the source gives"
 
 
 def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from ...model import Edition, Encoding, Linear, Type
 from .choices import Choice, choose
-from .names import Names, Problem
+from .names import Names, Problem, member
 from .numbers import INT64, UINT64, Integer, common, integer
 from .validity import constant_limits, has_constant_limits
 
@@ -42,11 +42,11 @@ class ConversionView(NamedTuple):
 
     @property
     def to_parameters(self) -> bool:
-        return not self.to.is_constant
+        return self.to.uses_parameters
 
     @property
     def from_parameters(self) -> bool:
-        return not self.from_.is_constant or (self.check is not None and self.check.uses_parameters)
+        return self.from_.uses_parameters or (self.check is not None and self.check.uses_parameters)
 
 
 def nearest(number: Fraction) -> int:
@@ -96,9 +96,9 @@ class _Milli(NamedTuple):
 
 
 def milli(names: Names, type_: Type, valid: Choice | None) -> ConversionView | None:
-    """Conversions to thousandths of the unit; None where there is no scale, or 64 bits are too few."""
+    """Conversions to thousandths of the unit; None where there is no scale, 64 bits are too few, or a number is needed."""
     known = [_Milli.of(linear) for _, linear in type_.linear.distinct() if linear is not None]
-    if type_.encoding is Encoding.FLOAT or not type_.is_number or type_.is_plain or not known:
+    if type_.encoding is Encoding.FLOAT or not type_.is_number or type_.is_plain or not known or type_.times:
         return None
     for ends in (integer(type_).limits, type_.raw_limits):
         kind = _milli_kind(type_, known, ends)
@@ -191,16 +191,20 @@ def double(names: Names, type_: Type, valid: Choice | None) -> ConversionView | 
         return None
     kind, is_float = integer(type_), type_.encoding is Encoding.FLOAT
     wide = kind if is_float else UINT64 if kind == UINT64 else INT64
-    fails = type_.linear.parameter is not None
+    fails = type_.linear.parameter is not None or bool(type_.times)
 
     def to(linear: Linear | None) -> list[str]:
         if linear is None:
             return list(NO_SCALE)
         number = _value(linear, type_)
-        return [f"*value = {number};", "return CANWRIGHT_OK;"] if fails else [f"return {number};"]
+        if not fails:
+            return [f"return {number};"]
+        return [*_unless_above_zero(linear), f"*value = {number};", "return CANWRIGHT_OK;"]
 
     def from_(linear: Linear | None) -> list[str]:
-        return list(NO_SCALE) if linear is None else [f"steps = {_steps(linear)};", "break;"]
+        if linear is None:
+            return list(NO_SCALE)
+        return [*_unless_above_zero(linear), f"steps = {_steps(linear)};", "break;"]
 
     if is_float:
         found = f"canwright_bits{type_.width}(&nearest, value, steps)"
@@ -218,8 +222,30 @@ def double(names: Names, type_: Type, valid: Choice | None) -> ConversionView | 
     )
 
 
+def _ratio(linear: Linear) -> str:
+    return f"parameters->{member(linear.times or '')}"
+
+
+def _unless_above_zero(linear: Linear) -> list[str]:
+    if linear.times is None:
+        return []
+    unknown = [f"if ({_ratio(linear)}.denominator == 0u) {{", "    return CANWRIGHT_MISSING_PARAMETER;", "}"]
+    return [*unknown, f"if ({_ratio(linear)}.numerator <= 0) {{", "    return CANWRIGHT_OUT_OF_RANGE;", "}"]
+
+
+def _multiple(linear: Linear) -> str:
+    """The value where the scale is a multiple of a parameter: all there is to divide by comes last."""
+    factor, addend, divisor = linear.as_quotient
+    dividend = "(double)raw" + (f" * {_literal(factor)}" if factor != 1 else "")
+    if addend:
+        dividend += f" {'+' if addend > 0 else '-'} {_literal(abs(addend))}"
+    return f"canwright_multiple({_ratio(linear)}, {dividend}, {_literal(divisor)})"
+
+
 def _value(linear: Linear, type_: Type) -> str:
     """The value, one operation a step; a factor of 1 and an offset of 0 are no step."""
+    if linear.times is not None:
+        return _multiple(linear)
     factor, divisor = linear.scale.numerator, linear.scale.denominator
     is_float = type_.encoding is Encoding.FLOAT
     if linear.offset and not is_float:
@@ -246,7 +272,8 @@ def _is_wide(type_: Type, factor: int, divisor: int) -> bool:
 def _steps(linear: Linear) -> str:
     """What `_value` does, backwards."""
     scale, offset = linear.scale, linear.offset
-    start = f"(value - {_literal(offset)})" if offset else "value"
+    start = "value" if linear.times is None else f"canwright_share(value, {_ratio(linear)})"
+    start = f"({start} - {_literal(offset)})" if offset else start
     above = f" * {_literal(scale.denominator)}" if scale.denominator != 1 else ""
     return start + above + (f" / {_literal(scale.numerator)}" if scale.numerator != 1 else "")
 

@@ -39,11 +39,12 @@ class TypeView(NamedTuple):
     milli: ConversionView | None
     milli_unit: str
     double: ConversionView | None
+    only_double: bool
     unit: str
 
     @property
     def is_empty(self) -> bool:
-        return not (self.macros or self.valid or self.milli)
+        return not (self.macros or self.valid or self.milli or self.only_double)
 
 
 def types(names: Names, edition: Edition) -> list[TypeView]:
@@ -56,7 +57,7 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
     kind, check = integer(type_), valid(names, type_)
     unit = type_.unit.dbc if type_.unit else ""
     title = english(type_.title) or type_.name
-    facts = " ".join(text for text in (english(type_.about), *type_facts(type_)) if text)
+    facts = " ".join(text for text in (english(type_.about), *type_facts(type_), _only_doubles(type_)) if text)
     macros = [*_limits(names, type_, kind), *_members(names, type_, kind)]
     return TypeView(
         names.lower(type_.name),
@@ -69,8 +70,15 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
         milli(names, type_, check),
         f"thousandths of {unit}" if unit else "thousandths",
         double(names, type_, check),
+        bool(type_.times),
         unit,
     )
+
+
+def _only_doubles(type_: Type) -> str:
+    """Why there are no thousandths, where a parameter is a factor of theirs: it would take more than 64 bits."""
+    by = ", ".join(type_.times)
+    return f"No thousandths: the scale is a multiple of {by}, which only the conversions to double take." if by else ""
 
 
 def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
