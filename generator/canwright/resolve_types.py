@@ -223,7 +223,9 @@ class _TypeResolver:
             return {}
         if not parameter.is_choice:
             text = f"`{parameter_name}` has no `values`, so `{key}` cannot depend on them"
-            self.context.report((*path, "by"), "parameter-kind", text, f"give it `values`, or write a multiple like 2*{parameter_name}")
+            self.context.report(
+                (*path, "by"), "parameter-kind", text, f"give it `values`, or write a multiple like 2*{parameter_name}"
+            )
             return {}
         known = {value.name: value for value in parameter.values}
         for name in written:

@@ -116,7 +116,9 @@ class Signals:
         index = "" if element.index is None else str(element.index)
         place = _Place(f"{name}_{index}" if index else name, mux, element.bits, type_.order)
         which = f"{in_ascii(field.title)} {index}".strip()
-        comment = f"{title}: {which}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{self._open(type_)}{about}"
+        comment = (
+            f"{title}: {which}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{self._open(type_)}{about}"
+        )
         if field.constant is not None:
             always = f"{comment} Always {field.constant}."
             yield self._integer(place, always, type_, documented=(field.constant,) * 2, start=field.constant)
