@@ -187,13 +187,17 @@ class _TypeResolver:
         return Dependent(by, None, {n: self._line(scale.at({by: n}), offset.at({by: n})) for n in names})
 
     def _line(self, scale: Multiple | None, offset: Multiple | None) -> Linear | None:
-        if scale is None or offset is None:
+        """The two as one; None also where they do not belong together, or some of it is wrong already."""
+        known = {None, *(name for name, parameter in self.parameters.items() if not parameter.is_choice)}
+        if scale is None or offset is None or not {scale.parameter, offset.parameter} <= known:
+            return None
+        if (*self.path, "scale") in self.context.dropped:
             return None
         if offset.value and offset.parameter != scale.parameter:
             text = "scale and offset are not multiples of one parameter"
             by = scale.parameter or offset.parameter
             self.context.report((*self.path, "offset"), "two-parameters", text, f"write both as number*{by}")
-            offset = _number(0)
+            return None
         return Linear(scale.value, offset.value, scale.parameter, scale.text)
 
     def _multiples(
