@@ -42,7 +42,9 @@ def test_a_number_may_be_a_multiple_of_a_parameter() -> None:
     assert words.span(notation.span("-top..0.5*top")) == "-top..0.5*top"
 
 
-@pytest.mark.parametrize("text", ["top*2", "2*", "*top", "2*3*top", "1/0*top", "top+1", "none", "2top", "1e3*top", "--top"])
+@pytest.mark.parametrize(
+    "text", ["top*2", "2*", "*top", "2*3*top", "1/0*top", "top+1", "none", "2top", "1e3*top", "--top"]
+)
 def test_what_is_no_multiple_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="`"):
         notation.multiple(text)

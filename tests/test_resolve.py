@@ -4,8 +4,9 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from canwright.load import described
+from canwright.diagnostics import SpecError
 from canwright.interpret import linear_of
+from canwright.load import described
 from canwright.model import Bound, Dependent, Direction, Edition, Linear, Range, ReplyForm, Segment
 
 from .spec_texts import MINIMAL, ROOT, edition, findings, marked, places
@@ -287,3 +288,23 @@ def test_what_is_no_multiple_of_a_number_is_found_where_it_stands(tmp_path: Path
         assert old in right
         assert found in places(findings(tmp_path, right.replace(old, new, 1))), new
     assert findings(tmp_path, right) == []
+
+
+def test_a_golden_frame_gives_a_number_that_can_be(tmp_path: Path) -> None:
+    spec = ROOT / "tests/specs/arm/v1.yaml"
+    (tmp_path / "v1.yaml").write_text(spec.read_text("utf-8"), "utf-8")
+    golden = spec.with_name("v1.frames.yaml").read_text("utf-8")
+    for number, says in (
+        ("0", "`p_max` has to be above 0, since a scale is a multiple of it"),
+        ("101", "`p_max` is at most 100"),
+        ("much", "`much` is not a number"),
+        ("", "`` is not a number"),
+    ):
+        wrong = golden.replace("p_max: 95.5", f'p_max: "{number}"')
+        assert wrong != golden
+        (tmp_path / "v1.frames.yaml").write_text(wrong, "utf-8")
+        with pytest.raises(SpecError) as found:
+            described(tmp_path / "v1.yaml")
+        assert says in str(found.value)
+    (tmp_path / "v1.frames.yaml").write_text(golden.replace("p_max: 95.5", 'p_max: "191/2"'), "utf-8")
+    described(tmp_path / "v1.yaml")

@@ -83,11 +83,14 @@ def test_other_languages_have_every_sentence_with_the_same_facts() -> None:
             assert facts[0] == facts[1], rule
 
 
-USES_OTHER = MINIMAL.replace(
-    'level: {raw: u16, unit: "%", scale: 0.1, raw_range: 0..1000}',
-    "level: {raw: u16, unit: V, scale: 2/65535*top, offset: -top, range: -top..top}\n"
-    "  spare: {raw: u8, raw_range: 0..3*other}",
-).replace("reply: echo", "reply: {spare: {at: 4, type: spare}}") + "parameters: {top: {number: {}}, other: {number: {}, title: Another}}\n"
+USES_OTHER = (
+    MINIMAL.replace(
+        'level: {raw: u16, unit: "%", scale: 0.1, raw_range: 0..1000}',
+        "level: {raw: u16, unit: V, scale: 2/65535*top, offset: -top, range: -top..top}\n"
+        "  spare: {raw: u8, raw_range: 0..3*other}",
+    ).replace("reply: echo", "reply: {spare: {at: 4, type: spare}}")
+    + "parameters: {top: {number: {}}, other: {number: {}, title: Another}}\n"
+)
 
 
 @pytest.mark.parametrize(
