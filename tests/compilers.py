@@ -19,6 +19,7 @@ WARNINGS = (
     "-Wcast-qual",
     "-Wundef",
     "-Wdouble-promotion",
+    "-Wfloat-equal",
     "-Werror",
 )
 LEVELS = ("-O0", "-O2", "-O3", "-Os")

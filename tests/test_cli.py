@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -59,7 +61,7 @@ def test_what_cannot_run_exits_2(folder: Path) -> None:
     assert (result.exit_code, "there is no spec in spec/" in result.output) == (2, True)
     assert run("generate", "--spec", "missing.yaml").exit_code == 2
     result = run("generate", "--spec", "my.yaml", "--set", "size=big", "--out", "out")
-    assert (result.exit_code, "--set size=big" in result.output) == (2, True)
+    assert (result.exit_code, result.output.endswith("; the spec has none\n")) == (2, True)
     (folder / "file").write_text("")
     assert run("generate", "--spec", "my.yaml", "--out", "file").exit_code == 2
 
@@ -83,6 +85,40 @@ def test_show_by_name_and_by_code() -> None:
 def test_show_names_the_nearest() -> None:
     result = run("show", "set_torqe", "--spec", str(ROOT / "spec/mwd_motor/v2.35.yaml"))
     assert (result.exit_code, "did you mean `set_torque`?" in result.output) == (2, True)
+
+
+def test_what_cannot_be_printed_is_told() -> None:
+    command = [sys.executable, "-m", "canwright", "show", "set_torque"]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(command, cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (2, "canwright: cannot print: No space left on device\n")
+
+
+def test_a_reader_that_has_enough_is_no_failure_of_ours() -> None:
+    command = [sys.executable, "-m", "canwright", "show", "set_torque"]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout and process.stderr
+        process.stdout.close()
+        assert process.stderr.read() == ""
+
+
+def test_the_list_of_commands_is_not_cut_off() -> None:
+    _, _, commands = run("--help").output.partition("Commands:\n")
+    assert len(commands.splitlines()) == 10
+    assert "..." not in commands
+
+
+def test_show_takes_a_command_as_the_spec_has_it_and_one_edition() -> None:
+    specs = [f"--spec={ROOT / 'spec/mwd_motor' / name}.yaml" for name in ("v2.36-2024-11", "v2.36-2025-03")]
+    result = run("show", "read_control_parameter", "--edition", "v2.36-2025-03", *specs)
+    assert result.exit_code == 0
+    assert "read_control_parameter_angle_pid  0xC0" in result.output
+    assert "read_control_parameter_lower_angle  0xC0" in result.output
+    assert "mwd_motor v2.36-2024-11" not in result.output
+    both = run("show", "set_torque", *specs).output
+    assert "\n\nset_torque  0xA1  Torque control\nmwd_motor v2.36-2025-03" in both
+    result = run("show", "set_torque", "--edition", "v2.36-2025-04", *specs)
+    assert (result.exit_code, "did you mean `v2.36-2025-03`?" in result.output) == (2, True)
 
 
 ARM = str(ROOT / "tests/specs/arm/v1.yaml")

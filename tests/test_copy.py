@@ -37,7 +37,8 @@ def copy(*arguments: str) -> Result:
 
 def test_nothing_but_label_and_date_differs(lamp: Path) -> None:
     result = copy("v1", "v2", "--date", "2026-01")
-    assert (result.exit_code, result.output) == (0, "wrote spec/lamp/v2.yaml\nwrote spec/lamp/v2.frames.yaml\n")
+    assert (result.exit_code, result.stdout) == (0, "wrote spec/lamp/v2.yaml\nwrote spec/lamp/v2.frames.yaml\n")
+    assert result.stderr.endswith("; then: canwright diff v1 v2\n")
     made = (lamp / "v2.yaml").read_text("utf-8")
     assert made == OLD.replace("edition: v1   # the label\n", "edition: v2   # the label\ndate: 2026-01\n")
     assert (lamp / "v2.frames.yaml").read_text("utf-8") == FRAMES.replace("edition: v1", "edition: v2")
@@ -46,7 +47,9 @@ def test_nothing_but_label_and_date_differs(lamp: Path) -> None:
 
 
 def test_the_frames_may_be_left_behind(lamp: Path) -> None:
-    assert copy("spec/lamp/v1.yaml", "v2", "--no-frames").output == "wrote spec/lamp/v2.yaml\n"
+    result = copy("spec/lamp/v1.yaml", "v2", "--no-frames")
+    assert result.stdout == "wrote spec/lamp/v2.yaml\n"
+    assert result.stderr.endswith("; then: canwright diff spec/lamp/v1.yaml spec/lamp/v2.yaml\n")
     assert not (lamp / "v2.frames.yaml").exists()
 
 

@@ -95,6 +95,23 @@ def test_which_edition_a_log_fits(clone: Path) -> None:
     assert run(example("identify"), clone) == printed("identify")
 
 
+def test_a_frame_in_a_terminal() -> None:
+    frame, _, command = example("dbc").partition(" | ")
+    given = frame.removeprefix("echo '").removesuffix("'")
+    program, *arguments = command.split()
+    done = subprocess.run(
+        [sys.executable, "-m", program, *arguments], input=given, cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == printed("dbc").strip()
+
+
+def test_a_command_in_a_terminal(clone: Path) -> None:
+    shown, listed = (run(line, clone) for line in example("show").strip().split("\n"))
+    assert shown.startswith("set_torque  0xA1  Torque control\nmwd_motor v2.35, manual 2.5\n")
+    assert shown.count("set_torque  0xA1") == 1
+    assert "v2.36-2025-03" in listed
+
+
 def test_a_new_edition_from_start_to_end(clone: Path) -> None:
     run(example("copy"), clone)
     spec = clone / "spec/mwd_motor/v2.36-2025-09.yaml"
@@ -102,10 +119,10 @@ def test_a_new_edition_from_start_to_end(clone: Path) -> None:
     states = before.index("  motor_state:")
     at = before.index('      "on":', states)
     spec.write_text(before[:at] + example("edit") + before[at:], "utf-8")
+    assert run(example("compare"), clone) == printed("compare")
     frames = spec.with_name("v2.36-2025-09.frames.yaml")
     frames.write_text(frames.read_text("utf-8").replace("\nframes:\n", f"\nframes:\n{example('frame')}", 1), "utf-8")
-    compared, generated, replayed = example("renew").strip().split("\n")
-    assert run(compared, clone) == printed("renew")
+    generated, replayed = example("renew").strip().split("\n")
     assert "mwd_motor v2.36-2025-09: " in run(generated, clone)
     assert (clone / "generated/docs/en/v2.36-2025-09/changes.md").is_file()
     replay = run(replayed, clone)
@@ -120,3 +137,10 @@ def test_every_link_leads_somewhere() -> None:
     for page in ("README.md", "CONTRIBUTING.md"):
         for link in re.findall(r"\]\(([^)#:]+)\)", (ROOT / page).read_text("utf-8")):
             assert (ROOT / link).exists(), f"{page}: {link}"
+
+
+def test_every_link_within_leads_to_a_heading() -> None:
+    headings = {re.sub(r"[^a-z0-9 -]", "", h.lower()).replace(" ", "-") for h in re.findall(r"(?m)^#+ (.*)$", README)}
+    links = re.findall(r"\]\(#([^)]+)\)", README)
+    assert links
+    assert {*links} <= headings

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import copy
+import pickle
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 
@@ -226,6 +229,14 @@ def test_a_constant_tells_a_message_from_what_is_left(tmp_path: Path) -> None:
     ask = edition(tmp_path, text).command("ask").reply
     assert ask is not None
     assert [(key.name, key.value) for key in ask.keys] == [("code", 0x33), ("zero", 0)]
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
+def test_a_copy_of_an_edition_knows_its_own_layouts(v2_35: Edition, copied: Callable[[Edition], Edition]) -> None:
+    assert all(v2_35.of_layout(message.layout) for message in v2_35.all_messages())
+    other = copied(v2_35)
+    assert other == v2_35
+    assert all(m in other.of_layout(m.layout) for m in other.all_messages())
 
 
 MULTIPLES = """\

@@ -173,8 +173,25 @@ def test_what_is_refused_names_what_is_there(tmp_path: Path) -> None:
     with pytest.raises(SpecError) as refused:
         load(tmp_path / "lamp.yaml")
     assert [
-        (d.position.line, d.message, d.hint) for d in refused.value.diagnostics if d.rule == "frame-contradiction"
+        (d.position.line, d.message, d.hint) for d in refused.value.diagnostics if d.rule == "refused-contradiction"
     ] == [
-        (7, "there is no field `levle`", "did you mean `level`?"),
+        (7, "there is no field `levle` in the request of dim", "did you mean `level`?"),
         (8, "there is no command `dom`", "did you mean `dim`?"),
+    ]
+
+
+def test_a_field_that_moved_is_told_once_for_each_frame(tmp_path: Path) -> None:
+    (tmp_path / "lamp.yaml").write_text(MINIMAL.replace("at: 2", "at: 4"), "utf-8")
+    frame = "id: 0x101, node: 1, data: 10 00 64 00 00 00 00 00, source: manual"
+    (tmp_path / "lamp.frames.yaml").write_text(
+        "canwright: 1\nfamily: lamp\nedition: v1\nsources: {manual: The manual.}\nframes:\n"
+        f"  - {{request: dim, {frame}, raw: {{level: 100}}, values: {{level: 10}}}}\n"
+        f"  - {{request: dim, {frame}, raw: {{level: 0}}, values: {{level: 10}}}}\n",
+        "utf-8",
+    )
+    with pytest.raises(SpecError) as refused:
+        load(tmp_path / "lamp.yaml")
+    assert [(d.position.line, d.message) for d in refused.value.diagnostics] == [
+        (6, "the bytes hold 0 in `level`"),
+        (7, "`level` is 0 by the spec's scale"),
     ]

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from canwright import site as site_module
 from canwright.cli import main
 from canwright.folder import OutputError
 from canwright.load import described, spec_files
@@ -61,8 +62,10 @@ def test_nothing_on_a_page_has_the_same_anchor(site: Path) -> None:
 
 def test_search_finds_both_languages(site: Path) -> None:
     index = json.loads((site / "search/search_index.json").read_text("utf-8"))
-    titles = {entry["title"].replace("\u200b", "") for entry in index["docs"]}
-    assert {"Torque control", "转矩闭环控制"} <= titles
+    titles = [entry["title"].replace("\u200b", "") for entry in index["docs"] if "#" not in entry["location"]]
+    for edition in ("v2.35", "v2.35-2024-02", "v2.36-2024-11", "v2.36-2025-03"):
+        assert {f"Torque control · {edition}", f"转矩闭环控制 · {edition}"} <= {*titles}
+    assert len(titles) == len({*titles}), "two pages that a reader of the results cannot tell apart"
 
 
 def test_search_finds_any_part_of_a_chinese_word(site: Path) -> None:
@@ -172,6 +175,15 @@ def test_a_folder_with_other_files_is_refused_and_left_alone(
     assert result.exit_code == 2
     assert "--out" in result.stderr
     assert files(tmp_path) == before
+
+
+def test_what_is_not_installed_is_named_as_pip_knows_it(small: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(site_module._NEEDED, "no_such_module", "no-such-package")
+    with pytest.raises(SiteError, match=r"run: pip install no-such-package$"):
+        build(small / "docs", small / "site")
+    (wanted,) = re.findall(r"(?m)^site = (.*)$", (ROOT / "pyproject.toml").read_text("utf-8"))
+    named = [package for package in site_module._NEEDED.values() if package != "no-such-package"]
+    assert named == [re.sub(r">=.*<", "<", one) for one in re.findall(r'"([^"]+)"', wanted)]
 
 
 def test_no_pages_is_an_error(tmp_path: Path) -> None:

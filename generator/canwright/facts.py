@@ -25,6 +25,7 @@ class Effect:
     name: str
     level: Level
     title: Text
+    about: Text
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class Setting:
     name: str
     only: Mapping[str, tuple[str, ...]]
     title: Text
+    about: Text
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import errno
 import hashlib
+import os
+import re
 import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -19,6 +21,8 @@ JOURNAL = f"{STAGING}/journal.json"
 
 _MAX_RECORD = 64 * 1024 * 1024
 """Bytes of a manifest or journal: some hundred times what the largest known output needs."""
+
+_INSIDE = re.compile(r"[^./\\:][^/\\:]*(?:/[^./\\:][^/\\:]*)*")
 
 _HINTS = {
     **dict.fromkeys((errno.ENOSPC, errno.EDQUOT), "make room there and run again"),
@@ -36,10 +40,7 @@ class OutputError(Exception):
 
 def outside(path: str) -> bool:
     """Whether a path leads out of the folder, is hidden in it, or is no plain path on some system."""
-    parts = path.split("/")
-    return (
-        any(part == "" or part.startswith(".") for part in parts) or not path.isprintable() or bool({*"\\:"} & {*path})
-    )
+    return not path.isprintable() or not _INSIDE.fullmatch(path)
 
 
 def _generated(path: str) -> str:
@@ -121,7 +122,7 @@ def refuse_in_the_way(out: Path, *paths: str) -> None:
 
 def _refuse_but(is_wanted: Callable[[int], bool], wanted: str, out: Path, path: str) -> None:
     try:
-        mode = (out / path).lstat().st_mode
+        mode = os.lstat(f"{out}/{path}" if path else out).st_mode
     except (FileNotFoundError, NotADirectoryError):
         return
     if stat.S_ISLNK(mode):

@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from .model import Assignment
 from .output import Content
-from .targets import Described, Target, c, dbc, docs, python
+from .processes import side_by_side
+from .targets import Described, Output, Target, c, dbc, docs, python
 
 TARGETS: dict[str, Target] = {"c": c.generate, "python": python.generate, "dbc": dbc.generate, "docs": docs.generate}
+
+LONGEST = ("dbc", "docs", "c", "python")
+"""Those that take longest come first: the first is made by this process, and need not be sent to it."""
 
 
 def generate(described: Sequence[Described], targets: Sequence[str], set_parameters: Assignment) -> Content:
     """Everything that `targets` make of the editions, in memory; writes nothing."""
+    order = sorted(targets, key=LONGEST.index)
+    made = side_by_side([partial(_outputs, TARGETS[target], described, set_parameters) for target in order])
     files = {
         f"{target}/{output.path}": output.text.encode("utf-8")
-        for target in targets
-        for output in TARGETS[target](described, set_parameters)
+        for target, outputs in zip(order, made, strict=True)
+        for output in outputs
     }
     editions = tuple(f"{d.edition.family} {d.edition.name}" for d in described)
     return Content(editions, tuple(targets), files)
+
+
+def _outputs(target: Target, described: Sequence[Described], set_parameters: Assignment) -> list[Output]:
+    return list(target(described, set_parameters))

@@ -6,11 +6,12 @@ This is for looking at frames while generating or checking. Programs use the gen
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
-from . import notation
+from . import notation, words
 from .model import Assignment, Encoding, Field, IdRule, Key, Linear, Message, Segment, Space, Type, Variant
 
 Raw = int | list[int]
@@ -44,6 +45,30 @@ def is_message(message: Message, frame: CanFrame) -> bool:
     return has_id(message, frame) and all(_key_holds(message, i, frame) for i in range(len(message.keys)))
 
 
+class Difference(NamedTuple):
+    """The part of a frame that is not that of a message, and what is wrong with it."""
+
+    part: str
+    text: str
+
+
+def difference(message: Message, frame: CanFrame) -> Difference | None:
+    """Why a frame is not a message; None when it is."""
+    if is_message(message, frame):
+        return None
+    if frame.extended is not message.id.extended:
+        return Difference("extended", f"{message.name} has {'a 29-bit' if message.id.extended else 'an 11-bit'} id")
+    if frame.remote is not message.remote:
+        return Difference("remote", f"{message.name} is {'a' if message.remote else 'no'} remote frame")
+    if not has_id(message, frame):
+        return Difference("id", f"0x{frame.id:X} is no id of {message.name}")
+    if len(frame.data) != message.dlc and not frame.remote:
+        return Difference("length", f"{words.counted(len(frame.data), 'byte')}, but {message.name} has {message.dlc}")
+    key = next(key for i, key in enumerate(message.keys) if not _key_holds(message, i, frame))
+    found = f"{words.place(key.space, key.segments)} is 0x{held(key, frame):02X}"
+    return Difference("keys", f"{found}, but {message.name} has 0x{key.value:02X}")
+
+
 def node(rule: IdRule, id_: int) -> int | None:
     """The node of an id without the bits of keys and fields; None when there is none."""
     if rule.nodes is None:
@@ -56,6 +81,20 @@ def node(rule: IdRule, id_: int) -> int | None:
 def node_of(message: Message, frame: CanFrame) -> int | None:
     """The node that a frame of this message is of."""
     return node(message.id, frame.id & ~message.id_mask)
+
+
+def held(key: Key, frame: CanFrame) -> int:
+    """What the bits of a key hold in a frame."""
+    return _bits(key.segments, key.space, frame)
+
+
+def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:
+    """The bits of the data that some places take, as a mask, the first byte lowest."""
+    taken = 0
+    for space, segments in places:
+        for s in segments if space is Space.DATA else ():
+            taken |= ((1 << s.width) - 1) << (s.byte * 8 + s.low)
+    return taken
 
 
 def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
@@ -89,7 +128,8 @@ def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
         if number != number or number in (float("inf"), float("-inf")):
             return None
         return Fraction(number) * linear.scale + linear.offset
-    return raw * linear.scale + linear.offset
+    number = raw * linear.scale
+    return number + linear.offset if linear.offset else number
 
 
 def linear_of(type_: Type, assignment: Assignment) -> Linear | None:
@@ -106,7 +146,7 @@ def linear_of(type_: Type, assignment: Assignment) -> Linear | None:
 
 def _key_holds(message: Message, index: int, frame: CanFrame) -> bool:
     key: Key = message.keys[index]
-    found = _bits(key.segments, key.space, frame)
+    found = held(key, frame)
     return found == key.value or (index == 0 and found in (*message.accept, *message.claims))
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cached_property
 
 from .quantities import Assignment, Path, Text, Type
 
@@ -39,7 +40,7 @@ class Element:
     index: int | None
     segments: tuple[Segment, ...]
 
-    @property
+    @cached_property
     def bits(self) -> tuple[int, ...]:
         """Frame bits from the least significant raw bit up."""
         return tuple(s.byte * 8 + s.low + i for s in self.segments for i in range(s.width))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from . import rules, source
 from .diagnostics import MOST_FINDINGS, Diagnostic, Severity, SpecError, nearest
 from .golden import GoldenFrames
 from .model import Edition, Path as ItemPath
+from .processes import for_each
 from .resolve import resolve
 from .rules import Subject
 from .rules.too_large import commands
@@ -32,8 +33,8 @@ class Loaded:
     warnings: tuple[Diagnostic, ...]
 
 
-def load(file: Path, name: str | None = None) -> Loaded:
-    """The edition in `file`, with the golden frames beside it where there are any.
+def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
+    """The edition in `file`, with the golden frames beside it where there are any, unless without `golden`.
 
     `name` is what findings call the file, when it is not the path. Raises SpecError with all findings when one of them
     is an error, and OSError.
@@ -49,16 +50,16 @@ def load(file: Path, name: str | None = None) -> Loaded:
     edition, unresolved = resolve(document, read.spec, digest, read.dropped)
     findings = [*read.diagnostics, *unresolved]
     beside = frames_file(file)
-    golden, frames_document = None, document
-    if beside.is_file():
+    frames, frames_document = None, document
+    if golden and beside.is_file():
         try:
             frames_document, _ = source.read(beside)
-            golden, amiss = _frames(frames_document, edition)
+            frames, amiss = _frames(frames_document, edition)
             findings += amiss
         except SpecError as error:
             findings += error.diagnostics
     known = {_place(d): d.rule for d in findings}
-    found = list(rules.check(Subject(edition, read.spec, golden), whole=not findings))
+    found = list(rules.check(Subject(edition, read.spec, frames), whole=not findings))
     wrong = bool(findings) or any(rule.severity is Severity.ERROR for rule, _ in found)
     for rule, finding in itertools.islice(found, MOST_FINDINGS):
         warning = rule.severity is Severity.WARNING
@@ -72,7 +73,7 @@ def load(file: Path, name: str | None = None) -> Loaded:
             findings.append(diagnostic)
     if wrong:
         raise SpecError(findings)
-    return Loaded(Described(edition, golden), document, tuple(findings))
+    return Loaded(Described(edition, frames), document, tuple(findings))
 
 
 def described(file: Path) -> Described:
@@ -82,15 +83,11 @@ def described(file: Path) -> Described:
 
 def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     """Every edition of `files`, in order of family and edition. Raises SpecError with the findings of all files."""
-    result: list[Loaded] = []
-    findings: list[Diagnostic] = []
-    for file in files:
-        try:
-            result.append(load(file))
-        except SpecError as error:
-            findings += error.diagnostics
+    tried = for_each(_tried, list(files))
+    findings = [finding for one in tried if not isinstance(one, Loaded) for finding in one]
     if findings:
         raise SpecError(findings)
+    result = [one for one in tried if isinstance(one, Loaded)]
     result.sort(key=lambda one: (one.described.edition.family, one.described.edition.name))
     documents = {id(one.described.edition): one.document for one in result}
     clashes = c.between([one.described.edition for one in result])
@@ -101,6 +98,14 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     if findings:
         raise SpecError(findings)
     return result
+
+
+def _tried(file: Path) -> Loaded | Sequence[Diagnostic]:
+    """An edition, or what is wrong with it."""
+    try:
+        return load(file)
+    except SpecError as error:
+        return error.diagnostics
 
 
 def frames_file(file: Path) -> Path:

@@ -62,9 +62,7 @@ def _parsed(line: str) -> CanFrame | None:
 
 def _by_python_can(file: Path) -> Iterator[CanFrame]:
     if importlib.util.find_spec("can") is None:
-        raise LogError(
-            f"to read {file.suffix} files, run: pip install 'canwright[log]'; or write the log with `candump -l`"
-        )
+        raise LogError(f"to read {file.suffix} files, run: pip install python-can; or write the log with `candump -l`")
     import can
 
     try:

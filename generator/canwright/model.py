@@ -207,6 +207,13 @@ class Command:
     manual: str
     path: Path = field(compare=False)
 
+    @property
+    def group_title(self) -> Text:
+        """The title of the command as the spec has it, without that of an entry."""
+        if self.entry is None:
+            return self.title
+        return {lang: text.removesuffix(f": {self.entry.title[lang]}") for lang, text in self.title.items()}
+
     def message(self, direction: Direction) -> Message | None:
         """Its request, or its reply."""
         return self.request if direction is Direction.REQUEST else self.reply
@@ -299,6 +306,10 @@ class Edition:
     @cached_property
     def _index(self) -> _Index:
         return _Index(self)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without the index: it knows layouts by their identity, which a copy of them does not have."""
+        return {name: value for name, value in vars(self).items() if name != "_index"}
 
 
 def _is_about(where: str, table: Path) -> bool:

@@ -57,6 +57,7 @@ class ParameterValue:
     name: str
     number: int | None
     title: Text
+    about: Text
 
 
 @dataclass(frozen=True)
@@ -181,6 +182,7 @@ class Member:
     name: str
     value: int
     title: Text
+    about: Text
 
 
 @dataclass(frozen=True)
@@ -189,7 +191,8 @@ class Type:
 
     `linear` is `Linear(1, 0)` where a spec gives no scale, and None where it says that there is none to be had.
     `raw_range` bounds the raw integer and is None where any bits are allowed; for floats, it bounds the value.
-    `plausible` are values that a working node reports, for guessing alone.
+    `plausible` are values that a working node reports, for guessing alone. `differs` is why its scale or unit is another
+    one than that of its like.
     """
 
     name: str
@@ -204,7 +207,12 @@ class Type:
     plausible: Range | None
     title: Text
     about: Text
+    differs: Text
     path: Path = field(compare=False)
+
+    def __hash__(self) -> int:
+        """Equal types have equal names; what else a type has is slow to hash, or has no hash."""
+        return hash(self.name)
 
     @property
     def raw_limits(self) -> tuple[int, int]:

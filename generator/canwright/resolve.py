@@ -53,11 +53,17 @@ def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition
             name,
             {p: tuple(v) for p, v in (written.only or {}).items()},
             context.title(("settings", name), written.title, name),
+            context.text(("settings", name, "about"), written.about),
         )
         for name, written in spec.settings.items()
     }
     effects = {
-        name: Effect(name, written.level, context.title(("effects", name), written.title, name))
+        name: Effect(
+            name,
+            written.level,
+            context.title(("effects", name), written.title, name),
+            context.text(("effects", name, "about"), written.about),
+        )
         for name, written in spec.effects.items()
     }
     modes = {

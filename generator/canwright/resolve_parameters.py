@@ -20,12 +20,19 @@ def resolve_parameters(context: Context, written: Mapping[str, schema.ParameterS
         values: tuple[ParameterValue, ...] = ()
         if isinstance(spec.values, list):
             values = tuple(
-                ParameterValue(str(n), n if isinstance(n, int) else None, context.title(path, None, str(n)))
+                ParameterValue(
+                    str(n),
+                    n if isinstance(n, int) else None,
+                    context.title(path, None, str(n)),
+                    context.text(path, None),
+                )
                 for n in spec.values
             )
         elif spec.values is not None:
             values = tuple(
-                ParameterValue(n, None, context.title((*path, "values", n), v.title, n)) for n, v in spec.values.items()
+                ParameterValue(n, None, context.title(at, v.title, n), context.text((*at, "about"), v.about))
+                for n, v in spec.values.items()
+                for at in [(*path, "values", n)]
             )
         result[name] = Parameter(
             name,

@@ -121,6 +121,7 @@ def bare_type(context: Context, raw: tuple[Encoding, int], order: Order, path: P
         None,
         empty,
         empty,
+        empty,
         path,
     )
 
@@ -149,6 +150,7 @@ class _TypeResolver:
             self._plausible(spec, linear),
             self.context.title(self.path, spec.title, name),
             self.context.text((*self.path, "about"), spec.about),
+            self.context.text((*self.path, "differs"), spec.differs),
             self.path,
         )
 
@@ -159,15 +161,12 @@ class _TypeResolver:
         return self.units.get(name or "")
 
     def _member(self, at: Path, name: str, written: int | schema.Member | schema.Flag) -> Member:
-        title = None if isinstance(written, int) else written.title
-        value = (
-            written
-            if isinstance(written, int)
-            else written.value
-            if isinstance(written, schema.Member)
-            else written.bit
-        )
-        return Member(name, value, self.context.title((*self.path, *at), title, name))
+        path = (*self.path, *at)
+        if isinstance(written, int):
+            return Member(name, written, self.context.title(path, None, name), self.context.text(path, None))
+        value = written.value if isinstance(written, schema.Member) else written.bit
+        title = self.context.title(path, written.title, name)
+        return Member(name, value, title, self.context.text((*path, "about"), written.about))
 
     def _linear(self, spec: schema.Type) -> Dependent[Linear]:
         scale = self._multiples("scale", 1 if spec.scale is None else spec.scale)

@@ -14,14 +14,15 @@ class UnknownEditionError(Exception):
     """There is no such edition; the message says what there is."""
 
 
-def find(reference: str, folder: Path) -> Loaded:
+def find(reference: str, folder: Path, *, golden: bool = True) -> Loaded:
     """What `reference` names: `my.yaml`, `HEAD~1:spec/lamp/v1.yaml`, `v1` or `lamp/v1`, the last two below `folder`.
 
+    Golden frames beside it come along, and have to fit, unless without `golden`; those of a revision never do.
     Raises UnknownEditionError, SpecError and OSError.
     """
     file = Path(reference)
     if file.is_file():
-        return load(file)
+        return load(file, golden=golden)
     revision, colon, path = reference.partition(":")
     if colon and revision and path:
         return _from_git(reference, revision, path)
@@ -31,7 +32,7 @@ def find(reference: str, folder: Path) -> Loaded:
         names = ", ".join(f"`{f.parent.name}/{f.stem}`" for f in twice)
         raise UnknownEditionError(f"`{reference}` may be any of {names}; name the family as well")
     if reference in known:
-        return load(known[reference])
+        return load(known[reference], golden=golden)
     hint = nearest(reference, known) or "name a file, an edition, or REVISION:FILE"
     raise UnknownEditionError(f"there is no file and no edition `{reference}`; {hint}")
 

@@ -19,14 +19,19 @@ _STYLES = {Level.NOTE: "cyan", Level.WARNING: "yellow", Level.DANGER: "bold red"
 
 
 def find(described: Sequence[Described], wanted: str) -> tuple[list[tuple[Edition, Command]], str]:
-    """The commands of that name or code, in every edition, and a hint when there is none."""
+    """The commands of that name or code, in every edition, and a hint when there is none.
+
+    The name of a command that a table gives several forms names all of them.
+    """
     try:
         code = int(wanted, 0)
     except ValueError:
         code = None
     pairs = [(d.edition, c) for d in described for c in d.edition.commands]
-    found = [(e, c) for e, c in pairs if wanted == c.name or (code is not None and code == c.code)]
-    return found, nearest(wanted, (c.name for _, c in pairs)) or "`canwright show --help` says how to name one"
+    found = [(e, c) for e, c in pairs if wanted in (c.name, c.group) or (code is not None and code == c.code)]
+    return found, nearest(
+        wanted, dict.fromkeys(name for _, c in pairs for name in (c.name, c.group))
+    ) or "`canwright show --help` says how to name one"
 
 
 def show_command(edition: Edition, command: Command, language: str) -> None:

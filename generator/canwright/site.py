@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import html
 import importlib.util
+import json
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -21,7 +23,8 @@ _PAGES = ("bus", "types", "parameters", "errata", "changes")
 _ACROSS = ("support.md", "new-edition.md")
 _COMMANDS = {"en": "Commands", "zh": "命令"}
 EXTENSIONS = ["tables", "toc", "attr_list", "md_in_html"]
-_NEEDED = ("mkdocs", "material", "mkdocs_static_i18n")
+_NEEDED = {"mkdocs": "mkdocs<2", "material": "mkdocs-material<10", "mkdocs_static_i18n": "mkdocs-static-i18n<2"}
+"""Modules, and the packages that have them, as `pyproject.toml` has them."""
 
 
 _THEME = """{% extends "base.html" %}
@@ -33,6 +36,10 @@ _THEME = """{% extends "base.html" %}
 @media (max-width: 44.9em) {
   .md-typeset table:has(th:nth-child(5)) :is(td, th):first-child {
     position: sticky; left: 0; z-index: 1; background: var(--md-default-bg-color) }
+  {% if page and "/commands/" in page.file.src_uri %}
+  .md-typeset table:not([class]) :is(td, th) { min-width: 5em }
+  .md-typeset table:not([class]):has(th:nth-child(3)) td:last-child:not(:empty) { min-width: 12em }
+  {% endif %}
   {% if page and page.file.name in ("changes", "support", "new-edition") %}
   .md-typeset table:not([class]) td:first-child { min-width: 9em }
   .md-typeset table:not([class]) td code { white-space: normal; overflow-wrap: anywhere }
@@ -69,12 +76,12 @@ def build(docs: Path, site: Path, *, force: bool = False) -> None:
     refuse_occupied(site, (_TARGET,))
     if docs.resolve() in (site.resolve(), *site.resolve().parents):
         raise SiteError(f"{site.as_posix()} is among the pages; name a folder elsewhere with --out")
-    missing = [name for name in _NEEDED if importlib.util.find_spec(name) is None]
-    if missing:
-        raise SiteError(f"the site needs {', '.join(missing)}; run: pip install 'canwright[site]'")
     languages = [name for name in LANGUAGES if (docs / name / "index.md").is_file()]
     if not languages:
         raise SiteError(f"there are no pages in {docs.as_posix()}; run `canwright generate --target docs` first")
+    missing = [package for module, package in _NEEDED.items() if importlib.util.find_spec(module) is None]
+    if missing:
+        raise SiteError(f"the site needs what is not installed; run: pip install {shlex.join(missing)}")
     with tempfile.TemporaryDirectory() as folder:
         config, theme, made = (Path(folder) / name for name in ("mkdocs.yml", "theme", "site"))
         theme.mkdir()
@@ -85,8 +92,20 @@ def build(docs: Path, site: Path, *, force: bool = False) -> None:
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         if result.returncode != 0:
             raise SiteError(f"mkdocs stopped:\n{result.stdout}{result.stderr}")
+        _name_editions(made / "search/search_index.json", docs, languages)
         files = {f.relative_to(made).as_posix(): f.read_bytes() for f in sorted(made.rglob("*")) if f.is_file()}
     write(site, Content((), (_TARGET,), files, alone=True), force=force)
+
+
+def _name_editions(index: Path, docs: Path, languages: list[str]) -> None:
+    """Adds to the title of each page that search finds the edition that it is of: one command has a page in many."""
+    found = json.loads(index.read_text("utf-8"))
+    for page in found["docs"]:
+        folders = Path(page["location"]).parts
+        edition = next(iter(folders[1:] if folders[:1] in {(name,) for name in languages} else folders), "")
+        if (docs / languages[0] / edition).is_dir() and edition not in page["title"] and "#" not in page["location"]:
+            page["title"] += f" · {edition}"
+    index.write_text(json.dumps(found, ensure_ascii=False, separators=(",", ":")), "utf-8")
 
 
 def _config(docs: Path, site: Path, theme: Path, languages: list[str]) -> dict[str, Any]:

@@ -17,7 +17,8 @@ from pydantic import BaseModel, Tag, ValidationError
 from . import hints
 from .diagnostics import MOST_FINDINGS, Diagnostic, SpecError, near
 from .model import Path
-from .source import MERGE, Document
+from .scalars import MERGE
+from .source import Document
 
 M = TypeVar("M", bound=BaseModel)
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from .model import Bound, Dependent, Encoding, Field, IdRule, Linear, Order, Range, Segment, Space, Type
+from .model import Bound, Dependent, Encoding, Field, IdRule, Linear, Order, Parameter, Range, Segment, Space, Type
 
 
 def exact(number: Fraction) -> str:
@@ -73,6 +74,14 @@ def in_unit(limits: Range, linear: Linear) -> Range:
     return Range(low, high) if linear.scale > 0 else Range(high, low)
 
 
+def allowed(parameter: Parameter) -> str:
+    """What a number may be: `1..9`, `1 or more`, `9 or less`; empty for any."""
+    low, high = parameter.minimum, parameter.maximum
+    if low is not None and high is not None:
+        return f"{exact(low)}..{exact(high)}"
+    return f"{exact(low)} or more" if low is not None else f"{exact(high)} or less" if high is not None else ""
+
+
 def raw_format(type_: Type, segments: tuple[Segment, ...] = ()) -> str:
     """`i16`, or `i16 big-endian` when it spans bytes in that order, as more than eight bits do and fewer can."""
     letter = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}[type_.encoding]
@@ -95,7 +104,8 @@ def _bits(low: int, width: int) -> str:
     return f"bit {low}" if width == 1 else f"bits {low}..{low + width - 1}"
 
 
-def scale(type_: Type, among: Sequence[str] = ()) -> list[tuple[str, str]]:
+@functools.lru_cache(maxsize=1 << 12)
+def scale(type_: Type, among: tuple[str, ...] = ()) -> Sequence[tuple[str, str]]:
     """What one raw step is worth: (under which parameter values, `33/2048 A`); empty conditions hold always.
 
     `among` leaves out what holds under other values only, where it names values of the deciding parameter.
@@ -120,7 +130,8 @@ def _among(names: Sequence[str], among: Sequence[str]) -> Sequence[str] | None:
     return [name for name in names if name in among] or None
 
 
-def ranges(type_: Type) -> list[tuple[str, str]]:
+@functools.lru_cache(maxsize=1 << 12)
+def ranges(type_: Type) -> Sequence[tuple[str, str]]:
     """Allowed raw integers: (under which parameter values, `-2048..2048`)."""
     found: Dependent[Range] = type_.raw_range
     return [(", ".join(names), span(limits)) for names, limits in found.distinct() if limits is not None]

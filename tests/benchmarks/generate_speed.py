@@ -1,7 +1,10 @@
 """How long `canwright generate` takes, as a whole process: `python -m tests.benchmarks.generate_speed`.
 
-Beside it stands what cannot be avoided: a process that imports PyYAML and Jinja2, and the time that Jinja2 spends on
-compiling and rendering the templates. Specs of 1, 10 and 100 times the commands show how time and memory grow.
+Beside it stands what cannot be avoided: a process that imports PyYAML and Jinja2, and the time that Jinja2 by itself
+spends on compiling and rendering the templates. Specs of 1, 10 and 100 times the commands show how time and memory grow.
+
+Times are those of a clock, so that they are what a user waits; the least of a few runs. Processor seconds stand beside
+them: canwright uses several processors where there are any, and keeps its compiled templates.
 """
 
 from __future__ import annotations
@@ -10,13 +13,11 @@ import copy
 import functools
 import json
 import os
-import resource
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 from canwright.load import frames_file, spec_files
@@ -28,29 +29,40 @@ FRAMES = ROOT / "spec/mwd_motor/v2.35.frames.yaml"
 ROUNDS = 3
 
 WATCHED = """
-import json, sys, time
+import gc, os, sys, time
 import jinja2
+gc.disable()
+os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # all in this process, where it can be watched
+jinja2.FileSystemBytecodeCache.load_bytecode = lambda cache, bucket: None
 spent = {"rendering": 0.0, "depth": 0}
 def watched(function):
     def call(*arguments, **named):
         if spent["depth"]:
             return function(*arguments, **named)
         spent["depth"] += 1
-        start = time.process_time()
+        start = time.perf_counter()
         try:
             return function(*arguments, **named)
         finally:
-            spent["rendering"] += time.process_time() - start
+            spent["rendering"] += time.perf_counter() - start
             spent["depth"] -= 1
     return call
 jinja2.Environment.get_template = watched(jinja2.Environment.get_template)
 jinja2.Template.render = watched(jinja2.Template.render)
-from canwright.__main__ import run
+from canwright.cli import main
 try:
-    run()
+    main()
 except SystemExit:
-    print(json.dumps(spent["rendering"]))
+    print(spent["rendering"])
 """
+
+
+class Cost(NamedTuple):
+    """What a process takes: seconds of a clock, seconds of processors, and the megabytes of the largest of its like."""
+
+    clock: float
+    processor: float
+    memory: int
 
 
 @functools.cache
@@ -63,40 +75,41 @@ def environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPYCACHEPREFIX": compiled().name, "PYTHONDONTWRITEBYTECODE": ""}
 
 
-def cpu(*arguments: str, new: Path | None = None) -> tuple[float, str]:
-    """The least processor seconds of a few runs of Python with these arguments, and what the last printed.
+def cost(*arguments: str, new: Path | None = None, rounds: int = ROUNDS) -> Cost:
+    """The least of a few runs of Python with these arguments.
 
-    With `new`, each run writes into an empty folder of its own there. Modules are compiled before the first run that
-    counts, as they are in an installed package.
+    With `new`, each run writes into an empty folder of its own there. Modules and templates are compiled before the
+    first run that counts, as they are in an installed package.
     """
-    found, printed = [], ""
-    for number in range(ROUNDS + 1):
-        out = ("--out", str(new / str(number))) if new else ()
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = subprocess.run(
-            [sys.executable, *arguments, *out], cwd=ROOT, capture_output=True, text=True, check=False, env=environment()
-        )
-        if done.returncode:
-            raise SystemExit(done.stdout + done.stderr)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        found.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-        printed = done.stdout
-    return min(found[1:]), printed
+    found = [_once(*arguments, *(("--out", str(new / str(number))) if new else ())) for number in range(rounds + 1)]
+    return Cost(*map(min, zip(*(one for one, _ in found[1:]), strict=True)))
 
 
-def memory(*arguments: str) -> int:
-    """The megabytes that Python with these arguments holds at most."""
-    code = "import resource, subprocess, sys; subprocess.run([sys.executable, *sys.argv[1:]], check=True); "
-    code += "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
-    done = subprocess.run(
-        [sys.executable, "-c", code, *arguments],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-        env=environment(),
-    )
-    return int(done.stdout.split()[-1]) // 1024
+def rendering(*arguments: str, rounds: int = ROUNDS) -> float:
+    """The least seconds that Jinja2 takes to compile and render what `canwright` with these arguments renders."""
+    return min(float(_once("-c", WATCHED, *arguments)[1].split()[-1]) for _ in range(rounds))
+
+
+RUN = """
+import json, resource, subprocess, sys, time
+start = time.perf_counter()
+done = subprocess.run([sys.executable, *sys.argv[1:]], capture_output=True, text=True)
+clock = time.perf_counter() - start
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(json.dumps([clock, used.ru_utime + used.ru_stime, used.ru_maxrss // 1024]))
+print(done.stdout + done.stderr)
+sys.exit(done.returncode)
+"""
+
+
+def _once(*arguments: str) -> tuple[Cost, str]:
+    """One run of Python with these arguments, and what it printed."""
+    command = [sys.executable, "-c", RUN, *arguments]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, env=environment())
+    if done.returncode:
+        raise SystemExit(done.stdout + done.stderr)
+    measured, _, printed = done.stdout.partition("\n")
+    return Cost(*json.loads(measured)), printed
 
 
 def multiplied(folder: Path, times: int) -> Path:
@@ -138,44 +151,42 @@ def _moved(frame: dict[str, Any], i: int) -> dict[str, Any]:
     return {**copy.deepcopy(frame), **names, "id": (i + 1) << 12 | frame["id"], "extended": True}
 
 
+def shown(name: str, whole: Cost, alone: float) -> str:
+    return (
+        f"{name}: {whole.clock:.2f} s ({whole.processor:.2f} s of processors, {whole.memory} MB); "
+        f"importing PyYAML and Jinja2 and rendering alone {alone:.2f} s, ratio {whole.clock / alone:.2f}"
+    )
+
+
 def main() -> None:
-    libraries, _ = cpu("-c", "import yaml, jinja2")
-    modules, _ = cpu("-c", "import gc; gc.disable(); import canwright.cli.generate")
-    imports = modules - libraries
-    for name, specs in {
-        "one edition": [MAIN],
-        "all editions": spec_files(ROOT / "spec"),
-    }.items():
+    libraries = cost("-c", "import yaml, jinja2").clock
+    modules = cost("-c", "import gc; gc.disable(); import canwright.cli.generate").clock
+    print(f"{len(os.sched_getaffinity(0))} processors; imports of canwright besides: {modules - libraries:.2f} s")
+    for name, specs in {"one edition": [MAIN], "all editions": spec_files(ROOT / "spec")}.items():
         options = [part for spec in specs for part in ("--spec", str(spec))]
         with tempfile.TemporaryDirectory() as folder:
-            first, _ = cpu("-m", "canwright", "generate", *options, new=Path(folder) / "new")
-            whole, _ = cpu("-m", "canwright", "generate", *options, "--out", folder)
-            _, printed = cpu("-c", WATCHED, "generate", *options, "--out", folder)
-            checked, _ = cpu("-m", "canwright", "check", *options, "--out", folder)
-        alone, _ = cpu("-m", "canwright", "check", *options)
-        rendering = json.loads(printed.splitlines()[-1])
+            first = cost("-m", "canwright", "generate", *options, new=Path(folder) / "new")
+            whole = cost("-m", "canwright", "generate", *options, "--out", folder)
+            alone = libraries + rendering("generate", *options, "--out", folder)
+            checked = cost("-m", "canwright", "check", *options, "--out", folder)
+        specs_only = cost("-m", "canwright", "check", *options)
+        print(shown(name, whole, alone))
         print(
-            f"{name}: generate {whole:.2f} s, into an empty folder {first:.2f} s; importing {libraries:.2f} s and rendering {rendering:.2f} s, "
-            f"ratio {whole / (libraries + rendering):.2f}; imports of canwright {imports:.2f} s; check {checked:.2f} s, check of the specs alone {alone:.2f} s"
+            f"  into an empty folder {first.clock:.2f} s; check {checked.clock:.2f} s, "
+            f"of the specs alone {specs_only.clock:.2f} s"
         )
     print("growth, each to the one before it:")
-    before = (0.0, 0)
+    before = None
     for times in (1, 10, 100):
         with tempfile.TemporaryDirectory() as folder:
             spec = multiplied(Path(folder), times)
-            arguments = ("-m", "canwright", "generate", "--spec", str(spec), "--out", f"{folder}/out")
-            start = time.perf_counter()
-            whole, _ = cpu(*arguments)
-            held = memory(*arguments)
-            ratio = (
-                f", {whole / before[0]:.1f} times the time, {held / before[1]:.1f} times the memory"
-                if before[1]
-                else ""
-            )
-            print(
-                f"  {times:3} times the commands: {whole:.2f} s, {held} MB{ratio} ({time.perf_counter() - start:.0f} s)"
-            )
-            before = (whole, held)
+            arguments = ("generate", "--spec", str(spec), "--out", f"{folder}/out")
+            whole = cost("-m", "canwright", *arguments)
+            print(shown(f"  {times:3} times the commands", whole, libraries + rendering(*arguments, rounds=1)))
+            if before:
+                grown = f"{whole.clock / before.clock:.1f} times the time, {whole.memory / before.memory:.1f} times the"
+                print(f"      {grown} memory")
+            before = whole
 
 
 if __name__ == "__main__":

@@ -75,8 +75,8 @@ def test_ways_to_write_the_same_are_no_change(tmp_path: Path) -> None:
 
 
 def test_other_languages_have_every_sentence_with_the_same_facts() -> None:
-    sentences = yaml.safe_load((ROOT / "templates/docs/changes.yaml").read_text("utf-8"))
-    for said in sentences.values():
+    languages = yaml.safe_load((ROOT / "templates/docs/changes.yaml").read_text("utf-8"))
+    for said in (language["sentences"] for language in languages.values()):
         assert list(said) == list(CHANGES)
         for rule, sentence in said.items():
             facts = [set(re.findall(r"{(\w+)}", text)) for text in (sentence, CHANGES[rule].says)]
@@ -100,7 +100,7 @@ USES_OTHER = (
             ("2/65535*top", "2/65534*top"),
             [
                 "one step of `level` is 2/65534*top V, was 2/65535*top V",
-                "`level` goes over raw 0..65534, was 0..65535",
+                "the raw range of `level` is 0..65534, was 0..65535",
             ],
         ),
         (("offset: -top, range: -top..top", "offset: -2*top"), ["raw 0 of `level` is -2*top V, was -top V"]),
@@ -109,7 +109,7 @@ USES_OTHER = (
             [
                 "one step of `level` is 2/65535 V, was 2/65535*top V",
                 "raw 0 of `level` is -1 V, was -top V",
-                "`level` depends on none, did on top",
+                "`level` depends on nothing, did on top",
             ],
         ),
         (
@@ -120,7 +120,7 @@ USES_OTHER = (
                 "`level` depends on other, did on top",
             ],
         ),
-        (("range: -top..top", "range: 0..top"), ["`level` goes over raw 32768..65535, was 0..65535"]),
+        (("range: -top..top", "range: 0..top"), ["the raw range of `level` is 32768..65535, was 0..65535"]),
         (("2/65535*top", "4/131070*top"), ["`level` is given as 4/131070*top V, was as 2/65535*top V"]),
         (("top: {number: {}}", "top: {number: {max: 9}}"), ["`top` lies in ..9, was .."]),
     ],

@@ -44,6 +44,15 @@ def test_ways_to_name_an_edition(old: str, new: str) -> None:
     assert "spec/lamp/v1.yaml:7:32 -> " in result.output
 
 
+def test_frames_that_do_not_fit_yet_are_no_hindrance(specs: Path) -> None:
+    frame = "{request: dim, id: 0x101, node: 1, data: 10 00 64 00 00 00 00 00, raw: {level: 1}, source: manual}"
+    lines = ("canwright: 1", "family: lamp", "edition: v2", "sources: {manual: M.}", "frames:", f"  - {frame}")
+    (specs / "v2.frames.yaml").write_text("\n".join(lines) + "\n", "utf-8")
+    assert CliRunner().invoke(main, ["check", "--spec", "spec/lamp/v2.yaml"]).exit_code == 1
+    result = diff("v1", "v2")
+    assert (result.exit_code, "[scale-changed]" in result.output) == (0, True)
+
+
 def _git(folder: Path, *arguments: str) -> None:
     who = {f"GIT_{role}_{what}": "x" for role in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")}
     subprocess.run(["git", *arguments], cwd=folder, check=True, capture_output=True, env={**os.environ, **who})
@@ -109,8 +118,9 @@ def test_markdown_and_changelog(specs: Path) -> None:
     assert all(line.replace("\\|", "").count("|") == 7 for line in rows)
     assert "a \\| &lt;b&gt; c" in text
     section = diff("v1", "v2", "--format", "changelog").output
-    assert section.startswith("## v2 (2026-01)\n\nSince v1: ")
+    assert section.startswith("## v2 (2026-01)\n\nSince v1, ")
     assert "- **silent**, host sending: one step of `level` is 0.01 %, was 0.1 %" in section
+    assert "### Documents\n\n- A title is another one: `dim`" in section
 
 
 def test_editions() -> None:

@@ -93,7 +93,7 @@ LINES = (
         "95 carries nothing, sets the zero and stops",
         (C,),
         (
-            "command clear_angle: implemented: true, was false",
+            "command clear_angle: implemented: yes, was no",
             "command clear_angle: effects: sets_zero, stops, writes_ram; "
             "were: sets_zero, clears_turns, clears_position_commands, writes_ram",
         ),
@@ -136,8 +136,8 @@ LINES = (
         "MS reports more power, and no range is printed for the current that is reported",
         ALL,
         (
-            "layout motion_feedback: `power` goes over raw -1000..1000, was -850..850",
-            "layout motion_feedback: `iq` goes over raw any, was -2048..2048",
+            "layout motion_feedback: the raw range of `power` is -1000..1000, was -850..850",
+            "layout motion_feedback: the raw range of `iq` is not limited, was -2048..2048",
         ),
     ),
     Line(
@@ -145,7 +145,7 @@ LINES = (
         ALL,
         (
             "command read_status_3: it is there for series MF, MH, MG, was for all",
-            "type phase_current: one step of `phase_current` [series MS, MH] is none, was 1/64 A",
+            "type phase_current: one step of `phase_current` [series MS, MH] is not given, was 1/64 A",
             "type phase_current: one step of `phase_current` [series MF] is 33/4096 A, was 1/64 A",
             "type phase_current: one step of `phase_current` [series MG] is 66/4096 A, was 1/64 A",
         ),
@@ -197,12 +197,12 @@ LATER = {
         "entry control_parameters.max_angle: `max_angle` is called `upper_angle`",
         "entry control_parameters.lower_angle: `lower_angle`, index 0x23, is new",
         "entry control_parameters.current_ramp: `current_ramp`, index 0x24, is gone",
-        "type gain: `gain` goes over raw 0..2000, was any",
-        "entry control_parameters.max_torque_current: `max_torque_current` [series MS] goes over raw 0..850, was any",
+        "type gain: the raw range of `gain` is 0..2000, was not limited",
+        "entry control_parameters.max_torque_current: the raw range of `max_torque_current` [series MS] is 0..850, was not limited",
         "entry control_parameters.max_torque_current: "
-        "`max_torque_current` [series MF, MH, MG] goes over raw 0..2000, was any",
-        "entry control_parameters.max_speed: `max_speed` goes over raw 0..600000, was any",
-        "entry control_parameters.speed_ramp: `speed_ramp` goes over raw 0..600000, was any",
+        "the raw range of `max_torque_current` [series MF, MH, MG] is 0..2000, was not limited",
+        "entry control_parameters.max_speed: the raw range of `max_speed` is 0..600000, was not limited",
+        "entry control_parameters.speed_ramp: the raw range of `speed_ramp` is 0..600000, was not limited",
         "command calibrate_encoder: `calibrate_encoder` (0x18) is new",
     },
 }

@@ -14,17 +14,12 @@ from canwright.schema import EditionSpec
 
 from ..strangers.everything import SPEC
 
-ABOUT = "no target has this text"
 NOT_COMPARED = {
     "EditionSpec.canwright": "the version of the language, not of the protocol",
     "EditionSpec.family": "other families are not compared",
     "EditionSpec.edition": "what is compared has two names",
     "EditionSpec.date": "what is compared has two dates",
     "Type.plausible": "for guessing alone",
-    "Type.differs": "tells a rule why a type is as it is",
-    **{f"{concept}.about": ABOUT for concept in ("SettingSpec", "EffectSpec", "Member", "Flag", "Entry", "Titled")},
-    **{f"Table.{key}": ABOUT for key in ("title", "about", "manual")},
-    "Entry.manual": "no target has this section",
 }
 TEXT = "Another text"
 FIELD = "commands.dim.request.level"
@@ -88,8 +83,11 @@ CHANGES: dict[str, dict[str, Any]] = {
     "Command.not_limited_by": {"commands.read.not_limited_by": []},
     "Command.notes": {"commands.dim.notes": [TEXT]},
     "EffectSpec.title": {"effects.glows.title": TEXT},
+    "EffectSpec.about": {"effects.glows.about": TEXT},
     "EffectSpec.level": {"effects.glows.level": "danger"},
     "Entry.title": {"tables.store.entries.gain.title": TEXT},
+    "Entry.about": {"tables.store.entries.gain.about": TEXT},
+    "Entry.manual": {"tables.store.entries.gain.manual": "9"},
     "Entry.index": {"tables.store.entries.gain.index": 9},
     "Entry.layout": {"tables.store.entries.gain.layout": {"gain": {"at": 5, "raw": "u16"}}},
     "Entry.only": {"tables.store.entries.state.only": {"size": ["small", "big"]}},
@@ -121,12 +119,14 @@ CHANGES: dict[str, dict[str, Any]] = {
     "FieldSpec.holds": {"tables.store.entries.gain.layout.gain.holds": "node"},
     "FieldSpec.manual": {f"{FIELD}.manual": "9"},
     "Flag.title": {"types.state.flags.hot.title": TEXT},
+    "Flag.about": {"types.state.flags.hot.about": TEXT},
     "Flag.bit": {"types.state.flags.hot.bit": 1},
     "LayoutSpec.title": {"layouts.status.title": TEXT},
     "LayoutSpec.about": {"layouts.status.about": TEXT},
     "LayoutSpec.fields": {"layouts.status.fields.more": {"at": 5, "raw": "u8"}},
     "LayoutSpec.manual": {"layouts.status.manual": "9"},
     "Member.title": {"types.colour.enum.red.title": TEXT},
+    "Member.about": {"types.colour.enum.red.about": TEXT},
     "Member.value": {"types.colour.enum.red.value": 3},
     "MessageSpec.layout": {"commands.all.reply.layout": {}},
     "MessageSpec.fields": {"commands.all.reply.fields": {"more": {"at": 5, "raw": "u8"}}},
@@ -156,12 +156,18 @@ CHANGES: dict[str, dict[str, Any]] = {
         "selector": {"at": 6, "raw": "u16", "byte_order": "big"},
     },
     "SettingSpec.title": {"settings.limit.title": TEXT},
+    "SettingSpec.about": {"settings.limit.about": TEXT},
     "SettingSpec.only": {"settings.limit.only": {"size": ["big"]}},
+    "Table.title": {"tables.store.title": TEXT},
+    "Table.about": {"tables.store.about": TEXT},
+    "Table.manual": {"tables.store.manual": "9"},
     "Table.index": {"tables.store.index": {"at": 2, "raw": "u8"}},
     "Table.entries": {"tables.store.entries.more": {"index": 7, "layout": {}}},
     "Titled.title": {"parameters.size.values.big": {"title": TEXT}},
+    "Titled.about": {"parameters.size.values.big": {"about": TEXT}},
     "Type.title": {"types.level.title": TEXT},
     "Type.about": {"types.level.about": TEXT},
+    "Type.differs": {"types.level.differs": TEXT},
     "Type.raw": {"types.level.raw": "i16"},
     "Type.byte_order": {"types.level.byte_order": "big"},
     "Type.unit": {"types.level.unit": "V"},

@@ -13,9 +13,15 @@ import yaml
 from canwright.diagnostics import SpecError
 from canwright.load import described
 from canwright.model import Edition
+from canwright.rules import exchange_contradiction, frame_contradiction, refused_contradiction
+from canwright.rules.rule import Subject
+from canwright.schema import EditionSpec
+from canwright.source import read
 from canwright.targets import Described
+from canwright.validate import validate_parts
 
-from ..spec_texts import SPECS, called
+from ..spec_texts import SMALL, SPECS, called
+from .adapter import Adapter
 from .adapters import ADAPTERS
 from .mutants import Change, mutants
 from .runner import Runner
@@ -36,6 +42,9 @@ EVERYWHERE = {
     "pump/v1": ("types.charge.byte_order little", "commands.status.reply current<->duty"),
 }
 """What the targets are shown that take longer."""
+
+JUDGED = 16
+"""So many mutants of each small spec are asked what they make of every single golden frame."""
 
 ORIGINALS = {called(spec): described(spec) for spec in SPECS}
 DATA: dict[str, dict[str, Any]] = {called(spec): yaml.load(spec.read_text("utf-8"), yaml.CSafeLoader) for spec in SPECS}
@@ -100,3 +109,41 @@ def test_every_target_notices(spec: str, mutant: str, target: str, tmp_path: Pat
     item = _changed(spec, MUTANTS[spec][mutant], tmp_path)
     assert item is not None
     assert _replay(item, target, tmp_path), f"{mutant} survives in {target}"
+
+
+def _judged(item: Described, file: Path) -> dict[tuple[str | int, ...], str]:
+    """What `check` says of the golden frames, by list and place in it."""
+    spec = validate_parts(read(file)[0], EditionSpec).spec
+    assert spec is not None
+    subject = Subject(item.edition, spec, item.frames)
+    rules = (frame_contradiction, refused_contradiction, exchange_contradiction)
+    return {finding.path[:2]: finding.message for rule in rules for finding in rule.check(subject)}
+
+
+def _fails(item: Described, adapter: Adapter, key: str, entry: object) -> bool:
+    """Whether one golden frame fails when it is replayed by itself, or cannot be asked for."""
+    assert item.frames is not None
+    alone = item.frames.model_copy(update={"frames": [], "refused": [], "exchanges": [], key: [entry]})
+    try:
+        return bool(Runner(item.edition, alone, adapter).run().failures)
+    except (ArithmeticError, AssertionError, AttributeError, LookupError, StopIteration, TypeError):
+        return True
+
+
+@pytest.mark.parametrize("spec", [called(spec) for spec in SMALL])
+def test_check_says_what_a_replay_says(spec: str, tmp_path: Path) -> None:
+    """Of every golden frame, when the spec is changed and they are not; so no replay is needed to find what is stale."""
+    seen = 0
+    for name in _spread(list(MUTANTS[spec]), JUDGED):
+        item = _changed(spec, MUTANTS[spec][name], tmp_path)
+        if item is None or item.frames is None:
+            continue
+        judged = _judged(item, tmp_path / "changed.yaml")
+        adapter = ADAPTERS["python"](item, tmp_path)
+        for key in ("frames", "refused", "exchanges"):
+            for i, entry in enumerate(getattr(item.frames, key)):
+                said = judged.get((key, i), "")
+                if not said.startswith("there is no field"):  # that is said, too, of what is refused for its node
+                    assert bool(said) is _fails(item, adapter, key, entry), f"{name}: {key} {i}: {said or 'nothing'}"
+                seen += bool(said)
+    assert seen

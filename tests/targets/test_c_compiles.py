@@ -15,6 +15,7 @@ from canwright.targets import Described, c
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, compilers
 from ..conformance.adapters.c_harness import harness
 from ..conformance.adapters.c_signatures import functions
+from ..spec_texts import SPECS as WHOLE, called
 
 ROOT = Path(__file__).parents[2]
 CASES = Path(__file__).parent / "dbc"
@@ -63,8 +64,36 @@ def test_no_warning(compiler: Compiler, standard: str, units: Path, tmp_path: Pa
     language = ("-x", "c++") if standard.startswith("c++") else ()
     flags = (*WARNINGS, f"-I{units / 'include'}", *language, "-c", "-o", tmp_path / "unit.o")
     for level in LEVELS:
-        compiler.run(standard, *flags, level, units / "everything.c")
+        compiler.run(standard, *flags, "-Wswitch-enum", level, units / "everything.c")
     compiler.run(standard, *flags, "-O3", units / "program.c")
+
+
+@pytest.mark.parametrize("compiler", compilers(), ids=lambda compiler: compiler.name)
+def test_strict_cxx_takes_the_casts_of_c(compiler: Compiler, units: Path, tmp_path: Path) -> None:
+    """What C++ projects forbid in their own code, and what a pragma of ours must not leave behind."""
+    names = headers([described(spec) for spec in SPECS])
+    unit = tmp_path / "unit.cpp"
+    unit.write_text("".join(f'#include "{name}"\n' for name in names) + "int own(double d);\n", "utf-8")
+    forbidden = ["-Wold-style-cast", "-Wzero-as-null-pointer-constant"]
+    forbidden += ["-Wuseless-cast"] if compiler.name == "gcc" else []
+    arguments: tuple[str | Path, ...] = (*WARNINGS, *forbidden, f"-I{units / 'include'}", "-fsyntax-only", unit)
+    compiler.run("c++17", *arguments)
+    with unit.open("a", encoding="utf-8") as file:
+        file.write("int own(double d)\n{\n    return (int)d;\n}\n")
+    with pytest.raises(AssertionError, match="old-style"):
+        compiler.run("c++17", *arguments)
+
+
+def test_every_macro_and_member_has_a_comment(units: Path) -> None:
+    """Doxygen with WARN_IF_UNDOCUMENTED says nothing; include guards it knows by itself."""
+    for header in sorted((units / "include").rglob("*.h")):
+        text = header.read_text("utf-8")
+        declared = re.findall(r"(.*)\n(#define .*)", text)
+        for struct in re.findall(r"^typedef struct \{(.*?)^\}", text, re.DOTALL | re.MULTILINE):
+            declared += re.findall(r"(.*)\n( +(?:\w+ \w+\S*;|union \{))(?=\n)", struct)
+        assert declared
+        for before, line in declared:
+            assert before.endswith("*/") or before.startswith("#ifndef") or "/**<" in line, f"{header.name}: {line}"
 
 
 def test_two_editions_of_a_family_in_one_unit(tmp_path: Path) -> None:
@@ -117,31 +146,81 @@ def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
 
 def test_example_builds_and_runs(tmp_path: Path) -> None:
     folder = write([described(MAIN)], tmp_path / "c")
-    cmake = (sys.executable, "-c", "import cmake; cmake.cmake()")
-    ninja = subprocess.run(
-        [sys.executable, "-c", "import ninja; print(ninja.BIN_DIR)"], capture_output=True, text=True, check=True
-    ).stdout.strip()
-    build, prefix = tmp_path / "build", tmp_path / "prefix"
-
-    def run(*command: str | Path) -> str:
-        done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stdout + done.stderr
-        return done.stdout
-
-    generator = ("-G", "Ninja", f"-DCMAKE_MAKE_PROGRAM={ninja}/ninja", *_cmake_compilers())
-    run(*cmake, "-S", folder, "-B", build, *generator, f"-DCMAKE_INSTALL_PREFIX={prefix}")
-    run(*cmake, "--build", build)
-    run(*cmake, "--install", build)
-    examples = tmp_path / "examples"
-    run(*cmake, "-S", folder / "examples", "-B", examples, *generator, f"-DCMAKE_PREFIX_PATH={prefix}")
-    run(*cmake, "--build", examples)
+    build, prefix, examples = tmp_path / "build", tmp_path / "prefix", tmp_path / "examples"
+    _cmake("-S", folder, "-B", build, f"-DCMAKE_INSTALL_PREFIX={prefix}")
+    _cmake("--build", build)
+    _cmake("--install", build)
+    _cmake("-S", folder / "examples", "-B", examples, f"-DCMAKE_PREFIX_PATH={prefix}")
+    _cmake("--build", examples)
     programs = [f for f in sorted(examples.iterdir()) if f.is_file() and f.stat().st_mode & 0o111 and not f.suffix]
     assert programs
     for program in programs:
-        assert run(program)
+        done = subprocess.run([program], capture_output=True, text=True, check=True)
+        assert done.stdout
+
+
+def _cmake(*arguments: str | Path) -> None:
+    """CMake of PyPI, with its Ninja where it configures."""
+    command = [sys.executable, "-c", "import cmake; cmake.cmake()", *map(str, arguments)]
+    if arguments[0] == "-S":
+        find = (sys.executable, "-c", "import ninja; print(ninja.BIN_DIR)")
+        ninja = subprocess.run(find, capture_output=True, text=True, check=True).stdout.strip()
+        command += ["-G", "Ninja", f"-DCMAKE_MAKE_PROGRAM={ninja}/ninja", *_cmake_compilers()]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def _cmake_compilers() -> list[str]:
     """Settings that name the compilers; those of PyPI where there is no other."""
     first = compilers()[0]
     return [f"-DCMAKE_C_COMPILER={';'.join(first.c)}", f"-DCMAKE_CXX_COMPILER={';'.join(first.cxx)}"]
+
+
+@pytest.mark.parametrize("spec", WHOLE, ids=called)
+def test_the_programs_of_the_readme_compile(spec: Path, tmp_path: Path) -> None:
+    folder = write([described(spec)], tmp_path)
+    blocks = re.findall(r"```c\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
+    assert len(blocks) == (2 if list(folder.glob("examples/*.c")) else 0)
+    for number, block in enumerate(blocks):
+        unit = tmp_path / f"{number}.c"
+        unit.write_text(block, "utf-8")
+        compilers()[0].run("c99", *WARNINGS, f"-I{folder / 'include'}", "-fsyntax-only", unit)
+
+
+def test_cmake_serves_a_project_in_cxx_alone_and_keeps_editions_apart(tmp_path: Path) -> None:
+    folder = write([described(MAIN), described(MAIN.with_name("v2.36-2025-03.yaml"))], tmp_path / "c")
+    prefix = tmp_path / "prefix"
+    _cmake("-S", folder, "-B", tmp_path / "build", f"-DCMAKE_INSTALL_PREFIX={prefix}")
+    _cmake("--install", tmp_path / "build")
+    use = """
+#include <mwd_motor/v2_35.h>
+#include <mwd_motor/v2_36_2025_03.h>
+int main(void)
+{
+    canwright_frame_t frame;
+    mwd_motor_v2_35_set_torque_request_t message = {0};
+    return (int)mwd_motor_%s_set_torque_request_encode(&frame, 1u, &message);
+}
+"""
+    for language, ending, edition, compiles in (
+        ("CXX", "cpp", "v2_35", True),
+        ("C", "c", "v2_35", True),
+        ("C", "c", "v2_36_2025_03", False),
+    ):
+        project = tmp_path / f"{language}_{edition}"
+        project.mkdir()
+        (project / f"main.{ending}").write_text(use % edition, "utf-8")
+        lines = (
+            "cmake_minimum_required(VERSION 3.15)",
+            f"project(use LANGUAGES {language})",
+            "find_package(mwd_motor REQUIRED)",
+            f"add_executable(use main.{ending})",
+            "target_link_libraries(use PRIVATE mwd_motor::mwd_motor)",
+        )
+        (project / "CMakeLists.txt").write_text("\n".join(lines), "utf-8")
+        _cmake("-S", project, "-B", project / "build", f"-DCMAKE_PREFIX_PATH={prefix}")
+        if compiles:
+            _cmake("--build", project / "build")
+        else:
+            with pytest.raises(AssertionError, match="incompatible pointer type"):
+                _cmake("--build", project / "build")

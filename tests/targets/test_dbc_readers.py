@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import functools
 import io
+import itertools
+import re
 import struct
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -220,6 +222,17 @@ def test_selectors_side_by_side_have_a_file_that_reads_them_as_one() -> None:
         "r1B_0B_faults_bits_6_7": 0,
     }
     assert "lamp-v1-small-reply-index-node1.dbc" in texts
+    assert "- `index`: `shine` and 1 more\n" in texts["README.md"]
+    comment = plain.get_message_by_frame_id(0x101).get_signal_by_name("r1B_data").comment
+    assert comment == "Bits whose meaning the other selector tells; another file has them as fields."
+
+
+@pytest.mark.parametrize("spec", [*SPECS, *SMALL], ids=called)
+def test_no_comment_says_a_thing_twice(spec: Path) -> None:
+    for text in files(spec).values():
+        for comment in re.findall(r'^CM_ SG_ .*?"(.*)";$', text, re.MULTILINE):
+            words = comment.split(". ")[0].rstrip(".").lower().split(": ")
+            assert not any(one == other for one, other in itertools.pairwise(words)), comment
 
 
 def test_a_constant_between_selectors_is_read_with_them() -> None:

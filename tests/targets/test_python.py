@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
+from fractions import Fraction
 from pathlib import Path
 from types import ModuleType
 
@@ -13,7 +15,7 @@ from canwright.load import described
 from canwright.targets import python as target
 
 from ..conformance.adapters.python import load
-from ..spec_texts import MINIMAL, ROOT
+from ..spec_texts import MINIMAL, ROOT, SPECS, called
 
 SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
 
@@ -35,7 +37,7 @@ def test_mypy_strict_and_pyright_find_nothing(tmp_path: Path) -> None:
     write(tmp_path, SPEC)
     use = tmp_path / "use.py"
     use.write_text(
-        "from mwd_motor.v2_35 import (MotionFeedback, Parameters, ReadEncoderReply, ReadEncoderRequest, Series,\n"
+        "from mwd_motor.v2_35 import (CodecError, MotionFeedback, Parameters, Refusal, Reply, ReadEncoderReply, ReadEncoderRequest, Series,\n"
         "    SetTorqueRequest, decode_answer, decode_reply)\n"
         "known = Parameters(series=Series.MG, encoder_bits=18)\n"
         "request = SetTorqueRequest(node=1, iq=2.5, parameters=known)\n"
@@ -45,6 +47,11 @@ def test_mypy_strict_and_pyright_find_nothing(tmp_path: Path) -> None:
         "    amperes: float = reply.iq\n"
         "answer: ReadEncoderReply = decode_answer(ReadEncoderRequest, 0x141, data, known)\n"
         "counts: int = answer.encoder_raw\n"
+        "assert isinstance(answer, Reply)\n"
+        "try:\n"
+        "    SetTorqueRequest(node=1, iq=40, parameters=known)\n"
+        "except CodecError as error:\n"
+        "    out: bool = error.refusal is Refusal.OUT_OF_RANGE\n"
     )
     for command in (
         ("mypy", "--strict", "--no-incremental", "."),
@@ -142,3 +149,92 @@ def _without_strings(tree: ast.AST) -> str:
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             node.value = ""
     return ast.dump(tree)
+
+
+def test_ruff_finds_nothing_unused_or_undefined(tmp_path: Path) -> None:
+    for spec in SPECS:
+        write(tmp_path / spec.parent.name, spec)
+    command = (sys.executable, "-m", "ruff", "check", "--isolated", "--select", "F", str(tmp_path))
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stdout + result.stderr
+
+
+def test_a_parameter_that_cannot_be_is_refused(v2_35: ModuleType, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="encoder_bits=16 is none of 14, 15, 18; leave it out when it is not known"):
+        v2_35.Parameters(encoder_bits=16)
+    with pytest.raises(ValueError, match="series='XX' is none of MS, MF, MH, MG"):
+        v2_35.Parameters(series="XX")
+    assert v2_35.Parameters(series="MG").series == v2_35.Series.MG
+    spec = tmp_path / "spec.yaml"
+    spec.write_text(MINIMAL + "parameters: {size: {number: {min: 1/2, max: 8}}}\n", "utf-8")
+    lamp = load(write(tmp_path, spec), described(spec).edition)
+    assert (lamp.Parameters(size=0.5).size, lamp.Parameters(size=8).size) == (0.5, 8)
+    for wrong in (0, 9, -1):
+        with pytest.raises(ValueError, match=f"size={wrong} has to be at least 1/2 and at most 8"):
+            lamp.Parameters(size=wrong)
+    with pytest.raises(ValueError, match="size=nan is not a finite number"):
+        lamp.Parameters(size=float("nan"))
+    with pytest.raises(TypeError, match="size='4' is no number"):
+        lamp.Parameters(size="4")
+
+
+def test_what_is_no_number_is_refused_and_what_is_too_large_is_out_of_range(v2_35: ModuleType) -> None:
+    known = v2_35.Parameters(series=v2_35.Series.MG)
+    for wrong in ("2.5", None, [1]):
+        with pytest.raises(TypeError, match=r"iq=.* is no number"):
+            v2_35.SetTorqueRequest(node=1, iq=wrong, parameters=known)
+    for large in (10**400, Fraction(10**400), 1e308):
+        with pytest.raises(v2_35.CodecError, match="out of range") as caught:
+            v2_35.SetTorqueRequest(node=1, iq=large, parameters=known)
+        assert caught.value.refusal is v2_35.Refusal.OUT_OF_RANGE
+    with pytest.raises(TypeError):
+        v2_35.MotorOffRequest(node=1.5)
+    with pytest.raises(TypeError):
+        v2_35.SetTorqueRequest.from_raw(node=1, iq=1.5)
+
+
+def test_a_shared_layout_is_no_frame_of_its_own(v2_35: ModuleType) -> None:
+    known = v2_35.Parameters(series=v2_35.Series.MG, encoder_bits=14)
+    values = {"temperature": 1, "iq": 1, "speed": 1, "encoder": 1}
+    for make in (v2_35.MotionFeedback, v2_35.MotionFeedback.from_raw):
+        with pytest.raises(
+            TypeError, match="MotionFeedback is no frame of its own; use the class of a request or a reply"
+        ):
+            make(node=1, parameters=known, **values)
+
+
+def test_messages_and_errors_go_from_process_to_process(tmp_path: Path) -> None:
+    program = (
+        "import copy, pickle\n"
+        "from mwd_motor.v2_35 import CodecError, MoveToAngleRequest\n"
+        "request = MoveToAngleRequest(node=1, angle=90)\n"
+        "assert copy.deepcopy(request) == pickle.loads(pickle.dumps(request)) == request\n"
+        "try:\n"
+        "    MoveToAngleRequest(node=1, angle=1e9)\n"
+        "except CodecError as error:\n"
+        "    again = pickle.loads(pickle.dumps(error))\n"
+        "    assert (str(again), again.refusal, again.field) == (str(error), error.refusal, 'angle')\n"
+    )
+    folder = write(tmp_path, SPEC)
+    result = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_the_programs_of_the_readme(spec: Path, tmp_path: Path) -> None:
+    """The first runs and prints what a golden frame has; both are typed."""
+    folder, item = write(tmp_path, spec), described(spec)
+    blocks = re.findall(r"```python\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
+    assert item.frames is not None and len(blocks) == (0 if spec.parent.name == "pump" else 2)
+    if blocks:
+        command = [sys.executable, "-c", blocks[0]]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        sent = done.stdout.splitlines()[0]
+        assert sent in {f"{f.id:03X} {f.data.hex(' ').upper()}" for f in item.frames.frames if f.request}
+        assert "_raw=" not in done.stdout
+    if spec == SPEC:
+        (folder / "use.py").write_text("".join(blocks), "utf-8")
+        mypy = [sys.executable, "-m", "mypy", "--strict", "--no-incremental", "use.py"]
+        result = subprocess.run(mypy, cwd=folder, capture_output=True, text=True, check=False)
+        assert result.returncode == 0, result.stdout + result.stderr

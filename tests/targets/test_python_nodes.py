@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from collections.abc import Iterator
 from importlib import import_module
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import can
 import pytest
 
-from ..spec_texts import ROOT
+from ..spec_texts import MINIMAL, ROOT
+from .test_python import write
 
 NAMES = ("v2_35", "v2_35_2024_02", "v2_36_2025_03", "nodes", "python_can", "_codec")
 
@@ -89,3 +92,44 @@ def test_two_nodes_on_one_id_are_refused(package: dict[str, ModuleType]) -> None
     with pytest.raises(ValueError, match="both reply with the id 0x141"):
         package["nodes"].Nodes([make(package["v2_35"], 1), make(package["v2_35_2024_02"], 1)])
     package["nodes"].Nodes([make(package["v2_35"], 1), make(package["v2_36_2025_03"], 1)])
+
+
+def test_a_full_bus_costs_no_more_than_its_editions(package: dict[str, ModuleType]) -> None:
+    """Each edition is asked once a frame, and no id is tried out when the nodes are put together."""
+    asked: list[str] = []
+
+    class Counted:
+        """An edition that notes what it is asked."""
+
+        def __init__(self, edition: ModuleType) -> None:
+            self.edition = edition
+
+        def __getattr__(self, name: str) -> Any:
+            asked.append(name)
+            return getattr(self.edition, name)
+
+    editions = [Counted(package[name]) for name in ("v2_35", "v2_36_2025_03")]
+    bus = package["nodes"].Nodes([package["nodes"].Node(editions[n % 2], n) for n in range(1, 33)])
+    assert "node_of" not in asked
+    asked.clear()
+    reply = bus.decode_reply(0x180 + 31, bytes.fromhex("9A 32 08 13 64 00 10 00"))
+    assert (reply.node, reply.voltage) == (31, 48.72)
+    assert asked.count("node_of") == 2
+
+
+def test_two_nodes_on_one_29_bit_id_are_refused(tmp_path: Path) -> None:
+    spec = tmp_path / "spec.yaml"
+    ids = "{id: 0x1000 + node, nodes: 1..4, extended: true}"
+    spec.write_text(MINIMAL.replace("{id: 0x100 + node, nodes: 1..4}", ids), "utf-8")
+    write(tmp_path, spec)
+    program = (
+        "from lamp import v1\n"
+        "from lamp.nodes import Node, Nodes\n"
+        "Nodes([Node(v1, 1), Node(v1, 2)])\n"
+        "try:\n"
+        "    Nodes([Node(v1, 1), Node(v1, 2), Node(v1, 1)])\n"
+        "except ValueError as error:\n"
+        "    print(error)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert "both reply with the id 0x1001" in done.stdout

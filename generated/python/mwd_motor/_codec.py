@@ -7,6 +7,7 @@ import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from enum import Enum, IntEnum
 from fractions import Fraction
+from operator import index
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, Union
 
 if TYPE_CHECKING:
@@ -38,6 +39,9 @@ class CodecError(ValueError):
         self.refusal = refusal
         self.field = field
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.refusal, str(self), self.field)
+
 
 class FieldAbsent(AttributeError):
     """A field that this message does not have under its parameters."""
@@ -51,11 +55,38 @@ def known(parameters: object, name: str, what: str) -> Any:
     return value
 
 
+def check_choice(value: object, name: str, *values: object) -> None:
+    """Raises ValueError when a parameter is given and is none of its values."""
+    if value is not None and value not in values:
+        names = ", ".join(str(one.value if isinstance(one, Enum) else one) for one in values)
+        raise ValueError(f"{name}={value!r} is none of {names}; leave it out when it is not known")
+
+
+def check_number(value: Real | None, name: str, low: Real | None, high: Real | None) -> None:
+    """Raises ValueError when a parameter is given and out of its limits, TypeError when it is no number."""
+    if value is not None:
+        number = finite(value, name)
+        if (low is not None and number < low) or (high is not None and number > high):
+            ends = (f"at least {low}" if low is not None else "", f"at most {high}" if high is not None else "")
+            raise ValueError(f"{name}={value!r} has to be {' and '.join(filter(None, ends))}; leave it out when not known")
+
+
 def missing(name: str, what: str) -> CodecError:
     """The refusal of what depends on a parameter that is not given."""
     return CodecError(
         Refusal.MISSING_PARAMETER, f"{what} depends on {name}, which is not given; pass Parameters({name}=...)", what
     )
+
+
+def finite(value: Real, field: str) -> float:
+    """A number as a float. Raises TypeError (no number), CodecError (not_finite), OverflowError (too large)."""
+    try:
+        is_finite = math.isfinite(value)
+    except TypeError:
+        raise TypeError(f"{field}={value!r} is no number") from None
+    if not is_finite:
+        raise CodecError(Refusal.NOT_FINITE, f"{field}={float(value)!r} is not a finite number", field)
+    return float(value)
 
 
 def nearest(value: Real) -> int:
@@ -134,25 +165,25 @@ class Number:
     def raw(self, value: Real, parameters: object, field: str) -> int:
         """The raw integer nearest to a value, ties away from zero. Raises CodecError when it is refused."""
         numerator, denominator, offset = self._scale(parameters, field)
-        if not isinstance(value, int):
-            value = float(value)
-            if not math.isfinite(value):
-                raise CodecError(Refusal.NOT_FINITE, f"{field}={value!r} is not a finite number", field)
-        quotient: Real = value - float(offset) if offset else value
-        if denominator != 1:
-            quotient = quotient * denominator
-        if numerator != 1:
-            quotient = quotient / numerator
-        if not isinstance(quotient, int) and not math.isfinite(quotient):
-            raise self._out_of_range(f"{value!r}{self.unit}", parameters, field)
-        raw = nearest(quotient)
+        try:
+            if not isinstance(value, int):
+                value = finite(value, field)
+            quotient: Real = value - float(offset) if offset else value
+            if denominator != 1:
+                quotient = quotient * denominator
+            if numerator != 1:
+                quotient = quotient / numerator
+            raw = nearest(quotient)
+        except OverflowError:
+            raise self._out_of_range(f"{value!r}{self.unit}", parameters, field) from None
         low, high = self.span(parameters)
         if not low <= raw <= high:
             raise self._out_of_range(f"{value!r}{self.unit}", parameters, field)
         return raw
 
     def check(self, raw: int, parameters: object, field: str) -> int:
-        """The raw integer itself. Raises CodecError when it is out of range."""
+        """The raw integer itself. Raises CodecError when it is out of range, TypeError when it is no integer."""
+        raw = index(raw)
         low, high = self.span(parameters)
         if not low <= raw <= high:
             raise self._out_of_range(f"raw {raw}", parameters, field)
@@ -201,13 +232,10 @@ class Float:
 
     def raw(self, value: Real, parameters: object, field: str) -> int:
         """The bits of the nearest float. Raises CodecError when it is refused."""
-        number = float(value)
-        if not math.isfinite(number):
-            raise CodecError(Refusal.NOT_FINITE, f"{field}={number!r} is not a finite number", field)
         try:
-            bits: int = self.bits.unpack(self.number.pack(number))[0]
+            bits: int = self.bits.unpack(self.number.pack(finite(value, field)))[0]
         except OverflowError:
-            raise CodecError(Refusal.OUT_OF_RANGE, f"{field}={number!r} is too large for its float", field) from None
+            raise CodecError(Refusal.OUT_OF_RANGE, f"{field}={value!r} is too large for its float", field) from None
         return self.check(bits, parameters, field)
 
     def check(self, raw: int, parameters: object, field: str) -> int:
@@ -264,10 +292,10 @@ def each(check: Callable[[Any, Any, str], int], count: int) -> Callable[[Any, An
 
 
 def node_in(node: int | None, first: int, last: int) -> int:
-    """The node itself. Raises CodecError (unknown_node) when the address has no such node."""
-    if node is None or not first <= node <= last:
+    """The node itself. Raises CodecError (unknown_node) when the address has no such node, TypeError for no integer."""
+    if node is None or not first <= index(node) <= last:
         raise CodecError(Refusal.UNKNOWN_NODE, f"there is no node {node}; nodes are {first}..{last}", "node")
-    return node
+    return index(node)
 
 
 class Message:
@@ -319,7 +347,7 @@ class Message:
     def from_raw(cls, *, node: int | None = None, parameters: Any = None, **raw: Any) -> Self:
         """The message with these raw integers, by field. Raises CodecError where one is out of range."""
         self = cls.__new__(cls)
-        self.node = node_in(node, *cls.NODES) if hasattr(cls, "NODES") else None
+        self.node = node_in(node, *self.NODES) if hasattr(self, "NODES") else None
         self.parameters = cls.NOTHING_KNOWN if parameters is None else parameters
         if set(raw) != set(self.fields()):
             raise TypeError(f"{cls.__name__}.from_raw takes {', '.join(self.fields()) or 'no field'}")
@@ -335,6 +363,8 @@ class Message:
 
         def __getattr__(self, name):
             """Called for what is not there: a field that is absent under the parameters, or no field at all."""
+            if not hasattr(type(self), "COMMAND"):
+                raise TypeError(f"{type(self).__name__} is no frame of its own; use the class of a request or a reply")
             if name.removesuffix("_raw") not in type(self).TYPES:
                 raise AttributeError(f"{type(self).__name__} has no attribute {name}")
             there = ", ".join(self.fields())
@@ -493,6 +523,12 @@ class Router:
                     return route, node
         kind = ("29-bit " if extended else "") + ("remote " if remote else "")
         raise CodecError(Refusal.UNKNOWN_ID, f"no {self.direction} has the {kind}id 0x{can_id:X}")
+
+    def ids(self, node: int) -> Iterator[tuple[int, int, bool, bool]]:
+        """The ids of a node, each with its mask, and whether it is a 29-bit one and of remote frames."""
+        for route in self.routes:
+            if route.nodes is not None and node in route.nodes:
+                yield route.base + (node << route.shift), route.mask, route.extended, route.remote
 
 
 class Bare(Message):

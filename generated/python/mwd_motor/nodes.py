@@ -29,6 +29,8 @@ class Edition(Protocol):
 
     def node_of(self, direction: str, can_id: int, *, extended: bool = ..., remote: bool = ...) -> int | None: ...
 
+    def ids_of(self, direction: str, node: int) -> Iterable[tuple[int, int, bool, bool]]: ...
+
 
 class Node:
     """A node: the edition that it speaks, its number, and what is known of it (`Parameters` of that edition)."""
@@ -59,6 +61,10 @@ class Node:
             return False
         return node is None or node == self.node
 
+    def ids_of(self, direction: str) -> Iterable[tuple[int, int, bool, bool]]:
+        """The ids of this node, as those of `request` or `reply`; see the edition's function of that name."""
+        return self.edition.ids_of(direction, self.node)
+
     def decode_request(self, can_id: int, data: bytes, *, extended: bool = False, remote: bool = False) -> Message:
         """The request to this node that a frame is. Raises CodecError."""
         return self.edition.decode_request(can_id, data, self.parameters, extended=extended, remote=remote)
@@ -76,11 +82,17 @@ class Nodes:
 
     def __init__(self, nodes: Iterable[Node]) -> None:
         self._nodes = tuple(nodes)
-        for i, one in enumerate(self._nodes):
-            for other in self._nodes[:i]:
-                shared = next((can_id for can_id in range(0x800) if _is_own(one, can_id) and _is_own(other, can_id)), None)
-                if shared is not None:
-                    raise ValueError(f"{other!r} and {one!r} both reply with the id 0x{shared:X}; give one another number")
+        self._by_edition: dict[int, tuple[Edition, dict[int | None, tuple[int, Node]]]] = {}
+        taken: list[tuple[Node, int, int, tuple[bool, bool]]] = []
+        for place, one in enumerate(self._nodes):
+            _, by_number = self._by_edition.setdefault(id(one.edition), (one.edition, {None: (place, one)}))
+            by_number.setdefault(one.node, (place, one))
+            own = [(one, can_id, mask, (extended, remote)) for can_id, mask, extended, remote in one.ids_of("reply")]
+            for _, can_id, mask, kind in own:
+                for other, other_id, other_mask, other_kind in taken:
+                    if kind == other_kind and not (can_id ^ other_id) & ~(mask | other_mask):
+                        raise ValueError(f"{other!r} and {one!r} both reply with the id 0x{can_id:X}; give one another number")
+            taken += own
 
     def __iter__(self) -> Iterator[Node]:
         return iter(self._nodes)
@@ -96,18 +108,18 @@ class Nodes:
         return node.decode_reply(can_id, data, extended=extended, remote=remote)
 
     def _of(self, direction: str, can_id: int, extended: bool, remote: bool) -> Node:
-        for node in self._nodes:
-            if node.has(direction, can_id, extended, remote):
-                return node
-        raise CodecError(Refusal.UNKNOWN_ID, f"no node of this bus has a {direction} with the id 0x{can_id:X}")
-
-
-def _is_own(node: Node, can_id: int) -> bool:
-    """Whether a reply with this 11-bit id can only be of this node."""
-    try:
-        return node.edition.node_of("reply", can_id) == node.node
-    except CodecError:
-        return False
+        """The first node that has an id; each edition is asked once, however many nodes speak it."""
+        found: list[tuple[int, Node]] = []
+        for edition, by_number in self._by_edition.values():
+            try:
+                number = edition.node_of(direction, can_id, extended=extended, remote=remote)
+            except CodecError:
+                continue
+            if number in by_number:
+                found.append(by_number[number])
+        if not found:
+            raise CodecError(Refusal.UNKNOWN_ID, f"no node of this bus has a {direction} with the id 0x{can_id:X}")
+        return min(found, key=lambda one: one[0])[1]
 
 
 def _made(build: Callable[..., M], **values: Any) -> M:

@@ -15,16 +15,19 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
 from ._codec import (
     Bound,
     CodecError,
+    FieldAbsent,
     Message,
     Number,
+    Reader,
     Real,
     Refusal,
     Reply,
     Request,
-    Reader,
     Route,
     Router,
     ToNode,
+    check_choice,
+    check_number,
     flags,
     known,
     member,
@@ -37,6 +40,117 @@ from ._codec import (
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+__all__ = [
+    "BrakeAction",
+    "BrakeReply",
+    "BrakeRequest",
+    "BrakeState",
+    "ClearErrorsReply",
+    "ClearErrorsRequest",
+    "CodecError",
+    "ControlParametersCurrentRamp",
+    "ControlParametersMaxAngle",
+    "ControlParametersMaxSpeed",
+    "ControlParametersMaxTorqueCurrent",
+    "ControlParametersSpeedRamp",
+    "EDITION",
+    "ErrorFlags",
+    "FAMILY",
+    "FieldAbsent",
+    "Message",
+    "MotionFeedback",
+    "MotorOffReply",
+    "MotorOffRequest",
+    "MotorOnReply",
+    "MotorOnRequest",
+    "MotorState",
+    "MotorStopReply",
+    "MotorStopRequest",
+    "MoveByAngleAtSpeedReply",
+    "MoveByAngleAtSpeedRequest",
+    "MoveByAngleReply",
+    "MoveByAngleRequest",
+    "MoveToAngleAtSpeedReply",
+    "MoveToAngleAtSpeedRequest",
+    "MoveToAngleReply",
+    "MoveToAngleRequest",
+    "Parameters",
+    "PidGains",
+    "ReadControlParameterAnglePidReply",
+    "ReadControlParameterAnglePidRequest",
+    "ReadControlParameterCurrentPidReply",
+    "ReadControlParameterCurrentPidRequest",
+    "ReadControlParameterCurrentRampReply",
+    "ReadControlParameterCurrentRampRequest",
+    "ReadControlParameterMaxAngleReply",
+    "ReadControlParameterMaxAngleRequest",
+    "ReadControlParameterMaxSpeedReply",
+    "ReadControlParameterMaxSpeedRequest",
+    "ReadControlParameterMaxTorqueCurrentReply",
+    "ReadControlParameterMaxTorqueCurrentRequest",
+    "ReadControlParameterSpeedPidReply",
+    "ReadControlParameterSpeedPidRequest",
+    "ReadControlParameterSpeedRampReply",
+    "ReadControlParameterSpeedRampRequest",
+    "ReadEncoderReply",
+    "ReadEncoderRequest",
+    "ReadMultiTurnAngleReply",
+    "ReadMultiTurnAngleRequest",
+    "ReadSingleTurnAngleReply",
+    "ReadSingleTurnAngleRequest",
+    "ReadStatus1Reply",
+    "ReadStatus1Request",
+    "ReadStatus2Reply",
+    "ReadStatus2Request",
+    "ReadStatus3Reply",
+    "ReadStatus3Request",
+    "Refusal",
+    "Reply",
+    "Request",
+    "SPEC_HASH",
+    "Series",
+    "SetAngle",
+    "SetAngleReply",
+    "SetAngleRequest",
+    "SetPowerReply",
+    "SetPowerRequest",
+    "SetSpeedReply",
+    "SetSpeedRequest",
+    "SetTorqueReply",
+    "SetTorqueRequest",
+    "SpinDirection",
+    "Status1",
+    "TurnToAngleAtSpeedReply",
+    "TurnToAngleAtSpeedRequest",
+    "TurnToAngleReply",
+    "TurnToAngleRequest",
+    "UNKNOWN",
+    "WriteControlParameterRamAnglePidReply",
+    "WriteControlParameterRamAnglePidRequest",
+    "WriteControlParameterRamCurrentPidReply",
+    "WriteControlParameterRamCurrentPidRequest",
+    "WriteControlParameterRamCurrentRampReply",
+    "WriteControlParameterRamCurrentRampRequest",
+    "WriteControlParameterRamMaxAngleReply",
+    "WriteControlParameterRamMaxAngleRequest",
+    "WriteControlParameterRamMaxSpeedReply",
+    "WriteControlParameterRamMaxSpeedRequest",
+    "WriteControlParameterRamMaxTorqueCurrentReply",
+    "WriteControlParameterRamMaxTorqueCurrentRequest",
+    "WriteControlParameterRamSpeedPidReply",
+    "WriteControlParameterRamSpeedPidRequest",
+    "WriteControlParameterRamSpeedRampReply",
+    "WriteControlParameterRamSpeedRampRequest",
+    "WritePositionAsZeroRomReply",
+    "WritePositionAsZeroRomRequest",
+    "check_reply",
+    "decode_answer",
+    "decode_reply",
+    "decode_request",
+    "ids_of",
+    "node_of",
+]
 
 FAMILY = "mwd_motor"
 EDITION = "v2.36-2024-11"
@@ -68,9 +182,14 @@ class Parameters:
     encoder_bits: int | None = None
     """Encoder resolution in bits. One of 14, 15, 16. Sets how many counts make one turn."""
     gear_ratio: Real | None = None
-    """Gear ratio. Motor turns for one turn of the output; 1 without a gearbox. It sets the upper end of the
-    single-turn angle.
+    """Gear ratio. 1 or more. Motor turns for one turn of the output; 1 without a gearbox. It sets the upper end
+    of the single-turn angle.
     """
+
+    def __post_init__(self) -> None:
+        check_choice(self.series, "series", Series.MS, Series.MF, Series.MH, Series.MG)
+        check_choice(self.encoder_bits, "encoder_bits", 14, 15, 16)
+        check_number(self.gear_ratio, "gear_ratio", 1, None)
 
 
 UNKNOWN = Parameters()
@@ -621,8 +740,8 @@ class Status1(Message):
         self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
         self.voltage_raw = VOLTAGE.raw(voltage, self.parameters, "voltage")
         self.current_raw = BUS_CURRENT.raw(current, self.parameters, "current")
-        self.motor_state_raw = member(MotorState)(motor_state, self.parameters, "motor_state")
-        self.errors_raw = flags(0xFF)(errors, self.parameters, "errors")
+        self.motor_state_raw = self.TYPES["motor_state"](motor_state, self.parameters, "motor_state")
+        self.errors_raw = self.TYPES["errors"](errors, self.parameters, "errors")
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
@@ -771,7 +890,7 @@ class BrakeRequest(Request["BrakeReply"]):
     ) -> None:
         self.node = node_in(node, *self.NODES)
         self.parameters = UNKNOWN
-        self.action_raw = member(BrakeAction)(action, self.parameters, "action")
+        self.action_raw = self.TYPES["action"](action, self.parameters, "action")
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
@@ -1145,7 +1264,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     ) -> None:
         self.node = node_in(node, *self.NODES)
         self.parameters = UNKNOWN
-        self.spin_direction_raw = member(SpinDirection)(spin_direction, self.parameters, "spin_direction")
+        self.spin_direction_raw = self.TYPES["spin_direction"](spin_direction, self.parameters, "spin_direction")
         self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
 
     @classmethod
@@ -1215,7 +1334,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     ) -> None:
         self.node = node_in(node, *self.NODES)
         self.parameters = UNKNOWN
-        self.spin_direction_raw = member(SpinDirection)(spin_direction, self.parameters, "spin_direction")
+        self.spin_direction_raw = self.TYPES["spin_direction"](spin_direction, self.parameters, "spin_direction")
         self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
         self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
 
@@ -1982,7 +2101,7 @@ class BrakeReply(Reply):
     ) -> None:
         self.node = node_in(node, *self.NODES)
         self.parameters = UNKNOWN
-        self.state_raw = member(BrakeState)(state, self.parameters, "state")
+        self.state_raw = self.TYPES["state"](state, self.parameters, "state")
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
@@ -2831,11 +2950,105 @@ class ReadStatus3Reply(Reply):
         return pack("<Bbhhh", 0x9D, self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw)
 
 
+def _key_1(can_id: int, data: bytes) -> int:
+    return data[0]
+
+
+def _key_2(can_id: int, data: bytes) -> int:
+    return data[1]
+
+
 _REQUESTS = Router("request", (
-    Route(0x140, 0, range(1, 33), selector=lambda can_id, data: data[0], messages={0xC0: ((ReadControlParameterAnglePidRequest, ((lambda can_id, data: data[1], 0xA),)), (ReadControlParameterSpeedPidRequest, ((lambda can_id, data: data[1], 0xB),)), (ReadControlParameterCurrentPidRequest, ((lambda can_id, data: data[1], 0xC),)), (ReadControlParameterMaxTorqueCurrentRequest, ((lambda can_id, data: data[1], 0x1E),)), (ReadControlParameterMaxSpeedRequest, ((lambda can_id, data: data[1], 0x20),)), (ReadControlParameterMaxAngleRequest, ((lambda can_id, data: data[1], 0x22),)), (ReadControlParameterCurrentRampRequest, ((lambda can_id, data: data[1], 0x24),)), (ReadControlParameterSpeedRampRequest, ((lambda can_id, data: data[1], 0x26),)),), 0xC1: ((WriteControlParameterRamAnglePidRequest, ((lambda can_id, data: data[1], 0xA),)), (WriteControlParameterRamSpeedPidRequest, ((lambda can_id, data: data[1], 0xB),)), (WriteControlParameterRamCurrentPidRequest, ((lambda can_id, data: data[1], 0xC),)), (WriteControlParameterRamMaxTorqueCurrentRequest, ((lambda can_id, data: data[1], 0x1E),)), (WriteControlParameterRamMaxSpeedRequest, ((lambda can_id, data: data[1], 0x20),)), (WriteControlParameterRamMaxAngleRequest, ((lambda can_id, data: data[1], 0x22),)), (WriteControlParameterRamCurrentRampRequest, ((lambda can_id, data: data[1], 0x24),)), (WriteControlParameterRamSpeedRampRequest, ((lambda can_id, data: data[1], 0x26),)),), 0x80: ((MotorOffRequest, ()),), 0x88: ((MotorOnRequest, ()),), 0x81: ((MotorStopRequest, ()),), 0x8C: ((BrakeRequest, ()),), 0xA0: ((SetPowerRequest, ()),), 0xA1: ((SetTorqueRequest, ()),), 0xA2: ((SetSpeedRequest, ()),), 0xA3: ((MoveToAngleRequest, ()),), 0xA4: ((MoveToAngleAtSpeedRequest, ()),), 0xA5: ((TurnToAngleRequest, ()),), 0xA6: ((TurnToAngleAtSpeedRequest, ()),), 0xA7: ((MoveByAngleRequest, ()),), 0xA8: ((MoveByAngleAtSpeedRequest, ()),), 0x90: ((ReadEncoderRequest, ()),), 0x19: ((WritePositionAsZeroRomRequest, ()),), 0x92: ((ReadMultiTurnAngleRequest, ()),), 0x94: ((ReadSingleTurnAngleRequest, ()),), 0x95: ((SetAngleRequest, ()),), 0x9A: ((ReadStatus1Request, ()),), 0x9B: ((ClearErrorsRequest, ()),), 0x9C: ((ReadStatus2Request, ()),), 0x9D: ((ReadStatus3Request, ()),)}),
+    Route(0x140, 0, range(1, 33), selector=_key_1, messages={
+        0xC0: (
+            (ReadControlParameterAnglePidRequest, ((_key_2, 0x0A),)),
+            (ReadControlParameterSpeedPidRequest, ((_key_2, 0x0B),)),
+            (ReadControlParameterCurrentPidRequest, ((_key_2, 0x0C),)),
+            (ReadControlParameterMaxTorqueCurrentRequest, ((_key_2, 0x1E),)),
+            (ReadControlParameterMaxSpeedRequest, ((_key_2, 0x20),)),
+            (ReadControlParameterMaxAngleRequest, ((_key_2, 0x22),)),
+            (ReadControlParameterCurrentRampRequest, ((_key_2, 0x24),)),
+            (ReadControlParameterSpeedRampRequest, ((_key_2, 0x26),)),
+        ),
+        0xC1: (
+            (WriteControlParameterRamAnglePidRequest, ((_key_2, 0x0A),)),
+            (WriteControlParameterRamSpeedPidRequest, ((_key_2, 0x0B),)),
+            (WriteControlParameterRamCurrentPidRequest, ((_key_2, 0x0C),)),
+            (WriteControlParameterRamMaxTorqueCurrentRequest, ((_key_2, 0x1E),)),
+            (WriteControlParameterRamMaxSpeedRequest, ((_key_2, 0x20),)),
+            (WriteControlParameterRamMaxAngleRequest, ((_key_2, 0x22),)),
+            (WriteControlParameterRamCurrentRampRequest, ((_key_2, 0x24),)),
+            (WriteControlParameterRamSpeedRampRequest, ((_key_2, 0x26),)),
+        ),
+        0x80: ((MotorOffRequest, ()),),
+        0x88: ((MotorOnRequest, ()),),
+        0x81: ((MotorStopRequest, ()),),
+        0x8C: ((BrakeRequest, ()),),
+        0xA0: ((SetPowerRequest, ()),),
+        0xA1: ((SetTorqueRequest, ()),),
+        0xA2: ((SetSpeedRequest, ()),),
+        0xA3: ((MoveToAngleRequest, ()),),
+        0xA4: ((MoveToAngleAtSpeedRequest, ()),),
+        0xA5: ((TurnToAngleRequest, ()),),
+        0xA6: ((TurnToAngleAtSpeedRequest, ()),),
+        0xA7: ((MoveByAngleRequest, ()),),
+        0xA8: ((MoveByAngleAtSpeedRequest, ()),),
+        0x90: ((ReadEncoderRequest, ()),),
+        0x19: ((WritePositionAsZeroRomRequest, ()),),
+        0x92: ((ReadMultiTurnAngleRequest, ()),),
+        0x94: ((ReadSingleTurnAngleRequest, ()),),
+        0x95: ((SetAngleRequest, ()),),
+        0x9A: ((ReadStatus1Request, ()),),
+        0x9B: ((ClearErrorsRequest, ()),),
+        0x9C: ((ReadStatus2Request, ()),),
+        0x9D: ((ReadStatus3Request, ()),),
+    }),
 ))
 _REPLIES = Router("reply", (
-    Route(0x180, 0, range(1, 33), selector=lambda can_id, data: data[0], messages={0xC0: ((ReadControlParameterAnglePidReply, ((lambda can_id, data: data[1], 0xA),)), (ReadControlParameterSpeedPidReply, ((lambda can_id, data: data[1], 0xB),)), (ReadControlParameterCurrentPidReply, ((lambda can_id, data: data[1], 0xC),)), (ReadControlParameterMaxTorqueCurrentReply, ((lambda can_id, data: data[1], 0x1E),)), (ReadControlParameterMaxSpeedReply, ((lambda can_id, data: data[1], 0x20),)), (ReadControlParameterMaxAngleReply, ((lambda can_id, data: data[1], 0x22),)), (ReadControlParameterCurrentRampReply, ((lambda can_id, data: data[1], 0x24),)), (ReadControlParameterSpeedRampReply, ((lambda can_id, data: data[1], 0x26),)),), 0xC1: ((WriteControlParameterRamAnglePidReply, ((lambda can_id, data: data[1], 0xA),)), (WriteControlParameterRamSpeedPidReply, ((lambda can_id, data: data[1], 0xB),)), (WriteControlParameterRamCurrentPidReply, ((lambda can_id, data: data[1], 0xC),)), (WriteControlParameterRamMaxTorqueCurrentReply, ((lambda can_id, data: data[1], 0x1E),)), (WriteControlParameterRamMaxSpeedReply, ((lambda can_id, data: data[1], 0x20),)), (WriteControlParameterRamMaxAngleReply, ((lambda can_id, data: data[1], 0x22),)), (WriteControlParameterRamCurrentRampReply, ((lambda can_id, data: data[1], 0x24),)), (WriteControlParameterRamSpeedRampReply, ((lambda can_id, data: data[1], 0x26),)),), 0x80: ((MotorOffReply, ()),), 0x88: ((MotorOnReply, ()),), 0x81: ((MotorStopReply, ()),), 0x8C: ((BrakeReply, ()),), 0xA0: ((SetPowerReply, ()),), 0xA1: ((SetTorqueReply, ()),), 0xA2: ((SetSpeedReply, ()),), 0xA3: ((MoveToAngleReply, ()),), 0xA4: ((MoveToAngleAtSpeedReply, ()),), 0xA5: ((TurnToAngleReply, ()),), 0xA6: ((TurnToAngleAtSpeedReply, ()),), 0xA7: ((MoveByAngleReply, ()),), 0xA8: ((MoveByAngleAtSpeedReply, ()),), 0x90: ((ReadEncoderReply, ()),), 0x19: ((WritePositionAsZeroRomReply, ()),), 0x92: ((ReadMultiTurnAngleReply, ()),), 0x94: ((ReadSingleTurnAngleReply, ()),), 0x95: ((SetAngleReply, ()),), 0x9A: ((ReadStatus1Reply, ()),), 0x9B: ((ClearErrorsReply, ()),), 0x9C: ((ReadStatus2Reply, ()),), 0x9D: ((ReadStatus3Reply, ()),)}),
+    Route(0x180, 0, range(1, 33), selector=_key_1, messages={
+        0xC0: (
+            (ReadControlParameterAnglePidReply, ((_key_2, 0x0A),)),
+            (ReadControlParameterSpeedPidReply, ((_key_2, 0x0B),)),
+            (ReadControlParameterCurrentPidReply, ((_key_2, 0x0C),)),
+            (ReadControlParameterMaxTorqueCurrentReply, ((_key_2, 0x1E),)),
+            (ReadControlParameterMaxSpeedReply, ((_key_2, 0x20),)),
+            (ReadControlParameterMaxAngleReply, ((_key_2, 0x22),)),
+            (ReadControlParameterCurrentRampReply, ((_key_2, 0x24),)),
+            (ReadControlParameterSpeedRampReply, ((_key_2, 0x26),)),
+        ),
+        0xC1: (
+            (WriteControlParameterRamAnglePidReply, ((_key_2, 0x0A),)),
+            (WriteControlParameterRamSpeedPidReply, ((_key_2, 0x0B),)),
+            (WriteControlParameterRamCurrentPidReply, ((_key_2, 0x0C),)),
+            (WriteControlParameterRamMaxTorqueCurrentReply, ((_key_2, 0x1E),)),
+            (WriteControlParameterRamMaxSpeedReply, ((_key_2, 0x20),)),
+            (WriteControlParameterRamMaxAngleReply, ((_key_2, 0x22),)),
+            (WriteControlParameterRamCurrentRampReply, ((_key_2, 0x24),)),
+            (WriteControlParameterRamSpeedRampReply, ((_key_2, 0x26),)),
+        ),
+        0x80: ((MotorOffReply, ()),),
+        0x88: ((MotorOnReply, ()),),
+        0x81: ((MotorStopReply, ()),),
+        0x8C: ((BrakeReply, ()),),
+        0xA0: ((SetPowerReply, ()),),
+        0xA1: ((SetTorqueReply, ()),),
+        0xA2: ((SetSpeedReply, ()),),
+        0xA3: ((MoveToAngleReply, ()),),
+        0xA4: ((MoveToAngleAtSpeedReply, ()),),
+        0xA5: ((TurnToAngleReply, ()),),
+        0xA6: ((TurnToAngleAtSpeedReply, ()),),
+        0xA7: ((MoveByAngleReply, ()),),
+        0xA8: ((MoveByAngleAtSpeedReply, ()),),
+        0x90: ((ReadEncoderReply, ()),),
+        0x19: ((WritePositionAsZeroRomReply, ()),),
+        0x92: ((ReadMultiTurnAngleReply, ()),),
+        0x94: ((ReadSingleTurnAngleReply, ()),),
+        0x95: ((SetAngleReply, ()),),
+        0x9A: ((ReadStatus1Reply, ()),),
+        0x9B: ((ClearErrorsReply, ()),),
+        0x9C: ((ReadStatus2Reply, ()),),
+        0x9D: ((ReadStatus3Reply, ()),),
+    }),
 ))
 
 R = TypeVar("R", bound=Message)
@@ -2870,50 +3083,58 @@ class _Answer:
 
 
 _ANSWERS: dict[type[Message], _Answer] = {
-    MotorOffRequest: _Answer(MotorOffReply, ((lambda can_id, data: data[0], (0x80, )), ), (), True),
-    MotorOnRequest: _Answer(MotorOnReply, ((lambda can_id, data: data[0], (0x88, )), ), (), True),
-    MotorStopRequest: _Answer(MotorStopReply, ((lambda can_id, data: data[0], (0x81, )), ), (), True),
-    BrakeRequest: _Answer(BrakeReply, ((lambda can_id, data: data[0], (0x8C, )), ), (), False),
-    SetPowerRequest: _Answer(SetPowerReply, ((lambda can_id, data: data[0], (0xA0, )), ), (), False),
-    SetTorqueRequest: _Answer(SetTorqueReply, ((lambda can_id, data: data[0], (0xA1, )), ), (), False),
-    SetSpeedRequest: _Answer(SetSpeedReply, ((lambda can_id, data: data[0], (0xA2, )), ), (), False),
-    MoveToAngleRequest: _Answer(MoveToAngleReply, ((lambda can_id, data: data[0], (0xA3, )), ), (), False),
-    MoveToAngleAtSpeedRequest: _Answer(MoveToAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA4, )), ), (), False),
-    TurnToAngleRequest: _Answer(TurnToAngleReply, ((lambda can_id, data: data[0], (0xA5, )), ), (), False),
-    TurnToAngleAtSpeedRequest: _Answer(TurnToAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA6, )), ), (), False),
-    MoveByAngleRequest: _Answer(MoveByAngleReply, ((lambda can_id, data: data[0], (0xA7, )), ), (), False),
-    MoveByAngleAtSpeedRequest: _Answer(MoveByAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA8, )), ), (), False),
-    ReadControlParameterAnglePidRequest: _Answer(ReadControlParameterAnglePidReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x0A, )), ), (), False),
-    ReadControlParameterSpeedPidRequest: _Answer(ReadControlParameterSpeedPidReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x0B, )), ), (), False),
-    ReadControlParameterCurrentPidRequest: _Answer(ReadControlParameterCurrentPidReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x0C, )), ), (), False),
-    ReadControlParameterMaxTorqueCurrentRequest: _Answer(ReadControlParameterMaxTorqueCurrentReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x1E, )), ), (), False),
-    ReadControlParameterMaxSpeedRequest: _Answer(ReadControlParameterMaxSpeedReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x20, )), ), (), False),
-    ReadControlParameterMaxAngleRequest: _Answer(ReadControlParameterMaxAngleReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x22, )), ), (), False),
-    ReadControlParameterCurrentRampRequest: _Answer(ReadControlParameterCurrentRampReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x24, )), ), (), False),
-    ReadControlParameterSpeedRampRequest: _Answer(ReadControlParameterSpeedRampReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x26, )), ), (), False),
-    WriteControlParameterRamAnglePidRequest: _Answer(WriteControlParameterRamAnglePidReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x0A, )), ), (), False),
-    WriteControlParameterRamSpeedPidRequest: _Answer(WriteControlParameterRamSpeedPidReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x0B, )), ), (), False),
-    WriteControlParameterRamCurrentPidRequest: _Answer(WriteControlParameterRamCurrentPidReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x0C, )), ), (), False),
-    WriteControlParameterRamMaxTorqueCurrentRequest: _Answer(WriteControlParameterRamMaxTorqueCurrentReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x1E, )), ), (), False),
-    WriteControlParameterRamMaxSpeedRequest: _Answer(WriteControlParameterRamMaxSpeedReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x20, )), ), (), False),
-    WriteControlParameterRamMaxAngleRequest: _Answer(WriteControlParameterRamMaxAngleReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x22, )), ), (), False),
-    WriteControlParameterRamCurrentRampRequest: _Answer(WriteControlParameterRamCurrentRampReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x24, )), ), (), False),
-    WriteControlParameterRamSpeedRampRequest: _Answer(WriteControlParameterRamSpeedRampReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x26, )), ), (), False),
-    ReadEncoderRequest: _Answer(ReadEncoderReply, ((lambda can_id, data: data[0], (0x90, )), ), (), False),
-    WritePositionAsZeroRomRequest: _Answer(WritePositionAsZeroRomReply, ((lambda can_id, data: data[0], (0x19, )), ), (), False),
-    ReadMultiTurnAngleRequest: _Answer(ReadMultiTurnAngleReply, ((lambda can_id, data: data[0], (0x92, )), ), (), False),
-    ReadSingleTurnAngleRequest: _Answer(ReadSingleTurnAngleReply, ((lambda can_id, data: data[0], (0x94, )), ), (), False),
-    SetAngleRequest: _Answer(SetAngleReply, ((lambda can_id, data: data[0], (0x95, )), ), (), True),
-    ReadStatus1Request: _Answer(ReadStatus1Reply, ((lambda can_id, data: data[0], (0x9A, )), ), (), False),
-    ClearErrorsRequest: _Answer(ClearErrorsReply, ((lambda can_id, data: data[0], (0x9B, )), ), (), False),
-    ReadStatus2Request: _Answer(ReadStatus2Reply, ((lambda can_id, data: data[0], (0x9C, )), ), (), False),
-    ReadStatus3Request: _Answer(ReadStatus3Reply, ((lambda can_id, data: data[0], (0x9D, )), ), (), False),
+    MotorOffRequest: _Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
+    MotorOnRequest: _Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
+    MotorStopRequest: _Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
+    BrakeRequest: _Answer(BrakeReply, ((_key_1, (0x8C,)),), (), False),
+    SetPowerRequest: _Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
+    SetTorqueRequest: _Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
+    SetSpeedRequest: _Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
+    MoveToAngleRequest: _Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
+    MoveToAngleAtSpeedRequest: _Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
+    TurnToAngleRequest: _Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
+    TurnToAngleAtSpeedRequest: _Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
+    MoveByAngleRequest: _Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
+    MoveByAngleAtSpeedRequest: _Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
+    ReadControlParameterAnglePidRequest: _Answer(ReadControlParameterAnglePidReply, ((_key_1, (0xC0,)), (_key_2, (0x0A,))), (), False),
+    ReadControlParameterSpeedPidRequest: _Answer(ReadControlParameterSpeedPidReply, ((_key_1, (0xC0,)), (_key_2, (0x0B,))), (), False),
+    ReadControlParameterCurrentPidRequest: _Answer(ReadControlParameterCurrentPidReply, ((_key_1, (0xC0,)), (_key_2, (0x0C,))), (), False),
+    ReadControlParameterMaxTorqueCurrentRequest: _Answer(ReadControlParameterMaxTorqueCurrentReply, ((_key_1, (0xC0,)), (_key_2, (0x1E,))), (), False),
+    ReadControlParameterMaxSpeedRequest: _Answer(ReadControlParameterMaxSpeedReply, ((_key_1, (0xC0,)), (_key_2, (0x20,))), (), False),
+    ReadControlParameterMaxAngleRequest: _Answer(ReadControlParameterMaxAngleReply, ((_key_1, (0xC0,)), (_key_2, (0x22,))), (), False),
+    ReadControlParameterCurrentRampRequest: _Answer(ReadControlParameterCurrentRampReply, ((_key_1, (0xC0,)), (_key_2, (0x24,))), (), False),
+    ReadControlParameterSpeedRampRequest: _Answer(ReadControlParameterSpeedRampReply, ((_key_1, (0xC0,)), (_key_2, (0x26,))), (), False),
+    WriteControlParameterRamAnglePidRequest: _Answer(WriteControlParameterRamAnglePidReply, ((_key_1, (0xC1,)), (_key_2, (0x0A,))), (), False),
+    WriteControlParameterRamSpeedPidRequest: _Answer(WriteControlParameterRamSpeedPidReply, ((_key_1, (0xC1,)), (_key_2, (0x0B,))), (), False),
+    WriteControlParameterRamCurrentPidRequest: _Answer(WriteControlParameterRamCurrentPidReply, ((_key_1, (0xC1,)), (_key_2, (0x0C,))), (), False),
+    WriteControlParameterRamMaxTorqueCurrentRequest: _Answer(WriteControlParameterRamMaxTorqueCurrentReply, ((_key_1, (0xC1,)), (_key_2, (0x1E,))), (), False),
+    WriteControlParameterRamMaxSpeedRequest: _Answer(WriteControlParameterRamMaxSpeedReply, ((_key_1, (0xC1,)), (_key_2, (0x20,))), (), False),
+    WriteControlParameterRamMaxAngleRequest: _Answer(WriteControlParameterRamMaxAngleReply, ((_key_1, (0xC1,)), (_key_2, (0x22,))), (), False),
+    WriteControlParameterRamCurrentRampRequest: _Answer(WriteControlParameterRamCurrentRampReply, ((_key_1, (0xC1,)), (_key_2, (0x24,))), (), False),
+    WriteControlParameterRamSpeedRampRequest: _Answer(WriteControlParameterRamSpeedRampReply, ((_key_1, (0xC1,)), (_key_2, (0x26,))), (), False),
+    ReadEncoderRequest: _Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
+    WritePositionAsZeroRomRequest: _Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
+    ReadMultiTurnAngleRequest: _Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
+    ReadSingleTurnAngleRequest: _Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
+    SetAngleRequest: _Answer(SetAngleReply, ((_key_1, (0x95,)),), (), True),
+    ReadStatus1Request: _Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
+    ClearErrorsRequest: _Answer(ClearErrorsReply, ((_key_1, (0x9B,)),), (), False),
+    ReadStatus2Request: _Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
+    ReadStatus3Request: _Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
 }
 
 
 def node_of(direction: str, can_id: int, *, extended: bool = False, remote: bool = False) -> int | None:
     """The node of an id, as a `request` or a `reply`; None for an id without one. Raises CodecError (unknown_id)."""
     return (_REQUESTS if direction == "request" else _REPLIES).find(can_id, extended, remote)[1]
+
+
+def ids_of(direction: str, node: int) -> tuple[tuple[int, int, bool, bool], ...]:
+    """The ids of a node, as a `request` or a `reply`: each with the bits of it that messages fill in.
+
+    The last two tell whether it is a 29-bit id, and that of a remote frame.
+    """
+    return tuple((_REQUESTS if direction == "request" else _REPLIES).ids(node))
 
 
 def decode_request(

@@ -16,16 +16,19 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
 from ._codec import (
     Bound,
     CodecError,
+    FieldAbsent,
     Message,
     Number,
+    Reader,
     Real,
     Refusal,
     Reply,
     Request,
-    Reader,
     Route,
     Router,
     ToNode,
+    check_choice,
+    check_number,
     constant,
     flags,
     known,
@@ -39,6 +42,182 @@ from ._codec import (
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+__all__ = [
+    "AlignState",
+    "BrakeAction",
+    "BrakeReply",
+    "BrakeRequest",
+    "BrakeState",
+    "BusType",
+    "CalibrateEncoderReply",
+    "CalibrateEncoderRequest",
+    "CanBaudRate",
+    "ClearErrorsReply",
+    "ClearErrorsRequest",
+    "CodecError",
+    "ControlParametersLowerAngle",
+    "ControlParametersMaxSpeed",
+    "ControlParametersMaxTorqueCurrent",
+    "ControlParametersSpeedRamp",
+    "ControlParametersUpperAngle",
+    "EDITION",
+    "ErrorFlags",
+    "FAMILY",
+    "FieldAbsent",
+    "Message",
+    "MotionFeedback",
+    "MotorOffReply",
+    "MotorOffRequest",
+    "MotorOnReply",
+    "MotorOnRequest",
+    "MotorState",
+    "MotorStopReply",
+    "MotorStopRequest",
+    "MoveByAngleAtSpeedReply",
+    "MoveByAngleAtSpeedRequest",
+    "MoveByAngleReply",
+    "MoveByAngleRequest",
+    "MoveToAngleAtSpeedReply",
+    "MoveToAngleAtSpeedRequest",
+    "MoveToAngleReply",
+    "MoveToAngleRequest",
+    "Parameters",
+    "PidGains",
+    "ReadControlParameterAnglePidReply",
+    "ReadControlParameterAnglePidRequest",
+    "ReadControlParameterCurrentPidReply",
+    "ReadControlParameterCurrentPidRequest",
+    "ReadControlParameterLowerAngleReply",
+    "ReadControlParameterLowerAngleRequest",
+    "ReadControlParameterMaxSpeedReply",
+    "ReadControlParameterMaxSpeedRequest",
+    "ReadControlParameterMaxTorqueCurrentReply",
+    "ReadControlParameterMaxTorqueCurrentRequest",
+    "ReadControlParameterSpeedPidReply",
+    "ReadControlParameterSpeedPidRequest",
+    "ReadControlParameterSpeedRampReply",
+    "ReadControlParameterSpeedRampRequest",
+    "ReadControlParameterUpperAngleReply",
+    "ReadControlParameterUpperAngleRequest",
+    "ReadEncoderReply",
+    "ReadEncoderRequest",
+    "ReadMultiTurnAngleReply",
+    "ReadMultiTurnAngleRequest",
+    "ReadSingleTurnAngleReply",
+    "ReadSingleTurnAngleRequest",
+    "ReadStatus1Reply",
+    "ReadStatus1Request",
+    "ReadStatus2Reply",
+    "ReadStatus2Request",
+    "ReadStatus3Reply",
+    "ReadStatus3Request",
+    "ReadStoredSettingAnglePidReply",
+    "ReadStoredSettingAnglePidRequest",
+    "ReadStoredSettingBusTypeReply",
+    "ReadStoredSettingBusTypeRequest",
+    "ReadStoredSettingCanBaudRateReply",
+    "ReadStoredSettingCanBaudRateRequest",
+    "ReadStoredSettingCurrentPidReply",
+    "ReadStoredSettingCurrentPidRequest",
+    "ReadStoredSettingCurrentRampReply",
+    "ReadStoredSettingCurrentRampRequest",
+    "ReadStoredSettingDriverIdReply",
+    "ReadStoredSettingDriverIdRequest",
+    "ReadStoredSettingMaxAngleReply",
+    "ReadStoredSettingMaxAngleRequest",
+    "ReadStoredSettingMaxPowerReply",
+    "ReadStoredSettingMaxPowerRequest",
+    "ReadStoredSettingMaxSpeedReply",
+    "ReadStoredSettingMaxSpeedRequest",
+    "ReadStoredSettingRs485BaudRateReply",
+    "ReadStoredSettingRs485BaudRateRequest",
+    "ReadStoredSettingSpeedPidReply",
+    "ReadStoredSettingSpeedPidRequest",
+    "ReadStoredSettingSpeedRampReply",
+    "ReadStoredSettingSpeedRampRequest",
+    "Refusal",
+    "Reply",
+    "Request",
+    "Rs485BaudRate",
+    "SPEC_HASH",
+    "SaveResult",
+    "SaveStoredSettingsReply",
+    "SaveStoredSettingsRequest",
+    "Series",
+    "SetPowerReply",
+    "SetPowerRequest",
+    "SetSpeedReply",
+    "SetSpeedRequest",
+    "SetTorqueReply",
+    "SetTorqueRequest",
+    "SetZeroRamReply",
+    "SetZeroRamRequest",
+    "SpinDirection",
+    "StageStoredSettingAnglePidReply",
+    "StageStoredSettingAnglePidRequest",
+    "StageStoredSettingBusTypeReply",
+    "StageStoredSettingBusTypeRequest",
+    "StageStoredSettingCanBaudRateReply",
+    "StageStoredSettingCanBaudRateRequest",
+    "StageStoredSettingCurrentPidReply",
+    "StageStoredSettingCurrentPidRequest",
+    "StageStoredSettingCurrentRampReply",
+    "StageStoredSettingCurrentRampRequest",
+    "StageStoredSettingDriverIdReply",
+    "StageStoredSettingDriverIdRequest",
+    "StageStoredSettingMaxAngleReply",
+    "StageStoredSettingMaxAngleRequest",
+    "StageStoredSettingMaxPowerReply",
+    "StageStoredSettingMaxPowerRequest",
+    "StageStoredSettingMaxSpeedReply",
+    "StageStoredSettingMaxSpeedRequest",
+    "StageStoredSettingRs485BaudRateReply",
+    "StageStoredSettingRs485BaudRateRequest",
+    "StageStoredSettingSpeedPidReply",
+    "StageStoredSettingSpeedPidRequest",
+    "StageStoredSettingSpeedRampReply",
+    "StageStoredSettingSpeedRampRequest",
+    "Status1",
+    "StoredSettingsBusType",
+    "StoredSettingsCanBaudRate",
+    "StoredSettingsCurrentRamp",
+    "StoredSettingsDriverId",
+    "StoredSettingsMaxAngle",
+    "StoredSettingsMaxPower",
+    "StoredSettingsMaxSpeed",
+    "StoredSettingsRs485BaudRate",
+    "StoredSettingsSpeedRamp",
+    "TurnToAngleAtSpeedReply",
+    "TurnToAngleAtSpeedRequest",
+    "TurnToAngleReply",
+    "TurnToAngleRequest",
+    "UNKNOWN",
+    "WriteControlParameterRamAnglePidReply",
+    "WriteControlParameterRamAnglePidRequest",
+    "WriteControlParameterRamCurrentPidReply",
+    "WriteControlParameterRamCurrentPidRequest",
+    "WriteControlParameterRamLowerAngleReply",
+    "WriteControlParameterRamLowerAngleRequest",
+    "WriteControlParameterRamMaxSpeedReply",
+    "WriteControlParameterRamMaxSpeedRequest",
+    "WriteControlParameterRamMaxTorqueCurrentReply",
+    "WriteControlParameterRamMaxTorqueCurrentRequest",
+    "WriteControlParameterRamSpeedPidReply",
+    "WriteControlParameterRamSpeedPidRequest",
+    "WriteControlParameterRamSpeedRampReply",
+    "WriteControlParameterRamSpeedRampRequest",
+    "WriteControlParameterRamUpperAngleReply",
+    "WriteControlParameterRamUpperAngleRequest",
+    "WritePositionAsZeroRomReply",
+    "WritePositionAsZeroRomRequest",
+    "check_reply",
+    "decode_answer",
+    "decode_reply",
+    "decode_request",
+    "ids_of",
+    "node_of",
+]
 
 FAMILY = "mwd_motor"
 EDITION = "v2.36-2025-03"
@@ -70,9 +249,14 @@ class Parameters:
     encoder_bits: int | None = None
     """Encoder resolution in bits. One of 14, 15, 16. Sets how many counts make one turn."""
     gear_ratio: Real | None = None
-    """Gear ratio. Motor turns for one turn of the output; 1 without a gearbox. It sets the upper end of the
-    single-turn angle.
+    """Gear ratio. 1 or more. Motor turns for one turn of the output; 1 without a gearbox. It sets the upper end
+    of the single-turn angle.
     """
+
+    def __post_init__(self) -> None:
+        check_choice(self.series, "series", Series.MS, Series.MF, Series.MH, Series.MG)
+        check_choice(self.encoder_bits, "encoder_bits", 14, 15, 16)
+        check_number(self.gear_ratio, "gear_ratio", 1, None)
 
 
 UNKNOWN = Parameters()
@@ -585,7 +769,7 @@ class StoredSettingsBusType(Message):
     ) -> None:
         self.node = node_in(node, *self.NODES)
         self.parameters = UNKNOWN
-        self.bus_type_raw = member(BusType)(bus_type, self.parameters, "bus_type")
+        self.bus_type_raw = self.TYPES["bus_type"](bus_type, self.parameters, "bus_type")
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
@@ -624,7 +808,7 @@ class StoredSettingsRs485BaudRate(Message):
     ) -> None:
         self.node = node_in(node, *self.NODES)
         self.parameters = UNKNOWN
-        self.rs485_baud_rate_raw = member(Rs485BaudRate)(rs485_baud_rate, self.parameters, "rs485_baud_rate")
+        self.rs485_baud_rate_raw = self.TYPES["rs485_baud_rate"](rs485_baud_rate, self.parameters, "rs485_baud_rate")
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
@@ -663,7 +847,7 @@ class StoredSettingsCanBaudRate(Message):
     ) -> None:
         self.node = node_in(node, *self.NODES)
         self.parameters = UNKNOWN
-        self.can_baud_rate_raw = member(CanBaudRate)(can_baud_rate, self.parameters, "can_baud_rate")
+        self.can_baud_rate_raw = self.TYPES["can_baud_rate"](can_baud_rate, self.parameters, "can_baud_rate")
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
@@ -1050,8 +1234,8 @@ class Status1(Message):
         self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
         self.voltage_raw = VOLTAGE.raw(voltage, self.parameters, "voltage")
         self.current_raw = BUS_CURRENT.raw(current, self.parameters, "current")
-        self.motor_state_raw = member(MotorState)(motor_state, self.parameters, "motor_state")
-        self.errors_raw = flags(0xFF)(errors, self.parameters, "errors")
+        self.motor_state_raw = self.TYPES["motor_state"](motor_state, self.parameters, "motor_state")
+        self.errors_raw = self.TYPES["errors"](errors, self.parameters, "errors")
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
@@ -1200,7 +1384,7 @@ class BrakeRequest(Request["BrakeReply"]):
     ) -> None:
         self.node = node_in(node, *self.NODES)
         self.parameters = UNKNOWN
-        self.action_raw = member(BrakeAction)(action, self.parameters, "action")
+        self.action_raw = self.TYPES["action"](action, self.parameters, "action")
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
@@ -1574,7 +1758,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     ) -> None:
         self.node = node_in(node, *self.NODES)
         self.parameters = UNKNOWN
-        self.spin_direction_raw = member(SpinDirection)(spin_direction, self.parameters, "spin_direction")
+        self.spin_direction_raw = self.TYPES["spin_direction"](spin_direction, self.parameters, "spin_direction")
         self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
 
     @classmethod
@@ -1644,7 +1828,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     ) -> None:
         self.node = node_in(node, *self.NODES)
         self.parameters = UNKNOWN
-        self.spin_direction_raw = member(SpinDirection)(spin_direction, self.parameters, "spin_direction")
+        self.spin_direction_raw = self.TYPES["spin_direction"](spin_direction, self.parameters, "spin_direction")
         self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
         self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
 
@@ -3027,7 +3211,7 @@ class BrakeReply(Reply):
     ) -> None:
         self.node = node_in(node, *self.NODES)
         self.parameters = UNKNOWN
-        self.state_raw = member(BrakeState)(state, self.parameters, "state")
+        self.state_raw = self.TYPES["state"](state, self.parameters, "state")
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
@@ -3603,7 +3787,7 @@ class CalibrateEncoderReply(Reply):
         self.parameters = UNKNOWN
         self.align_value_raw = U32.raw(align_value, self.parameters, "align_value")
         self.align_ratio_raw = ALIGN_RATIO.raw(align_ratio, self.parameters, "align_ratio")
-        self.align_state_raw = flags(0x11)(align_state, self.parameters, "align_state")
+        self.align_state_raw = self.TYPES["align_state"](align_state, self.parameters, "align_state")
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
@@ -4431,7 +4615,7 @@ class SaveStoredSettingsReply(Reply):
     ) -> None:
         self.node = node_in(node, *self.NODES)
         self.parameters = UNKNOWN
-        self.result_raw = member(SaveResult)(result, self.parameters, "result")
+        self.result_raw = self.TYPES["result"](result, self.parameters, "result")
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
@@ -4453,11 +4637,169 @@ class SaveStoredSettingsReply(Reply):
         return pack("<BBB5x", 0x44, 0x5, self.result_raw)
 
 
+def _key_1(can_id: int, data: bytes) -> int:
+    return data[0]
+
+
+def _key_2(can_id: int, data: bytes) -> int:
+    return data[1]
+
+
+def _key_3(can_id: int, data: bytes) -> int:
+    return data[2]
+
+
 _REQUESTS = Router("request", (
-    Route(0x140, 0, range(1, 33), selector=lambda can_id, data: data[0], messages={0x40: ((ReadStoredSettingDriverIdRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xA),)), (ReadStoredSettingBusTypeRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB),)), (ReadStoredSettingRs485BaudRateRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xC),)), (ReadStoredSettingCanBaudRateRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xD),)), (ReadStoredSettingMaxPowerRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB0),)), (ReadStoredSettingMaxSpeedRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB2),)), (ReadStoredSettingMaxAngleRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB4),)), (ReadStoredSettingCurrentRampRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBA),)), (ReadStoredSettingSpeedRampRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBC),)), (ReadStoredSettingAnglePidRequest, ((lambda can_id, data: data[1], 0xA0),)), (ReadStoredSettingSpeedPidRequest, ((lambda can_id, data: data[1], 0xA4),)), (ReadStoredSettingCurrentPidRequest, ((lambda can_id, data: data[1], 0xA8),)),), 0x42: ((StageStoredSettingDriverIdRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xA),)), (StageStoredSettingBusTypeRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB),)), (StageStoredSettingRs485BaudRateRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xC),)), (StageStoredSettingCanBaudRateRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xD),)), (StageStoredSettingMaxPowerRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB0),)), (StageStoredSettingMaxSpeedRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB2),)), (StageStoredSettingMaxAngleRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB4),)), (StageStoredSettingCurrentRampRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBA),)), (StageStoredSettingSpeedRampRequest, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBC),)), (StageStoredSettingAnglePidRequest, ((lambda can_id, data: data[1], 0xA0),)), (StageStoredSettingSpeedPidRequest, ((lambda can_id, data: data[1], 0xA4),)), (StageStoredSettingCurrentPidRequest, ((lambda can_id, data: data[1], 0xA8),)),), 0xC0: ((ReadControlParameterAnglePidRequest, ((lambda can_id, data: data[1], 0xA),)), (ReadControlParameterSpeedPidRequest, ((lambda can_id, data: data[1], 0xB),)), (ReadControlParameterCurrentPidRequest, ((lambda can_id, data: data[1], 0xC),)), (ReadControlParameterMaxTorqueCurrentRequest, ((lambda can_id, data: data[1], 0x1E),)), (ReadControlParameterMaxSpeedRequest, ((lambda can_id, data: data[1], 0x20),)), (ReadControlParameterUpperAngleRequest, ((lambda can_id, data: data[1], 0x22),)), (ReadControlParameterLowerAngleRequest, ((lambda can_id, data: data[1], 0x23),)), (ReadControlParameterSpeedRampRequest, ((lambda can_id, data: data[1], 0x26),)),), 0xC1: ((WriteControlParameterRamAnglePidRequest, ((lambda can_id, data: data[1], 0xA),)), (WriteControlParameterRamSpeedPidRequest, ((lambda can_id, data: data[1], 0xB),)), (WriteControlParameterRamCurrentPidRequest, ((lambda can_id, data: data[1], 0xC),)), (WriteControlParameterRamMaxTorqueCurrentRequest, ((lambda can_id, data: data[1], 0x1E),)), (WriteControlParameterRamMaxSpeedRequest, ((lambda can_id, data: data[1], 0x20),)), (WriteControlParameterRamUpperAngleRequest, ((lambda can_id, data: data[1], 0x22),)), (WriteControlParameterRamLowerAngleRequest, ((lambda can_id, data: data[1], 0x23),)), (WriteControlParameterRamSpeedRampRequest, ((lambda can_id, data: data[1], 0x26),)),), 0x80: ((MotorOffRequest, ()),), 0x88: ((MotorOnRequest, ()),), 0x81: ((MotorStopRequest, ()),), 0x8C: ((BrakeRequest, ()),), 0xA0: ((SetPowerRequest, ()),), 0xA1: ((SetTorqueRequest, ()),), 0xA2: ((SetSpeedRequest, ()),), 0xA3: ((MoveToAngleRequest, ()),), 0xA4: ((MoveToAngleAtSpeedRequest, ()),), 0xA5: ((TurnToAngleRequest, ()),), 0xA6: ((TurnToAngleAtSpeedRequest, ()),), 0xA7: ((MoveByAngleRequest, ()),), 0xA8: ((MoveByAngleAtSpeedRequest, ()),), 0x90: ((ReadEncoderRequest, ()),), 0x18: ((CalibrateEncoderRequest, ()),), 0x19: ((WritePositionAsZeroRomRequest, ()),), 0x92: ((ReadMultiTurnAngleRequest, ()),), 0x94: ((ReadSingleTurnAngleRequest, ()),), 0x95: ((SetZeroRamRequest, ()),), 0x9A: ((ReadStatus1Request, ()),), 0x9B: ((ClearErrorsRequest, ()),), 0x9C: ((ReadStatus2Request, ()),), 0x9D: ((ReadStatus3Request, ()),), 0x44: ((SaveStoredSettingsRequest, ()),)}),
+    Route(0x140, 0, range(1, 33), selector=_key_1, messages={
+        0x40: (
+            (ReadStoredSettingDriverIdRequest, ((_key_2, 0x05), (_key_3, 0x0A))),
+            (ReadStoredSettingBusTypeRequest, ((_key_2, 0x05), (_key_3, 0x0B))),
+            (ReadStoredSettingRs485BaudRateRequest, ((_key_2, 0x05), (_key_3, 0x0C))),
+            (ReadStoredSettingCanBaudRateRequest, ((_key_2, 0x05), (_key_3, 0x0D))),
+            (ReadStoredSettingMaxPowerRequest, ((_key_2, 0x05), (_key_3, 0xB0))),
+            (ReadStoredSettingMaxSpeedRequest, ((_key_2, 0x05), (_key_3, 0xB2))),
+            (ReadStoredSettingMaxAngleRequest, ((_key_2, 0x05), (_key_3, 0xB4))),
+            (ReadStoredSettingCurrentRampRequest, ((_key_2, 0x05), (_key_3, 0xBA))),
+            (ReadStoredSettingSpeedRampRequest, ((_key_2, 0x05), (_key_3, 0xBC))),
+            (ReadStoredSettingAnglePidRequest, ((_key_2, 0xA0),)),
+            (ReadStoredSettingSpeedPidRequest, ((_key_2, 0xA4),)),
+            (ReadStoredSettingCurrentPidRequest, ((_key_2, 0xA8),)),
+        ),
+        0x42: (
+            (StageStoredSettingDriverIdRequest, ((_key_2, 0x05), (_key_3, 0x0A))),
+            (StageStoredSettingBusTypeRequest, ((_key_2, 0x05), (_key_3, 0x0B))),
+            (StageStoredSettingRs485BaudRateRequest, ((_key_2, 0x05), (_key_3, 0x0C))),
+            (StageStoredSettingCanBaudRateRequest, ((_key_2, 0x05), (_key_3, 0x0D))),
+            (StageStoredSettingMaxPowerRequest, ((_key_2, 0x05), (_key_3, 0xB0))),
+            (StageStoredSettingMaxSpeedRequest, ((_key_2, 0x05), (_key_3, 0xB2))),
+            (StageStoredSettingMaxAngleRequest, ((_key_2, 0x05), (_key_3, 0xB4))),
+            (StageStoredSettingCurrentRampRequest, ((_key_2, 0x05), (_key_3, 0xBA))),
+            (StageStoredSettingSpeedRampRequest, ((_key_2, 0x05), (_key_3, 0xBC))),
+            (StageStoredSettingAnglePidRequest, ((_key_2, 0xA0),)),
+            (StageStoredSettingSpeedPidRequest, ((_key_2, 0xA4),)),
+            (StageStoredSettingCurrentPidRequest, ((_key_2, 0xA8),)),
+        ),
+        0xC0: (
+            (ReadControlParameterAnglePidRequest, ((_key_2, 0x0A),)),
+            (ReadControlParameterSpeedPidRequest, ((_key_2, 0x0B),)),
+            (ReadControlParameterCurrentPidRequest, ((_key_2, 0x0C),)),
+            (ReadControlParameterMaxTorqueCurrentRequest, ((_key_2, 0x1E),)),
+            (ReadControlParameterMaxSpeedRequest, ((_key_2, 0x20),)),
+            (ReadControlParameterUpperAngleRequest, ((_key_2, 0x22),)),
+            (ReadControlParameterLowerAngleRequest, ((_key_2, 0x23),)),
+            (ReadControlParameterSpeedRampRequest, ((_key_2, 0x26),)),
+        ),
+        0xC1: (
+            (WriteControlParameterRamAnglePidRequest, ((_key_2, 0x0A),)),
+            (WriteControlParameterRamSpeedPidRequest, ((_key_2, 0x0B),)),
+            (WriteControlParameterRamCurrentPidRequest, ((_key_2, 0x0C),)),
+            (WriteControlParameterRamMaxTorqueCurrentRequest, ((_key_2, 0x1E),)),
+            (WriteControlParameterRamMaxSpeedRequest, ((_key_2, 0x20),)),
+            (WriteControlParameterRamUpperAngleRequest, ((_key_2, 0x22),)),
+            (WriteControlParameterRamLowerAngleRequest, ((_key_2, 0x23),)),
+            (WriteControlParameterRamSpeedRampRequest, ((_key_2, 0x26),)),
+        ),
+        0x80: ((MotorOffRequest, ()),),
+        0x88: ((MotorOnRequest, ()),),
+        0x81: ((MotorStopRequest, ()),),
+        0x8C: ((BrakeRequest, ()),),
+        0xA0: ((SetPowerRequest, ()),),
+        0xA1: ((SetTorqueRequest, ()),),
+        0xA2: ((SetSpeedRequest, ()),),
+        0xA3: ((MoveToAngleRequest, ()),),
+        0xA4: ((MoveToAngleAtSpeedRequest, ()),),
+        0xA5: ((TurnToAngleRequest, ()),),
+        0xA6: ((TurnToAngleAtSpeedRequest, ()),),
+        0xA7: ((MoveByAngleRequest, ()),),
+        0xA8: ((MoveByAngleAtSpeedRequest, ()),),
+        0x90: ((ReadEncoderRequest, ()),),
+        0x18: ((CalibrateEncoderRequest, ()),),
+        0x19: ((WritePositionAsZeroRomRequest, ()),),
+        0x92: ((ReadMultiTurnAngleRequest, ()),),
+        0x94: ((ReadSingleTurnAngleRequest, ()),),
+        0x95: ((SetZeroRamRequest, ()),),
+        0x9A: ((ReadStatus1Request, ()),),
+        0x9B: ((ClearErrorsRequest, ()),),
+        0x9C: ((ReadStatus2Request, ()),),
+        0x9D: ((ReadStatus3Request, ()),),
+        0x44: ((SaveStoredSettingsRequest, ()),),
+    }),
 ))
 _REPLIES = Router("reply", (
-    Route(0x180, 0, range(1, 33), selector=lambda can_id, data: data[0], messages={0x40: ((ReadStoredSettingDriverIdReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xA),)), (ReadStoredSettingBusTypeReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB),)), (ReadStoredSettingRs485BaudRateReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xC),)), (ReadStoredSettingCanBaudRateReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xD),)), (ReadStoredSettingMaxPowerReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB0),)), (ReadStoredSettingMaxSpeedReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB2),)), (ReadStoredSettingMaxAngleReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB4),)), (ReadStoredSettingCurrentRampReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBA),)), (ReadStoredSettingSpeedRampReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBC),)), (ReadStoredSettingAnglePidReply, ((lambda can_id, data: data[1], 0xA0),)), (ReadStoredSettingSpeedPidReply, ((lambda can_id, data: data[1], 0xA4),)), (ReadStoredSettingCurrentPidReply, ((lambda can_id, data: data[1], 0xA8),)),), 0x42: ((StageStoredSettingDriverIdReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xA),)), (StageStoredSettingBusTypeReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB),)), (StageStoredSettingRs485BaudRateReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xC),)), (StageStoredSettingCanBaudRateReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xD),)), (StageStoredSettingMaxPowerReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB0),)), (StageStoredSettingMaxSpeedReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB2),)), (StageStoredSettingMaxAngleReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xB4),)), (StageStoredSettingCurrentRampReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBA),)), (StageStoredSettingSpeedRampReply, ((lambda can_id, data: data[1], 0x5),(lambda can_id, data: data[2], 0xBC),)), (StageStoredSettingAnglePidReply, ((lambda can_id, data: data[1], 0xA0),)), (StageStoredSettingSpeedPidReply, ((lambda can_id, data: data[1], 0xA4),)), (StageStoredSettingCurrentPidReply, ((lambda can_id, data: data[1], 0xA8),)),), 0xC0: ((ReadControlParameterAnglePidReply, ((lambda can_id, data: data[1], 0xA),)), (ReadControlParameterSpeedPidReply, ((lambda can_id, data: data[1], 0xB),)), (ReadControlParameterCurrentPidReply, ((lambda can_id, data: data[1], 0xC),)), (ReadControlParameterMaxTorqueCurrentReply, ((lambda can_id, data: data[1], 0x1E),)), (ReadControlParameterMaxSpeedReply, ((lambda can_id, data: data[1], 0x20),)), (ReadControlParameterUpperAngleReply, ((lambda can_id, data: data[1], 0x22),)), (ReadControlParameterLowerAngleReply, ((lambda can_id, data: data[1], 0x23),)), (ReadControlParameterSpeedRampReply, ((lambda can_id, data: data[1], 0x26),)),), 0xC1: ((WriteControlParameterRamAnglePidReply, ((lambda can_id, data: data[1], 0xA),)), (WriteControlParameterRamSpeedPidReply, ((lambda can_id, data: data[1], 0xB),)), (WriteControlParameterRamCurrentPidReply, ((lambda can_id, data: data[1], 0xC),)), (WriteControlParameterRamMaxTorqueCurrentReply, ((lambda can_id, data: data[1], 0x1E),)), (WriteControlParameterRamMaxSpeedReply, ((lambda can_id, data: data[1], 0x20),)), (WriteControlParameterRamUpperAngleReply, ((lambda can_id, data: data[1], 0x22),)), (WriteControlParameterRamLowerAngleReply, ((lambda can_id, data: data[1], 0x23),)), (WriteControlParameterRamSpeedRampReply, ((lambda can_id, data: data[1], 0x26),)),), 0x80: ((MotorOffReply, ()),), 0x88: ((MotorOnReply, ()),), 0x81: ((MotorStopReply, ()),), 0x8C: ((BrakeReply, ()),), 0xA0: ((SetPowerReply, ()),), 0xA1: ((SetTorqueReply, ()),), 0xA2: ((SetSpeedReply, ()),), 0xA3: ((MoveToAngleReply, ()),), 0xA4: ((MoveToAngleAtSpeedReply, ()),), 0xA5: ((TurnToAngleReply, ()),), 0xA6: ((TurnToAngleAtSpeedReply, ()),), 0xA7: ((MoveByAngleReply, ()),), 0xA8: ((MoveByAngleAtSpeedReply, ()),), 0x90: ((ReadEncoderReply, ()),), 0x18: ((CalibrateEncoderReply, ()),), 0x19: ((WritePositionAsZeroRomReply, ()),), 0x92: ((ReadMultiTurnAngleReply, ()),), 0x94: ((ReadSingleTurnAngleReply, ()),), 0x95: ((SetZeroRamReply, ()),), 0x9A: ((ReadStatus1Reply, ()),), 0x9B: ((ClearErrorsReply, ()),), 0x9C: ((ReadStatus2Reply, ()),), 0x9D: ((ReadStatus3Reply, ()),), 0x44: ((SaveStoredSettingsReply, ()),)}),
+    Route(0x180, 0, range(1, 33), selector=_key_1, messages={
+        0x40: (
+            (ReadStoredSettingDriverIdReply, ((_key_2, 0x05), (_key_3, 0x0A))),
+            (ReadStoredSettingBusTypeReply, ((_key_2, 0x05), (_key_3, 0x0B))),
+            (ReadStoredSettingRs485BaudRateReply, ((_key_2, 0x05), (_key_3, 0x0C))),
+            (ReadStoredSettingCanBaudRateReply, ((_key_2, 0x05), (_key_3, 0x0D))),
+            (ReadStoredSettingMaxPowerReply, ((_key_2, 0x05), (_key_3, 0xB0))),
+            (ReadStoredSettingMaxSpeedReply, ((_key_2, 0x05), (_key_3, 0xB2))),
+            (ReadStoredSettingMaxAngleReply, ((_key_2, 0x05), (_key_3, 0xB4))),
+            (ReadStoredSettingCurrentRampReply, ((_key_2, 0x05), (_key_3, 0xBA))),
+            (ReadStoredSettingSpeedRampReply, ((_key_2, 0x05), (_key_3, 0xBC))),
+            (ReadStoredSettingAnglePidReply, ((_key_2, 0xA0),)),
+            (ReadStoredSettingSpeedPidReply, ((_key_2, 0xA4),)),
+            (ReadStoredSettingCurrentPidReply, ((_key_2, 0xA8),)),
+        ),
+        0x42: (
+            (StageStoredSettingDriverIdReply, ((_key_2, 0x05), (_key_3, 0x0A))),
+            (StageStoredSettingBusTypeReply, ((_key_2, 0x05), (_key_3, 0x0B))),
+            (StageStoredSettingRs485BaudRateReply, ((_key_2, 0x05), (_key_3, 0x0C))),
+            (StageStoredSettingCanBaudRateReply, ((_key_2, 0x05), (_key_3, 0x0D))),
+            (StageStoredSettingMaxPowerReply, ((_key_2, 0x05), (_key_3, 0xB0))),
+            (StageStoredSettingMaxSpeedReply, ((_key_2, 0x05), (_key_3, 0xB2))),
+            (StageStoredSettingMaxAngleReply, ((_key_2, 0x05), (_key_3, 0xB4))),
+            (StageStoredSettingCurrentRampReply, ((_key_2, 0x05), (_key_3, 0xBA))),
+            (StageStoredSettingSpeedRampReply, ((_key_2, 0x05), (_key_3, 0xBC))),
+            (StageStoredSettingAnglePidReply, ((_key_2, 0xA0),)),
+            (StageStoredSettingSpeedPidReply, ((_key_2, 0xA4),)),
+            (StageStoredSettingCurrentPidReply, ((_key_2, 0xA8),)),
+        ),
+        0xC0: (
+            (ReadControlParameterAnglePidReply, ((_key_2, 0x0A),)),
+            (ReadControlParameterSpeedPidReply, ((_key_2, 0x0B),)),
+            (ReadControlParameterCurrentPidReply, ((_key_2, 0x0C),)),
+            (ReadControlParameterMaxTorqueCurrentReply, ((_key_2, 0x1E),)),
+            (ReadControlParameterMaxSpeedReply, ((_key_2, 0x20),)),
+            (ReadControlParameterUpperAngleReply, ((_key_2, 0x22),)),
+            (ReadControlParameterLowerAngleReply, ((_key_2, 0x23),)),
+            (ReadControlParameterSpeedRampReply, ((_key_2, 0x26),)),
+        ),
+        0xC1: (
+            (WriteControlParameterRamAnglePidReply, ((_key_2, 0x0A),)),
+            (WriteControlParameterRamSpeedPidReply, ((_key_2, 0x0B),)),
+            (WriteControlParameterRamCurrentPidReply, ((_key_2, 0x0C),)),
+            (WriteControlParameterRamMaxTorqueCurrentReply, ((_key_2, 0x1E),)),
+            (WriteControlParameterRamMaxSpeedReply, ((_key_2, 0x20),)),
+            (WriteControlParameterRamUpperAngleReply, ((_key_2, 0x22),)),
+            (WriteControlParameterRamLowerAngleReply, ((_key_2, 0x23),)),
+            (WriteControlParameterRamSpeedRampReply, ((_key_2, 0x26),)),
+        ),
+        0x80: ((MotorOffReply, ()),),
+        0x88: ((MotorOnReply, ()),),
+        0x81: ((MotorStopReply, ()),),
+        0x8C: ((BrakeReply, ()),),
+        0xA0: ((SetPowerReply, ()),),
+        0xA1: ((SetTorqueReply, ()),),
+        0xA2: ((SetSpeedReply, ()),),
+        0xA3: ((MoveToAngleReply, ()),),
+        0xA4: ((MoveToAngleAtSpeedReply, ()),),
+        0xA5: ((TurnToAngleReply, ()),),
+        0xA6: ((TurnToAngleAtSpeedReply, ()),),
+        0xA7: ((MoveByAngleReply, ()),),
+        0xA8: ((MoveByAngleAtSpeedReply, ()),),
+        0x90: ((ReadEncoderReply, ()),),
+        0x18: ((CalibrateEncoderReply, ()),),
+        0x19: ((WritePositionAsZeroRomReply, ()),),
+        0x92: ((ReadMultiTurnAngleReply, ()),),
+        0x94: ((ReadSingleTurnAngleReply, ()),),
+        0x95: ((SetZeroRamReply, ()),),
+        0x9A: ((ReadStatus1Reply, ()),),
+        0x9B: ((ClearErrorsReply, ()),),
+        0x9C: ((ReadStatus2Reply, ()),),
+        0x9D: ((ReadStatus3Reply, ()),),
+        0x44: ((SaveStoredSettingsReply, ()),),
+    }),
 ))
 
 R = TypeVar("R", bound=Message)
@@ -4492,76 +4834,84 @@ class _Answer:
 
 
 _ANSWERS: dict[type[Message], _Answer] = {
-    MotorOffRequest: _Answer(MotorOffReply, ((lambda can_id, data: data[0], (0x80, )), ), (), True),
-    MotorOnRequest: _Answer(MotorOnReply, ((lambda can_id, data: data[0], (0x88, )), ), (), True),
-    MotorStopRequest: _Answer(MotorStopReply, ((lambda can_id, data: data[0], (0x81, )), ), (), True),
-    BrakeRequest: _Answer(BrakeReply, ((lambda can_id, data: data[0], (0x8C, )), ), (), False),
-    SetPowerRequest: _Answer(SetPowerReply, ((lambda can_id, data: data[0], (0xA0, )), ), (), False),
-    SetTorqueRequest: _Answer(SetTorqueReply, ((lambda can_id, data: data[0], (0xA1, )), ), (), False),
-    SetSpeedRequest: _Answer(SetSpeedReply, ((lambda can_id, data: data[0], (0xA2, )), ), (), False),
-    MoveToAngleRequest: _Answer(MoveToAngleReply, ((lambda can_id, data: data[0], (0xA3, )), ), (), False),
-    MoveToAngleAtSpeedRequest: _Answer(MoveToAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA4, )), ), (), False),
-    TurnToAngleRequest: _Answer(TurnToAngleReply, ((lambda can_id, data: data[0], (0xA5, )), ), (), False),
-    TurnToAngleAtSpeedRequest: _Answer(TurnToAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA6, )), ), (), False),
-    MoveByAngleRequest: _Answer(MoveByAngleReply, ((lambda can_id, data: data[0], (0xA7, )), ), (), False),
-    MoveByAngleAtSpeedRequest: _Answer(MoveByAngleAtSpeedReply, ((lambda can_id, data: data[0], (0xA8, )), ), (), False),
-    ReadControlParameterAnglePidRequest: _Answer(ReadControlParameterAnglePidReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x0A, )), ), (), False),
-    ReadControlParameterSpeedPidRequest: _Answer(ReadControlParameterSpeedPidReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x0B, )), ), (), False),
-    ReadControlParameterCurrentPidRequest: _Answer(ReadControlParameterCurrentPidReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x0C, )), ), (), False),
-    ReadControlParameterMaxTorqueCurrentRequest: _Answer(ReadControlParameterMaxTorqueCurrentReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x1E, )), ), (), False),
-    ReadControlParameterMaxSpeedRequest: _Answer(ReadControlParameterMaxSpeedReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x20, )), ), (), False),
-    ReadControlParameterUpperAngleRequest: _Answer(ReadControlParameterUpperAngleReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x22, )), ), (), False),
-    ReadControlParameterLowerAngleRequest: _Answer(ReadControlParameterLowerAngleReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x23, )), ), (), False),
-    ReadControlParameterSpeedRampRequest: _Answer(ReadControlParameterSpeedRampReply, ((lambda can_id, data: data[0], (0xC0, )), (lambda can_id, data: data[1], (0x26, )), ), (), False),
-    WriteControlParameterRamAnglePidRequest: _Answer(WriteControlParameterRamAnglePidReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x0A, )), ), (), False),
-    WriteControlParameterRamSpeedPidRequest: _Answer(WriteControlParameterRamSpeedPidReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x0B, )), ), (), False),
-    WriteControlParameterRamCurrentPidRequest: _Answer(WriteControlParameterRamCurrentPidReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x0C, )), ), (), False),
-    WriteControlParameterRamMaxTorqueCurrentRequest: _Answer(WriteControlParameterRamMaxTorqueCurrentReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x1E, )), ), (), False),
-    WriteControlParameterRamMaxSpeedRequest: _Answer(WriteControlParameterRamMaxSpeedReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x20, )), ), (), False),
-    WriteControlParameterRamUpperAngleRequest: _Answer(WriteControlParameterRamUpperAngleReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x22, )), ), (), False),
-    WriteControlParameterRamLowerAngleRequest: _Answer(WriteControlParameterRamLowerAngleReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x23, )), ), (), False),
-    WriteControlParameterRamSpeedRampRequest: _Answer(WriteControlParameterRamSpeedRampReply, ((lambda can_id, data: data[0], (0xC1, )), (lambda can_id, data: data[1], (0x26, )), ), (), False),
-    ReadEncoderRequest: _Answer(ReadEncoderReply, ((lambda can_id, data: data[0], (0x90, )), ), (), False),
-    CalibrateEncoderRequest: _Answer(CalibrateEncoderReply, ((lambda can_id, data: data[0], (0x18, )), ), (), False),
-    WritePositionAsZeroRomRequest: _Answer(WritePositionAsZeroRomReply, ((lambda can_id, data: data[0], (0x19, )), ), (), False),
-    ReadMultiTurnAngleRequest: _Answer(ReadMultiTurnAngleReply, ((lambda can_id, data: data[0], (0x92, )), ), (), False),
-    ReadSingleTurnAngleRequest: _Answer(ReadSingleTurnAngleReply, ((lambda can_id, data: data[0], (0x94, )), ), (), False),
-    SetZeroRamRequest: _Answer(SetZeroRamReply, ((lambda can_id, data: data[0], (0x95, )), ), (), True),
-    ReadStatus1Request: _Answer(ReadStatus1Reply, ((lambda can_id, data: data[0], (0x9A, )), ), (), False),
-    ClearErrorsRequest: _Answer(ClearErrorsReply, ((lambda can_id, data: data[0], (0x9B, )), ), (), False),
-    ReadStatus2Request: _Answer(ReadStatus2Reply, ((lambda can_id, data: data[0], (0x9C, )), ), (), False),
-    ReadStatus3Request: _Answer(ReadStatus3Reply, ((lambda can_id, data: data[0], (0x9D, )), ), (), False),
-    ReadStoredSettingDriverIdRequest: _Answer(ReadStoredSettingDriverIdReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0A, )), ), (), False),
-    ReadStoredSettingBusTypeRequest: _Answer(ReadStoredSettingBusTypeReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0B, )), ), (), False),
-    ReadStoredSettingRs485BaudRateRequest: _Answer(ReadStoredSettingRs485BaudRateReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0C, )), ), (), False),
-    ReadStoredSettingCanBaudRateRequest: _Answer(ReadStoredSettingCanBaudRateReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0D, )), ), (), False),
-    ReadStoredSettingMaxPowerRequest: _Answer(ReadStoredSettingMaxPowerReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xB0, )), ), (), False),
-    ReadStoredSettingMaxSpeedRequest: _Answer(ReadStoredSettingMaxSpeedReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xB2, )), ), (), False),
-    ReadStoredSettingMaxAngleRequest: _Answer(ReadStoredSettingMaxAngleReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xB4, )), ), (), False),
-    ReadStoredSettingCurrentRampRequest: _Answer(ReadStoredSettingCurrentRampReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xBA, )), ), (), False),
-    ReadStoredSettingSpeedRampRequest: _Answer(ReadStoredSettingSpeedRampReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xBC, )), ), (), False),
-    ReadStoredSettingAnglePidRequest: _Answer(ReadStoredSettingAnglePidReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0xA0, )), ), (), False),
-    ReadStoredSettingSpeedPidRequest: _Answer(ReadStoredSettingSpeedPidReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0xA4, )), ), (), False),
-    ReadStoredSettingCurrentPidRequest: _Answer(ReadStoredSettingCurrentPidReply, ((lambda can_id, data: data[0], (0x40, )), (lambda can_id, data: data[1], (0xA8, )), ), (), False),
-    StageStoredSettingDriverIdRequest: _Answer(StageStoredSettingDriverIdReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0A, )), ), (), False),
-    StageStoredSettingBusTypeRequest: _Answer(StageStoredSettingBusTypeReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0B, )), ), (), False),
-    StageStoredSettingRs485BaudRateRequest: _Answer(StageStoredSettingRs485BaudRateReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0C, )), ), (), False),
-    StageStoredSettingCanBaudRateRequest: _Answer(StageStoredSettingCanBaudRateReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0x0D, )), ), (), False),
-    StageStoredSettingMaxPowerRequest: _Answer(StageStoredSettingMaxPowerReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xB0, )), ), (), False),
-    StageStoredSettingMaxSpeedRequest: _Answer(StageStoredSettingMaxSpeedReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xB2, )), ), (), False),
-    StageStoredSettingMaxAngleRequest: _Answer(StageStoredSettingMaxAngleReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xB4, )), ), (), False),
-    StageStoredSettingCurrentRampRequest: _Answer(StageStoredSettingCurrentRampReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xBA, )), ), (), False),
-    StageStoredSettingSpeedRampRequest: _Answer(StageStoredSettingSpeedRampReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0x05, )), (lambda can_id, data: data[2], (0xBC, )), ), (), False),
-    StageStoredSettingAnglePidRequest: _Answer(StageStoredSettingAnglePidReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0xA0, )), ), (), False),
-    StageStoredSettingSpeedPidRequest: _Answer(StageStoredSettingSpeedPidReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0xA4, )), ), (), False),
-    StageStoredSettingCurrentPidRequest: _Answer(StageStoredSettingCurrentPidReply, ((lambda can_id, data: data[0], (0x42, )), (lambda can_id, data: data[1], (0xA8, )), ), (), False),
-    SaveStoredSettingsRequest: _Answer(SaveStoredSettingsReply, ((lambda can_id, data: data[0], (0x44, )), ), (), False),
+    MotorOffRequest: _Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
+    MotorOnRequest: _Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
+    MotorStopRequest: _Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
+    BrakeRequest: _Answer(BrakeReply, ((_key_1, (0x8C,)),), (), False),
+    SetPowerRequest: _Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
+    SetTorqueRequest: _Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
+    SetSpeedRequest: _Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
+    MoveToAngleRequest: _Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
+    MoveToAngleAtSpeedRequest: _Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
+    TurnToAngleRequest: _Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
+    TurnToAngleAtSpeedRequest: _Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
+    MoveByAngleRequest: _Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
+    MoveByAngleAtSpeedRequest: _Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
+    ReadControlParameterAnglePidRequest: _Answer(ReadControlParameterAnglePidReply, ((_key_1, (0xC0,)), (_key_2, (0x0A,))), (), False),
+    ReadControlParameterSpeedPidRequest: _Answer(ReadControlParameterSpeedPidReply, ((_key_1, (0xC0,)), (_key_2, (0x0B,))), (), False),
+    ReadControlParameterCurrentPidRequest: _Answer(ReadControlParameterCurrentPidReply, ((_key_1, (0xC0,)), (_key_2, (0x0C,))), (), False),
+    ReadControlParameterMaxTorqueCurrentRequest: _Answer(ReadControlParameterMaxTorqueCurrentReply, ((_key_1, (0xC0,)), (_key_2, (0x1E,))), (), False),
+    ReadControlParameterMaxSpeedRequest: _Answer(ReadControlParameterMaxSpeedReply, ((_key_1, (0xC0,)), (_key_2, (0x20,))), (), False),
+    ReadControlParameterUpperAngleRequest: _Answer(ReadControlParameterUpperAngleReply, ((_key_1, (0xC0,)), (_key_2, (0x22,))), (), False),
+    ReadControlParameterLowerAngleRequest: _Answer(ReadControlParameterLowerAngleReply, ((_key_1, (0xC0,)), (_key_2, (0x23,))), (), False),
+    ReadControlParameterSpeedRampRequest: _Answer(ReadControlParameterSpeedRampReply, ((_key_1, (0xC0,)), (_key_2, (0x26,))), (), False),
+    WriteControlParameterRamAnglePidRequest: _Answer(WriteControlParameterRamAnglePidReply, ((_key_1, (0xC1,)), (_key_2, (0x0A,))), (), False),
+    WriteControlParameterRamSpeedPidRequest: _Answer(WriteControlParameterRamSpeedPidReply, ((_key_1, (0xC1,)), (_key_2, (0x0B,))), (), False),
+    WriteControlParameterRamCurrentPidRequest: _Answer(WriteControlParameterRamCurrentPidReply, ((_key_1, (0xC1,)), (_key_2, (0x0C,))), (), False),
+    WriteControlParameterRamMaxTorqueCurrentRequest: _Answer(WriteControlParameterRamMaxTorqueCurrentReply, ((_key_1, (0xC1,)), (_key_2, (0x1E,))), (), False),
+    WriteControlParameterRamMaxSpeedRequest: _Answer(WriteControlParameterRamMaxSpeedReply, ((_key_1, (0xC1,)), (_key_2, (0x20,))), (), False),
+    WriteControlParameterRamUpperAngleRequest: _Answer(WriteControlParameterRamUpperAngleReply, ((_key_1, (0xC1,)), (_key_2, (0x22,))), (), False),
+    WriteControlParameterRamLowerAngleRequest: _Answer(WriteControlParameterRamLowerAngleReply, ((_key_1, (0xC1,)), (_key_2, (0x23,))), (), False),
+    WriteControlParameterRamSpeedRampRequest: _Answer(WriteControlParameterRamSpeedRampReply, ((_key_1, (0xC1,)), (_key_2, (0x26,))), (), False),
+    ReadEncoderRequest: _Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
+    CalibrateEncoderRequest: _Answer(CalibrateEncoderReply, ((_key_1, (0x18,)),), (), False),
+    WritePositionAsZeroRomRequest: _Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
+    ReadMultiTurnAngleRequest: _Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
+    ReadSingleTurnAngleRequest: _Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
+    SetZeroRamRequest: _Answer(SetZeroRamReply, ((_key_1, (0x95,)),), (), True),
+    ReadStatus1Request: _Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
+    ClearErrorsRequest: _Answer(ClearErrorsReply, ((_key_1, (0x9B,)),), (), False),
+    ReadStatus2Request: _Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
+    ReadStatus3Request: _Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
+    ReadStoredSettingDriverIdRequest: _Answer(ReadStoredSettingDriverIdReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0x0A,))), (), False),
+    ReadStoredSettingBusTypeRequest: _Answer(ReadStoredSettingBusTypeReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0x0B,))), (), False),
+    ReadStoredSettingRs485BaudRateRequest: _Answer(ReadStoredSettingRs485BaudRateReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0x0C,))), (), False),
+    ReadStoredSettingCanBaudRateRequest: _Answer(ReadStoredSettingCanBaudRateReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0x0D,))), (), False),
+    ReadStoredSettingMaxPowerRequest: _Answer(ReadStoredSettingMaxPowerReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xB0,))), (), False),
+    ReadStoredSettingMaxSpeedRequest: _Answer(ReadStoredSettingMaxSpeedReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xB2,))), (), False),
+    ReadStoredSettingMaxAngleRequest: _Answer(ReadStoredSettingMaxAngleReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xB4,))), (), False),
+    ReadStoredSettingCurrentRampRequest: _Answer(ReadStoredSettingCurrentRampReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xBA,))), (), False),
+    ReadStoredSettingSpeedRampRequest: _Answer(ReadStoredSettingSpeedRampReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xBC,))), (), False),
+    ReadStoredSettingAnglePidRequest: _Answer(ReadStoredSettingAnglePidReply, ((_key_1, (0x40,)), (_key_2, (0xA0,))), (), False),
+    ReadStoredSettingSpeedPidRequest: _Answer(ReadStoredSettingSpeedPidReply, ((_key_1, (0x40,)), (_key_2, (0xA4,))), (), False),
+    ReadStoredSettingCurrentPidRequest: _Answer(ReadStoredSettingCurrentPidReply, ((_key_1, (0x40,)), (_key_2, (0xA8,))), (), False),
+    StageStoredSettingDriverIdRequest: _Answer(StageStoredSettingDriverIdReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0x0A,))), (), False),
+    StageStoredSettingBusTypeRequest: _Answer(StageStoredSettingBusTypeReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0x0B,))), (), False),
+    StageStoredSettingRs485BaudRateRequest: _Answer(StageStoredSettingRs485BaudRateReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0x0C,))), (), False),
+    StageStoredSettingCanBaudRateRequest: _Answer(StageStoredSettingCanBaudRateReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0x0D,))), (), False),
+    StageStoredSettingMaxPowerRequest: _Answer(StageStoredSettingMaxPowerReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xB0,))), (), False),
+    StageStoredSettingMaxSpeedRequest: _Answer(StageStoredSettingMaxSpeedReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xB2,))), (), False),
+    StageStoredSettingMaxAngleRequest: _Answer(StageStoredSettingMaxAngleReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xB4,))), (), False),
+    StageStoredSettingCurrentRampRequest: _Answer(StageStoredSettingCurrentRampReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xBA,))), (), False),
+    StageStoredSettingSpeedRampRequest: _Answer(StageStoredSettingSpeedRampReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xBC,))), (), False),
+    StageStoredSettingAnglePidRequest: _Answer(StageStoredSettingAnglePidReply, ((_key_1, (0x42,)), (_key_2, (0xA0,))), (), False),
+    StageStoredSettingSpeedPidRequest: _Answer(StageStoredSettingSpeedPidReply, ((_key_1, (0x42,)), (_key_2, (0xA4,))), (), False),
+    StageStoredSettingCurrentPidRequest: _Answer(StageStoredSettingCurrentPidReply, ((_key_1, (0x42,)), (_key_2, (0xA8,))), (), False),
+    SaveStoredSettingsRequest: _Answer(SaveStoredSettingsReply, ((_key_1, (0x44,)),), (), False),
 }
 
 
 def node_of(direction: str, can_id: int, *, extended: bool = False, remote: bool = False) -> int | None:
     """The node of an id, as a `request` or a `reply`; None for an id without one. Raises CodecError (unknown_id)."""
     return (_REQUESTS if direction == "request" else _REPLIES).find(can_id, extended, remote)[1]
+
+
+def ids_of(direction: str, node: int) -> tuple[tuple[int, int, bool, bool], ...]:
+    """The ids of a node, as a `request` or a `reply`: each with the bits of it that messages fill in.
+
+    The last two tell whether it is a 29-bit id, and that of a remote frame.
+    """
+    return tuple((_REQUESTS if direction == "request" else _REPLIES).ids(node))
 
 
 def decode_request(

@@ -40,7 +40,9 @@ def main() -> None:
       canwright copy OLD NEW                          start a new edition
       canwright diff OLD NEW                          what changed between editions, and who is hit
       canwright identify LOG                          which edition a recorded exchange fits
+      canwright editions                              the editions there are
       canwright show COMMAND                          one command, in the terminal
+      canwright site                                  the pages as a site, for a browser
       canwright generate --spec my.yaml --out out     your own protocol, in any folder
 
     Exit status: 0 when all is well, 1 when there are findings, 2 when it could not run.

@@ -69,7 +69,9 @@ def load(specs: Sequence[Path], printer: str = "text") -> list[Loaded]:
     """As `read`, with warnings and texts."""
     files = list(specs) or spec_files(SPEC_FOLDER)
     if not files:
-        stop(f"there is no spec in {SPEC_FOLDER}/; name one with --spec my.yaml")
+        stop(
+            f"there is no spec in {SPEC_FOLDER}/ here; run it where {SPEC_FOLDER}/ is, or name one with --spec my.yaml"
+        )
     try:
         return all_loaded(files)
     except SpecError as error:

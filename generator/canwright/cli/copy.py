@@ -44,6 +44,11 @@ def copy(old: str, new: str, date: str | None, no_frames: bool) -> None:
             file.write_text(text, "utf-8")
             click.echo(f"wrote {file.as_posix()}")
         load(target)
+        beside = target.as_posix() if Path(old).is_file() else target.stem
+        click.echo(
+            f"Edit what the new manual says otherwise, its title included; then: canwright diff {old} {beside}",
+            err=True,
+        )
     except SpecError as error:
         show_findings(error.diagnostics, "text")
         stop(f"`{old}` has to be right before it is copied")

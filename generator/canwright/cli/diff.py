@@ -42,6 +42,8 @@ def diff(old: str, new: str, report: str, fail_on: str) -> None:
       canwright diff spec/lamp/v1.yaml my.yaml --fail-on wire,value
       canwright diff HEAD~1:spec/lamp/v1.yaml spec/lamp/v1.yaml
 
+    Golden frames are not looked at, so a new edition can be compared before they fit it.
+
     wire is about bits, value about their meaning, api about names in the bindings, doc about texts. A silent change lets
     a program of the old edition run on and read or command something else; a loud one gives it no answer, or an error.
     """
@@ -61,7 +63,7 @@ def diff(old: str, new: str, report: str, fail_on: str) -> None:
 
 def _find(reference: str) -> Loaded:
     try:
-        return find(reference, SPEC_FOLDER)
+        return find(reference, SPEC_FOLDER, golden=False)
     except SpecError as error:
         show_findings(error.diagnostics, "text")
         sys.exit(COULD_NOT_RUN)
@@ -72,7 +74,7 @@ def _find(reference: str) -> Loaded:
 @click.command()
 @spec_option
 def editions(specs: Sequence[Path]) -> None:
-    """List the editions there are: family, name, date, commands, title."""
+    """List the editions: family, name, date, commands, title."""
     rows = [("family", "edition", "date", "commands", "title")]
     for one in load(specs):
         edition = one.described.edition

@@ -24,9 +24,9 @@ _FILES = (
 @click.command()
 @click.argument("rule", required=False)
 def explain(rule: str | None) -> None:
-    """Say what a RULE wants, with a bad and a good example; without RULE, list all rules.
+    """Say what a RULE wants, with a bad and a good example.
 
-    The rule stands in brackets behind every finding of `check`, and every change of `diff`.
+    Without RULE, list all rules. The rule stands in brackets behind every finding of `check`, and every change of `diff`.
     """
     kinds = {one.id: (one.severity.value, one.purpose) for one in EVERY.values()}
     kinds |= {one.id: (one.category.value, one.purpose) for one in CHANGES.values()}

@@ -75,7 +75,7 @@ def generate(
 def check(
     specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], printer: str, out: Path | None, strict: bool
 ) -> None:
-    """Check that the specs are right and that the output is what they say.
+    """Check the specs, and the output against them.
 
     Prints a unified diff and exits 1 where the output differs. With --spec and without --out, the spec alone is checked.
     """

@@ -26,9 +26,9 @@ SHOWN = 4
 @spec_option
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True)
 def identify(log: Path, specs: Sequence[Path], form: str) -> None:
-    """Say which editions a recorded exchange fits, node by node, and why.
+    """Say which editions a recorded exchange fits, and why.
 
-    LOG is what candump writes, or any format that python-can reads. No frame says its edition; this reasons from ids,
+    Each node is looked at by itself. LOG is what candump writes, or any format that python-can reads. No frame says its edition; this reasons from ids,
     codes, reserved bits and plausible ranges, and says so when it cannot tell.
 
     Exit status: 0 when every node is told, 1 when not, 2 when it could not run.

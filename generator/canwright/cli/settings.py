@@ -23,7 +23,9 @@ def assignment(described: Sequence[Described], settings: Sequence[str]) -> Assig
             except ValueError as error:
                 stop(f"--set {setting}: {error}")
         if not numbers and not any(v.name == value for _, p in having for v in p.values):
-            stop(f"--set {setting} is not a parameter and its value; there are: {_known(described)}")
+            wanted = _known(described)
+            there = f"there are: {wanted}" if wanted else "the spec has none"
+            stop(f"--set {setting} is not a parameter and its value; {there}")
         result[name] = value
     return result
 

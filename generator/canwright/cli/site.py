@@ -23,9 +23,9 @@ from .common import OUT_FOLDER, FilePath, stop
 )
 @click.option("--force", is_flag=True, help="Overwrite pages of an earlier site that were edited by hand.")
 def site(docs: Path, out: Path, force: bool) -> None:
-    """Build the pages into a site: both languages, search, nothing fetched from elsewhere.
+    """Build the pages into a site, with search, in every language.
 
-    Needs `pip install 'canwright[site]'`. A link that leads nowhere stops it. The folder has to be new, empty, or that
+    It fetches nothing from elsewhere, and a link that leads nowhere stops it. The folder has to be new, empty, or that
     of an earlier site; files that canwright did not make are never touched.
     """
     from ..site import SiteError, build

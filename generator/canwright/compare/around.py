@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from .. import words
 from ..model import Address, Bus, Direction, Edition, Erratum, IdRule, Mode, Parameter, Path, Setting, Text
 from . import api
-from .change import Impact, Item, Side
-from .found import BOTH_SIDES, Found, Use, differ, listed
+from .change import Fact, Impact, Item, Said, Side
+from .found import BOTH_SIDES, Found, Use, differ, listed, section
 from .match import Matched, T, by_name
 
 _UNHIT = (Impact.SAFE, Use())
@@ -23,10 +23,10 @@ def compare(found: Found, old: Edition, new: Edition) -> None:
     for effect, now in by_name(old.effects, new.effects).pairs:
         item, path = Item("effect", effect.name), ("effects", effect.name)
         if effect.level is not now.level:
-            facts = {"name": effect.name, "old": effect.level.value, "new": now.level.value}
+            facts = {"name": effect.name, "old": Said(effect.level.value), "new": Said(now.level.value)}
             place = (*path, "level")
             found.add("effect-level-changed", item, place, place, Impact.SAFE, Use(), **facts)
-        found.title(item, ((*path, "title"), (*path, "title")), (effect.name, now.name), effect.title, now.title)
+        found.texts(item, (path, path), effect, now)
     _errata(found, old, new)
     edition = Item("edition", "")
     found.title(edition, (("title",), ("title",)), (old.family, new.family), old.title, new.title)
@@ -51,12 +51,12 @@ def _settings(found: Found, old: Sequence[Setting], new: Sequence[Setting]) -> N
     settings = by_name(old, new)
     for one, other in settings.pairs:
         item, path = Item("setting", one.name), ("settings", one.name)
+        found.texts(item, (path, path), one, other)
         if one.only != other.only:
-            scopes = [words.condition(setting.only) or "all" for setting in (one, other)]
+            scopes = [words.condition(setting.only) or Said("all") for setting in (one, other)]
             facts = {"name": one.name, "old": scopes[0], "new": scopes[1]}
             place = (*path, "only")
             found.add("setting-scope-changed", item, place, place, Impact.SAFE, Use(), **facts)
-        found.title(item, ((*path, "title"), (*path, "title")), (one.name, other.name), one.title, other.title)
     _come_and_gone(found, "setting", ("settings",), settings, _UNHIT, _UNHIT)
 
 
@@ -72,10 +72,7 @@ def _addresses(found: Found, old: Sequence[Address], new: Sequence[Address]) -> 
             _rule(found, item, (one, other), (Direction.REQUEST,), one.request, other.request)
             _rule(found, item, (one, other), (Direction.REPLY,), one.reply, other.reply)
         found.section(item, (one.path, other.path), one.manual, other.manual, Use())
-        about = ((*one.path, "about"), (*other.path, "about"))
-        found.text("text-changed", item, about, other.name, one.about, other.about)
-        places = ((*one.path, "title"), (*other.path, "title"))
-        found.title(item, places, (one.name, other.name), one.title, other.title)
+        found.texts(item, (one.path, other.path), one, other)
     for gone in matched.removed:
         facts = {"name": gone.name, "old": words.id_rule(gone.request)}
         item = Item("address", gone.name)
@@ -99,7 +96,8 @@ def _rule(
         *(new.base, new.node_shift, new.extended),
         new.nodes is None,
     ):
-        facts = {"direction": " and ".join(d.value for d in directions), "old": _id(old), "new": _id(new)}
+        said = Said(" and ".join(d.value for d in directions))
+        facts = {"direction": said, "old": _id(old), "new": _id(new)}
         places = [(*a.path, directions[0].value) for a in pair]
         impact = Impact.SILENT if _taken(old, new) else Impact.LOUD
         found.add("id-changed", item, places[0], places[1], impact, use, **facts)
@@ -112,8 +110,8 @@ def _rule(
             found.add("nodes-changed", item, places[0], places[1], impact, Use((side,)), **facts)
 
 
-def _id(rule: IdRule) -> str:
-    return words.id_rule(rule) + (" (29 bits)" if rule.extended else "")
+def _id(rule: IdRule) -> Fact:
+    return (words.id_rule(rule), *((" (", Said("29 bits"), ")") if rule.extended else ()))
 
 
 def _taken(old: IdRule, new: IdRule) -> bool:
@@ -139,7 +137,7 @@ def _bus(found: Found, old: Bus, new: Bus) -> None:
         ("max-nodes-changed", "max_nodes", old.max_nodes, new.max_nodes),
     ):
         if a != b:
-            facts = {"old": "none" if a is None else str(a), "new": "none" if b is None else str(b)}
+            facts = {key: Said("not given") if n is None else str(n) for key, n in (("old", a), ("new", b))}
             found.add(rule, item, ("bus", key), ("bus", key), Impact.SAFE, Use(), **facts)
 
 
@@ -151,13 +149,12 @@ def _mode(found: Found, item: Item, old: Mode, new: Mode) -> None:
         gone = set(old.bit_rates_kbps) - set(new.bit_rates_kbps) or (another and new.default_kbps is not None)
         place = (*path, "bit_rates_kbps")
         found.add("bit-rates-changed", item, place, place, Impact.LOUD if gone else Impact.SAFE, BOTH_SIDES, **facts)
-    found.title(item, ((*path, "title"), (*path, "title")), (old.name, new.name), old.title, new.title)
-    found.text("text-changed", item, ((*path, "about"), (*path, "about")), old.name, old.about, new.about)
+    found.texts(item, (path, path), old, new)
 
 
-def _rates(mode: Mode) -> str:
+def _rates(mode: Mode) -> Fact:
     rates = listed(sorted(mode.bit_rates_kbps, reverse=True))
-    return rates if mode.default_kbps is None else f"{rates} (default {mode.default_kbps})"
+    return rates if mode.default_kbps is None else (rates, " (", Said("default"), f" {mode.default_kbps})")
 
 
 def _parameters(found: Found, old: Sequence[Parameter], new: Sequence[Parameter]) -> None:
@@ -168,8 +165,7 @@ def _parameters(found: Found, old: Sequence[Parameter], new: Sequence[Parameter]
         at = (*path, "values")
         values = by_name(one.values, other.values)
         for value, now in values.pairs:
-            places = ((*at, value.name, "title"), (*at, now.name, "title"))
-            found.title(item, places, (value.name, now.name), value.title, now.title)
+            found.texts(item, ((*at, value.name), (*at, now.name)), value, now)
         for value in values.removed:
             facts = {"name": one.name, "value": value.name}
             found.add("parameter-value-removed", item, (*at, value.name), at, Impact.BUILD, BOTH_SIDES, **facts)
@@ -180,8 +176,7 @@ def _parameters(found: Found, old: Sequence[Parameter], new: Sequence[Parameter]
             facts = {"name": one.name, "old": _bounds(one), "new": _bounds(other)}
             place = (*path, "number")
             found.add("parameter-bounds-changed", item, place, place, Impact.SILENT, BOTH_SIDES, **facts)
-        found.title(item, ((*path, "title"), (*path, "title")), (one.name, other.name), one.title, other.title)
-        found.text("text-changed", item, ((*path, "about"), (*path, "about")), one.name, one.about, other.about)
+        found.texts(item, (path, path), one, other)
 
 
 def _bounds(parameter: Parameter) -> str:
@@ -202,8 +197,8 @@ def _errata(found: Found, old: Edition, new: Edition) -> None:
         elif any(differ(a, b) for a, b in zip(_texts(one), _texts(other), strict=True)):
             found.add("erratum-changed", item, places[0], places[1], Impact.SAFE, Use(), name=id_, used=other.used)
         elif (one.where, one.manual) != (other.where, other.manual):
-            about = [f"{listed(e.where)} (section {e.manual})" for e in (one, other)]
-            facts = {"name": id_, "old": about[0], "new": about[1]}
+            about = [(listed(e.where), " (", Said("section"), " ", section(e.manual), ")") for e in (one, other)]
+            facts: dict[str, Fact] = {"name": id_, "old": about[0], "new": about[1]}
             found.add("erratum-moved", item, places[0], places[1], Impact.SAFE, Use(), **facts)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from types import MappingProxyType
 
 from ..model import Direction, Entry, Path, Text
 
@@ -47,8 +48,12 @@ class Side(str, Enum):
         return cls.SENDING if direction is Direction.REQUEST else cls.RECEIVING
 
 
-Fact = str | Text
-"""What a sentence is filled with; a text in several languages where it is the spec's."""
+class Said(str):
+    """A word of the sentence itself and no name, as `none`: other languages have their own."""
+
+
+Fact = str | Text | tuple["Fact", ...]
+"""What a sentence is filled with; a text in several languages where it is the spec's, parts where it is of several."""
 
 
 @dataclass(frozen=True)
@@ -90,14 +95,22 @@ class Change:
     used_by: tuple[str, ...]
 
     def says(
-        self, language: str = "en", sentence: str | None = None, escape: Callable[[str], str] = lambda text: text
+        self,
+        language: str = "en",
+        sentence: str | None = None,
+        words: Mapping[str, str] = MappingProxyType({}),
+        escape: Callable[[str], str] = lambda text: text,
     ) -> str:
-        """The sentence of the rule, or another one in `language`, with the facts of this change.
+        """The sentence of the rule, or another one in `language` with its `words`, with the facts of this change.
 
         `escape` makes texts of the spec safe where the sentence goes; names and numbers are safe everywhere.
         """
-        facts = {
-            name: fact if isinstance(fact, str) else escape(fact.get(language) or next(iter(fact.values()), ""))
-            for name, fact in self.facts.items()
-        }
-        return (sentence or self.rule.says).format_map(facts)
+
+        def told(fact: Fact) -> str:
+            if isinstance(fact, Said):
+                return words.get(fact, fact)
+            if isinstance(fact, tuple):
+                return "".join(map(told, fact))
+            return fact if isinstance(fact, str) else escape(fact.get(language) or next(iter(fact.values()), ""))
+
+        return (sentence or self.rule.says).format_map({name: told(fact) for name, fact in self.facts.items()})

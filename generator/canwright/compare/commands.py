@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from .. import words
 from ..model import Command, Direction, Edition, Effect, Level, Message, Path, ReplyForm
 from . import api, fields, keys, match
-from .change import Impact, Item, Side
+from .change import Fact, Impact, Item, Said, Side
 from .fields import Editions
 from .found import Found, Use, listed
 
@@ -55,11 +55,15 @@ def _tables(found: Found, old: Edition, new: Edition) -> set[str]:
     for name in before:
         if name in kept:
             one, other = before[name], after[name]
-            facts = {key: c.entry.table if c.entry else "none" for key, c in (("old", one), ("new", other))}
+            facts = {key: _table(c) for key, c in (("old", one), ("new", other))}
             use = Use((Side.SENDING, Side.RECEIVING), (name,))
             places = (*one.path, "table"), (*other.path, "table")
             found.add("table-of-command-changed", _item(one), *places, Impact.SILENT, use, **facts)
     return kept
+
+
+def _table(command: Command) -> Fact:
+    return (Said("the table"), f" `{command.entry.table}`") if command.entry else Said("no table")
 
 
 def messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, Message]]:
@@ -138,7 +142,7 @@ def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
         found.renamed("command-renamed", item, *where, use, **names)
     keys.compare(found, both, old, new)
     _facts(found, both, old, new)
-    _texts(found, old, new)
+    _texts(found, both, old, new)
     _reply(found, old, new)
     for direction, one, other in messages(old, new):
         used = Use((Side.of(direction),), (old.group,))
@@ -149,12 +153,12 @@ def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
 def _facts(found: Found, both: Editions, old: Command, new: Command) -> None:
     item, use = _item(old), Use((Side.SENDING,), (old.group,))
 
-    def add(rule: str, impact: Impact, key: str, one: str, other: str) -> None:
+    def add(rule: str, impact: Impact, key: str, one: Fact, other: Fact) -> None:
         found.add(rule, item, (*old.path, key), (*new.path, key), impact, use, old=one, new=other)
 
     if old.implemented != new.implemented:
         impact = Impact.SILENT if new.implemented else Impact.LOUD
-        add("implemented-changed", impact, "implemented", *(str(c.implemented).lower() for c in (old, new)))
+        add("implemented-changed", impact, "implemented", *(Said("yes" if c.implemented else "no") for c in (old, new)))
     if old.mode != new.mode:
         add("mode-of-command-changed", Impact.LOUD, "mode", *(c.mode or "none" for c in (old, new)))
     silent = {s.name for s in old.limited_by} != {s.name for s in new.limited_by}
@@ -192,7 +196,7 @@ def _conditions(found: Found, item: Item, places: tuple[Path, Path], told: Seque
         found.add(rule, item, (*places[0], key), (*places[1], key), impact, use, old=one, new=other)
 
     if old_only != new_only:
-        scopes = [words.condition(only) or "all" for only in (old_only, new_only)]
+        scopes = [words.condition(only) or Said("all") for only in (old_only, new_only)]
         add("availability-changed", Impact.SILENT, "only", scopes[0], scopes[1])
     names = [{e.name for e in effects} for effects in (before, after)]
     if names[0] != names[1]:
@@ -201,20 +205,28 @@ def _conditions(found: Found, item: Item, places: tuple[Path, Path], told: Seque
         add("effects-changed", impact, "effects", *(listed(e.name for e in effects) for effects in (before, after)))
 
 
-def _limits(command: Command) -> str:
+def _limits(command: Command) -> Fact:
     others = listed(s.name for s in command.not_limited_by)
-    return listed(s.name for s in command.limited_by) + (f" (not by {others})" if command.not_limited_by else "")
+    said = (" (", Said("not by"), f" {others})") if command.not_limited_by else ()
+    return (listed(s.name for s in command.limited_by), *said)
 
 
-def _texts(found: Found, old: Command, new: Command) -> None:
+def _texts(found: Found, both: Editions, old: Command, new: Command) -> None:
     item, name = _item(old), old.group
     if old.entry and new.entry:
-        entry = Item.of_entry(old.entry)
-        places = ((*old.entry.path, "title"), (*new.entry.path, "title"))
-        found.title(entry, places, (old.entry.name, new.entry.name), old.entry.title, new.entry.title)
-    else:
-        places = ((*old.path, "title"), (*new.path, "title"))
-        found.title(item, places, (old.group, new.group), old.title, new.title)
+        tables = both.old.table(old.entry.table), both.new.table(new.entry.table)
+        of_table = Item("table", old.entry.table), (tables[0].path, tables[1].path)
+        found.texts(*of_table, *tables)
+        found.section(*of_table, tables[0].manual, tables[1].manual, Use((), (old.group,)))
+        of_entry = Item.of_entry(old.entry), (old.entry.path, new.entry.path)
+        found.texts(*of_entry, old.entry, new.entry)
+        own = [
+            entry.manual if entry.manual != table.manual else ""
+            for entry, table in zip((old.entry, new.entry), tables, strict=True)
+        ]
+        found.section(*of_entry, own[0], own[1], Use((), (old.group,)))
+    places = ((*old.path, "title"), (*new.path, "title"))
+    found.title(item, places, (old.group, new.group), old.group_title, new.group_title)
     found.text("text-changed", item, ((*old.path, "about"), (*new.path, "about")), name, old.about, new.about)
     notes = [{lang: "\n".join(n[lang] for n in c.notes) for lang in c.title} for c in (old, new)]
     found.text("text-changed", item, ((*old.path, "notes"), (*new.path, "notes")), name, *notes)
@@ -231,14 +243,18 @@ def _reply(found: Found, old: Command, new: Command) -> None:
         facts = {"old": layouts[0] or one, "new": layouts[1] or other}
         found.add("reply-form-changed", item, *where, impact, use, **facts)
     if old.from_each != new.from_each:
-        facts = {"old": listed(old.from_each), "new": listed(new.from_each)}
-        found.add("repliers-changed", item, *where, Impact.LOUD, use, **facts)
+        repliers = {"old": _repliers(old), "new": _repliers(new)}
+        found.add("repliers-changed", item, *where, Impact.LOUD, use, **repliers)
     if (old.request is None) != (new.request is None):
         told = ["none" if c.request is None else "fields" for c in (old, new)]
         paths = ((*old.path, "request"), (*new.path, "request"))
         impact = Impact.LOUD if new.request is None else Impact.SAFE
         sending = Use((Side.SENDING,), (old.group,))
         found.add("request-changed", item, *paths, impact, sending, old=told[0], new=told[1])
+
+
+def _repliers(command: Command) -> Fact:
+    return (Said("the nodes"), f" {listed(command.from_each)}") if command.from_each else Said("the node addressed")
 
 
 def _form(command: Command) -> str:
@@ -249,10 +265,10 @@ def _form(command: Command) -> str:
 
 
 def _message(found: Found, both: Editions, old: Command, new: Command, one: Message, other: Message) -> None:
-    direction = one.direction.value
+    direction = Said(one.direction.value)
     item, use = _item(old), Use((Side.of(one.direction),), (old.group,))
 
-    def add(rule: str, impact: Impact, key: str, before: str, after: str, **facts: str) -> None:
+    def add(rule: str, impact: Impact, key: str, before: Fact, after: Fact, **facts: Fact) -> None:
         paths = (*one.path, key), (*other.path, key)
         found.add(rule, item, *paths, impact, use, old=before, new=after, **facts)
 
@@ -266,10 +282,10 @@ def _message(found: Found, both: Editions, old: Command, new: Command, one: Mess
         add("address-of-command-changed", Impact.LOUD, "address", one.address, other.address, direction=direction)
     usual = [edition.bus.dlc for edition in (both.old, both.new)]
     if one.dlc != other.dlc and [one.dlc, other.dlc] == usual:
-        facts = {"direction": "usual frame", "old": str(one.dlc), "new": str(other.dlc)}
+        facts: dict[str, Fact] = {"direction": Said("usual frame"), "old": str(one.dlc), "new": str(other.dlc)}
         found.add("dlc-changed", Item("bus", ""), ("bus", "dlc"), ("bus", "dlc"), Impact.LOUD, use, **facts)
     elif one.dlc != other.dlc:
         add("dlc-changed", Impact.LOUD, "dlc", str(one.dlc), str(other.dlc), direction=direction)
     if one.remote != other.remote:
-        kinds = ["remote frame" if m.remote else "data frame" for m in (one, other)]
+        kinds = [Said("remote frame" if m.remote else "data frame") for m in (one, other)]
         add("frame-kind-changed", Impact.LOUD, "remote", *kinds, direction=direction)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from .. import words
 from ..model import Edition, Encoding, Field, Layout, Path, Type
 from . import api, match, quantities
-from .change import Impact, Item, Side
+from .change import Impact, Item, Said, Side
 from .found import Found, Use, listed
 
 
@@ -29,12 +29,9 @@ def compare(found: Found, both: Editions, command: str, old: Layout, new: Layout
         names = api.layout(old.name, new.name)
         found.renamed("layout-renamed", item, old.path, new.path, use, old=old.name, new=new.name, names=names)
     if item.kind == "layout":
-        found.title(item, _at(old, new, "title"), (old.name, new.name), old.title, new.title)
-        found.text("text-changed", item, _at(old, new, "about"), old.name, old.about, new.about)
+        found.texts(item, (old.path, new.path), old, new)
         found.section(item, (old.path, new.path), old.manual, new.manual, Use((), use.commands))
     matched = match.fields(old, new)
-    if item.kind == "entry":
-        found.section(item, (old.path[:4], new.path[:4]), old.manual, new.manual, Use((), use.commands))
     for one, other in matched.pairs:
         _field(found, both, item, one, other, use)
         if (one.manual, other.manual) != (old.manual, new.manual):
@@ -86,10 +83,15 @@ def _field(found: Found, both: Editions, item: Item, old: Field, new: Field, use
             "constant-changed",
             Impact.LOUD,
             "constant",
-            *("none" if c is None else str(c) for c in _constants(old, new)),
+            *(Said("any value") if c is None else str(c) for c in _constants(old, new)),
         )
     if old.holds_node != new.holds_node:
-        add("holds-changed", Impact.LOUD, "holds", *("the node" if f.holds_node else "a value" for f in (old, new)))
+        add(
+            "holds-changed",
+            Impact.LOUD,
+            "holds",
+            *(Said("the node" if f.holds_node else "a value") for f in (old, new)),
+        )
     if (old.title, new.title) != (old.type.title, new.type.title):
         found.title(item, _at(old, new, "title"), (old.name, new.name), old.title, new.title)
     found.text("text-changed", item, _at(old, new, "about"), new.name, old.about, new.about)
@@ -101,11 +103,11 @@ def _constants(old: Field, new: Field) -> tuple[int | None, int | None]:
 
 
 def old_only(field: Field) -> str:
-    return ", ".join(field.only) or "all"
+    return ", ".join(field.only) or Said("all")
 
 
 def _array(field: Field) -> str:
-    return listed(e.index for e in field.elements) if field.is_array else "one"
+    return listed(e.index for e in field.elements) if field.is_array else Said("one alone")
 
 
 def places(fields: Sequence[Field]) -> str:
@@ -143,11 +145,11 @@ def _type(found: Found, both: Editions, item: Item, old: Field, new: Field, use:
     floats = [t.encoding is Encoding.FLOAT for t in (one, other)]
     if one.encoding is not other.encoding:
         rule = "encoding-changed" if any(floats) else "sign-changed"
-        pair.add(found, rule, Impact.SILENT, "raw", old=one.encoding.value, new=other.encoding.value)
+        pair.add(found, rule, Impact.SILENT, "raw", old=Said(one.encoding.value), new=Said(other.encoding.value))
     _order(found, both, pair)
     if same:
-        found.title(owner, _at(one, other, "title"), (one.name, other.name), one.title, other.title)
-        found.text("text-changed", owner, _at(one, other, "about"), name, one.about, other.about)
+        found.texts(owner, paths, one, other)
+        found.text("text-changed", owner, _at(one, other, "differs"), name, one.differs, other.differs)
     quantities.compare(found, pair)
 
 
@@ -155,7 +157,7 @@ def _order(found: Found, both: Editions, pair: quantities.Pair) -> None:
     old, new = pair.old, pair.new
     if old.order is new.order or min(old.width, new.width) <= 8:
         return
-    facts = {"old": old.order.value, "new": new.order.value}
+    facts = {"old": Said(old.order.value), "new": Said(new.order.value)}
     everywhere = (old.order, new.order) == (both.old.order, both.new.order)
     if everywhere:
         place = ("byte_order",)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 from .. import words
 from ..model import Path, Text
-from .change import Change, Fact, Impact, Item, Side
+from .change import Change, Fact, Impact, Item, Said, Side
 from .table import CHANGES
 
 _ORDER = list(Impact)
@@ -23,6 +24,17 @@ class Use:
 
 
 BOTH_SIDES = Use(tuple(Side))
+
+
+class Titled(Protocol):
+    """What people read of a thing."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> Text: ...
+    @property
+    def about(self) -> Text: ...
 
 
 class Found:
@@ -40,7 +52,7 @@ class Found:
         for now, was in self.moved.items():
             if old is not None and old[: len(now)] == now:
                 old = (*was, *old[len(now) :])
-        told = tuple((name, fact if isinstance(fact, str) else tuple(fact.items())) for name, fact in facts.items())
+        told = tuple((name, _frozen(fact)) for name, fact in facts.items())
         key = (rule, item, told, old, new)
         known = self._changes.get(key)
         change = Change(CHANGES[rule], item, facts, old, new, impact, use.sides, use.commands)
@@ -59,7 +71,7 @@ class Found:
     def section(self, item: Item, places: tuple[Path, Path], old: str, new: str, use: Use) -> None:
         """A change of the section of the manual."""
         if old != new:
-            facts = {"old": {"en": old or "none"}, "new": {"en": new or "none"}}
+            facts = {"old": section(old), "new": section(new)}
             paths = [(*place, "manual") for place in places]
             self.add("section-changed", item, paths[0], paths[1], Impact.SAFE, use, **facts)
 
@@ -73,8 +85,25 @@ class Found:
         if not all(set(t.values()) == {words.spoken(name)} for name, t in zip(names, (old, new), strict=True)):
             self.text("title-changed", item, places, names[1], old, new)
 
+    def texts(self, item: Item, places: tuple[Path, Path], old: Titled, new: Titled) -> None:
+        """Changes of what is said of a thing: its title, and more."""
+        at = [tuple((*place, key) for place in places) for key in ("title", "about")]
+        self.title(item, (at[0][0], at[0][1]), (old.name, new.name), old.title, new.title)
+        self.text("text-changed", item, (at[1][0], at[1][1]), new.name, old.about, new.about)
+
     def __iter__(self) -> Iterator[Change]:
         return iter(self._changes.values())
+
+
+def _frozen(fact: Fact) -> object:
+    if isinstance(fact, tuple):
+        return tuple(map(_frozen, fact))
+    return fact if isinstance(fact, str) else tuple(fact.items())
+
+
+def section(manual: str) -> Fact:
+    """A section of the manual, as its writer calls it."""
+    return {"en": manual} if manual else Said("none")
 
 
 def differ(old: Text, new: Text) -> bool:
@@ -89,4 +118,4 @@ def shortened(text: Text, longest: int = 60) -> Mapping[str, str]:
 
 def listed(names: Iterable[object]) -> str:
     """`a, b`, or `none`."""
-    return ", ".join(map(str, names)) or "none"
+    return ", ".join(map(str, names)) or Said("none")

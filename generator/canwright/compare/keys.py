@@ -6,20 +6,20 @@ from collections.abc import Sequence
 
 from .. import words
 from ..model import Command, Edition, Key, Message, Path
-from .change import Impact, Item, Side
+from .change import Impact, Item, Said, Side
 from .fields import Editions
 from .found import Found, Use, listed
 
 
 def code(value: int | None) -> str:
     """A code, as `0x0A`."""
-    return "none" if value is None else f"0x{value:02X}"
+    return Said("none") if value is None else f"0x{value:02X}"
 
 
 def index(command: Command) -> str:
     """The index of an entry, as `0x05, 0x0A`."""
     message = command.request or command.reply
-    return listed(code(key.value) for key in message.keys if key.is_index) if message else "none"
+    return listed(code(key.value) for key in message.keys if key.is_index) if message else Said("none")
 
 
 def compare(found: Found, both: Editions, old: Command, new: Command) -> None:

@@ -10,8 +10,8 @@ from typing import TypeVar
 from .. import words
 from ..model import Bound, Dependent, Linear, Member, Path, Range, Type
 from . import api
-from .change import Impact, Item, Side
-from .found import Found, Use, listed
+from .change import Impact, Item, Said, Side
+from .found import Found, Use
 from .match import by_name
 
 T = TypeVar("T")
@@ -40,14 +40,14 @@ def compare(found: Found, pair: Pair) -> None:
     old, new = pair.old, pair.new
     _scales(found, pair)
     if old.unit != new.unit:
-        facts = {"old": old.unit.symbol if old.unit else "none", "new": new.unit.symbol if new.unit else "none"}
+        facts = {key: t.unit.symbol if t.unit else Said("no unit") for key, t in (("old", old), ("new", new))}
         pair.add(found, "unit-changed", Impact.SILENT, "unit", **facts)
     _ranges(found, pair)
     for key, before, after in (("enum", old.enum, new.enum), ("flags", old.flags, new.flags)):
         _members(found, pair, key, before, after)
     needed = [(*type_.parameters, *type_.numbers) for type_ in (old, new)]
     if needed[0] != needed[1]:
-        facts = {"old": listed(needed[0]), "new": listed(needed[1])}
+        facts = {key: ", ".join(names) or Said("nothing") for key, names in zip(("old", "new"), needed, strict=True)}
         pair.add(found, "parameters-of-type-changed", Impact.BUILD, "scale", **facts)
 
 
@@ -73,7 +73,7 @@ def _scales(found: Found, pair: Pair) -> None:
 
 
 def _worth(linear: Linear | None, type_: Type) -> str:
-    return "none" if linear is None else f"{words.step(linear)}{_unit(type_)}"
+    return Said("not given") if linear is None else f"{words.step(linear)}{_unit(type_)}"
 
 
 def _unit(type_: Type) -> str:
@@ -93,7 +93,7 @@ def _ranges(found: Found, pair: Pair) -> None:
             Side.RECEIVING in pair.use.sides and not _within(new, old)
         )
         impact = Impact.SILENT if hit else Impact.SAFE
-        told = ["any" if limits is None else words.span(limits) for limits in (one, other)]
+        told = [Said("not limited") if limits is None else words.span(limits) for limits in (one, other)]
         facts = {"when": when, "old": told[0], "new": told[1]}
         pair.add(found, "range-changed", impact, "raw_range", **facts)
 
@@ -141,7 +141,7 @@ def _members(found: Found, pair: Pair, key: str, old: tuple[Member, ...], new: t
         if one.value != other.value:
             facts = {"name": pair.name, "member": other.name, "old": str(one.value), "new": str(other.value)}
             found.add("member-renumbered", pair.item, *places, Impact.SILENT, pair.use, **facts)
-        found.title(pair.item, places, (one.name, other.name), one.title, other.title)
+        found.texts(pair.item, places, one, other)
     for gone in matched.removed:
         impact = Impact.SILENT if Side.SENDING in sides else Impact.SAFE
         where = (*pair.old_path, key, gone.name), (*pair.new_path, key)

@@ -128,7 +128,7 @@ def changelog(found: Comparison) -> str:
     """A section to paste into a changelog."""
     new = found.new.described.edition
     lines = [f"## {new.name}" + (f" ({new.date})" if new.date else ""), ""]
-    lines += [f"Since {found.old.described.edition.name}: {summary(found.changes)}.", ""]
+    lines += [f"Since {found.old.described.edition.name}, {summary(found.changes)}.", ""]
     by_heading: dict[str, list[str]] = {heading: [] for heading in ("Changed", "Added", "Removed")}
     documents: dict[str, list[str]] = {}
     for change in by_impact(found.changes):
@@ -136,7 +136,9 @@ def changelog(found: Comparison) -> str:
             documents.setdefault(change.rule.purpose, []).append(f"`{change.item.name or change.item.kind}`")
         else:
             by_heading[_heading(change)].append(_entry(change))
-    by_heading["Documents"] = [f"- {purpose} {', '.join(dict.fromkeys(on))}" for purpose, on in documents.items()]
+    by_heading["Documents"] = [
+        f"- {purpose.rstrip('.')}: {', '.join(dict.fromkeys(on))}" for purpose, on in documents.items()
+    ]
     for heading, entries in by_heading.items():
         if entries:
             lines += [f"### {heading}", "", *dict.fromkeys(entries), ""]

@@ -7,45 +7,59 @@ from fractions import Fraction
 
 from .. import words
 from ..diagnostics import nearest
-from ..given import number
-from ..golden import Frame, RefusedValues
-from ..interpret import CanFrame, Raw, Value, has_id, is_message, node_of, raws, value_of, wrong_constants
-from ..model import Direction, Edition, Field, Message, Path
-from .rule import Finding, Found, Subject
+from ..golden import Frame
+from ..interpret import CanFrame, Raw, Value, difference, held, node_of, raws, value_of, wrong_constants
+from ..model import Assignment, Direction, Edition, Field, Message
+from ..receiving import Read, Receiver, Refused
+from ..sending import Sender, Senders
+from .entries import Problem, judged, named
+from .rule import Found, Subject
 
 
 def check(subject: Subject) -> Found:
-    messages = {direction: _messages(subject.edition, direction) for direction in Direction}
-    for i, frame in enumerate(subject.frames.frames if subject.frames else ()):
-        for path, text, hint in _frame(messages[frame.direction], frame):
-            yield Finding(("frames", i, *path), text, hint, in_frames=True)
-    for i, refused in enumerate(subject.frames.refused if subject.frames else ()):
-        if isinstance(refused, RefusedValues):
-            for path, text, hint in _refused(subject.edition, refused):
-                yield Finding(("refused", i, *path), text, hint, in_frames=True)
-
-    for key in ("frames", "refused", "exchanges"):
-        for i, entry in enumerate(getattr(subject.frames, key, ())):
-            for path, text, hint in _parameters(subject.edition, entry.parameters):
-                yield Finding((key, i, *path), text, hint, in_frames=True)
+    if subject.frames is not None:
+        yield from judged(subject.edition, "frames", subject.frames.frames, _Judge(subject.edition).judge)
 
 
-Problem = tuple[Path, str, str]
+class _Judge:
+    """Judges the frames of an edition; what parameters lead to is worked out once."""
 
+    def __init__(self, edition: Edition) -> None:
+        self._messages = {direction: _messages(edition, direction) for direction in Direction}
+        self._senders = Senders()
+        self._receiver = Receiver(edition)
 
-def _parameters(edition: Edition, given: Mapping[str, int | str]) -> Iterator[Problem]:
-    known = {parameter.name: parameter for parameter in edition.parameters}
-    for name, value in given.items():
-        path: Path = ("parameters", name)
-        if name not in known:
-            yield path, f"there is no parameter `{name}`", nearest(name, known) or "leave it out"
-        elif known[name].is_choice and str(value) not in (names := [v.name for v in known[name].values]):
-            yield path, f"`{name}` has no value `{value}`", nearest(str(value), names)
-        elif not known[name].is_choice:
-            try:
-                number(edition, known[name], str(value))
-            except ValueError as error:
-                yield path, str(error), "write what the source gives"
+    def judge(self, frame: Frame) -> list[Problem]:
+        direction = frame.direction
+        if not frame.command or (frame.request and frame.reply):
+            text = "this is no frame of a command" if not frame.command else "a frame is a request or a reply, not both"
+            return [((), text, "write `request: COMMAND` or `reply: COMMAND`")]
+        message = self._messages[direction].get(frame.command)
+        if message is None:
+            hint = nearest(frame.command, self._messages[direction]) or "take it out"
+            return [((direction.value,), f"no command `{frame.command}` has a {direction.value}", hint)]
+        can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
+        alone = self._receiver.read(direction, can)
+        is_meant = isinstance(alone, Read) and (alone.message.name, alone.node) == (message.name, frame.node)
+        if not is_meant:
+            problem = _header(message, frame, can)
+            if problem:
+                return [problem]
+        sender = self._senders.under(frame.parameters)
+        variant = message.layout.variant(sender.assignment)
+        if variant is None:
+            text = f"the fields depend on `{message.layout.parameter}`, which is not given"
+            return [((), text, f"add parameters: {{{message.layout.parameter}: …}}")]
+        wrong = [
+            (("data",), f"`{f.name}` should hold {f.constant}", "check `data`") for f in wrong_constants(variant, can)
+        ]
+        found = raws(variant, can)
+        fields = {f.name: f for f in variant.fields}
+        if not is_meant and (direction is Direction.REQUEST or not _reads_alike(alone, sender, can, found)):
+            said = f"refused: {alone.text}" if isinstance(alone, Refused) else named(alone.message, alone.node)
+            return [(("data",), f"by itself this is {said}", "check the codes in the spec")]
+        problems = [*wrong, *_raws(frame, found), *_values(frame, fields, found, sender.assignment)]
+        return problems or ([] if frame.decode_only else list(_sent(sender, message, fields, frame, can)))
 
 
 def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:
@@ -54,58 +68,49 @@ def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:
     return {name: message for name, message in both if message is not None}
 
 
-def _frame(messages: Mapping[str, Message], frame: Frame) -> list[Problem]:
-    direction = frame.direction.value
-    if not frame.command or (frame.request and frame.reply):
-        text = "this is no frame of a command" if not frame.command else "a frame is a request or a reply, not both"
-        return [((), text, "write `request: COMMAND` or `reply: COMMAND`")]
-    message = messages.get(frame.command)
-    if message is None:
-        return [((direction,), f"no command `{frame.command}` has a {direction}", nearest(frame.command, messages))]
-    can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
-    problem = _header(message, frame, can)
-    if problem:
-        return [problem]
-    variant = message.layout.variant({name: str(value) for name, value in frame.parameters.items()})
-    if variant is None:
-        text = f"the fields depend on `{message.layout.parameter}`, which is not given"
-        return [((), text, f"add parameters: {{{message.layout.parameter}: …}}")]
-    wrong = [((), f"`{f.name}` should hold {f.constant}", "check `data`") for f in wrong_constants(variant, can)]
-    found = raws(variant, can)
-    return [*wrong, *_raws(frame, found), *_values(frame, {f.name: f for f in variant.fields}, found)]
+def _reads_alike(alone: Read | Refused, sender: Sender, can: CanFrame, found: Mapping[str, Raw]) -> bool:
+    """Whether a frame that is read as another message has the same fields in it."""
+    variant = alone.message.layout.variant(sender.assignment) if isinstance(alone, Read) else None
+    return variant is not None and raws(variant, can) == found
 
 
-def _refused(edition: Edition, refused: RefusedValues) -> list[Problem]:
-    """What is refused has to be refused for its values, not for names that are not there."""
-    commands = {c.name: c for c in edition.commands}
-    command = commands.get(refused.command)
-    if command is None:
-        return [(("command",), f"there is no command `{refused.command}`", nearest(refused.command, commands))]
-    message = command.message(refused.encode)
-    known = [f.name for f in message.layout.fields] if message else []
-    return [
-        ((key, name), f"there is no field `{name}`", nearest(name, known))
-        for key, told in (("raw", refused.raw), ("values", refused.values))
-        for name in told
-        if name not in known
-    ]
+def _sent(
+    sender: Sender, message: Message, fields: Mapping[str, Field], frame: Frame, can: CanFrame
+) -> Iterator[Problem]:
+    """Why the frame that is read so is not the one that is sent."""
+    for name, raw in frame.raw.items():
+        refused = sender.refuses_raw(fields[name], raw)
+        if refused:
+            hint = f"`{name}` may be {sender.limits(fields[name].type)}; decode_only: true is for what is read and never sent"
+            yield ("raw", name), f"nobody can send this: {refused.text}", hint
+    hint = "decode_only: true is for what is read and never sent so"
+    for key in message.keys[:1]:
+        if held(key, can) != key.value:
+            place = words.place(key.space, key.segments)
+            yield ("data",), f"a sender writes 0x{key.value:02X} in {place}", hint
+    if can.remote:
+        if can.data:
+            yield ("data",), "a remote frame has no data", 'data: ""'
+        return
+    beside = int.from_bytes(can.data, "little") & sender.reserved(message)
+    if beside:
+        at = ((beside & -beside).bit_length() - 1) // 8
+        yield ("data",), f"DATA[{at}] has bits of no field, which a sender leaves 0", hint
 
 
 def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
-    for key, wanted in (("extended", message.id.extended), ("remote", message.remote)):
-        if getattr(frame, key) is not wanted:
-            text = f"{message.name} is {'' if wanted else 'no '}{'frame with a 29-bit id' if key == 'extended' else 'remote frame'}"
-            return (), text, f"{key}: {str(wanted).lower()}"
-    if not has_id(message, can):
-        return ("id",), f"0x{frame.id:X} is no id of {message.name}", "check the id, and the address in the spec"
-    if len(frame.data) != (0 if message.remote else message.dlc):
-        return ("data",), f"{len(frame.data)} bytes, but {message.name} has {message.dlc}", "check `data` and `dlc`"
-    if not is_message(message, can):
-        keys = ", ".join(f"{words.place(k.space, k.segments)} 0x{k.value:02X}" for k in message.keys)
-        return ("data",), f"these bytes do not select {message.name}", f"check the code: it has {keys}"
-    if node_of(message, can) != frame.node:
-        return ("node",), f"the id 0x{frame.id:X} is that of node {node_of(message, can)}", "check `id` and `node`"
-    return None
+    wrong = difference(message, can)
+    if wrong is None:
+        node = node_of(message, can)
+        of = f"is that of node {node}" if node is not None else "has no node"
+        return None if node == frame.node else (("node",), f"the id 0x{frame.id:X} {of}", "check `id` and `node`")
+    if wrong.part in ("extended", "remote"):
+        return (), wrong.text, f"{wrong.part}: {str(not getattr(frame, wrong.part)).lower()}"
+    if wrong.part == "id":
+        return ("id",), wrong.text, "check the id, and the address in the spec"
+    if wrong.part == "length":
+        return ("data",), wrong.text, "check `data` and `dlc`"
+    return ("data",), wrong.text, "check `data`, and the code in the spec"
 
 
 def _raws(frame: Frame, found: Mapping[str, Raw]) -> list[Problem]:
@@ -118,13 +123,16 @@ def _raws(frame: Frame, found: Mapping[str, Raw]) -> list[Problem]:
     ]
 
 
-def _values(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[Problem]:
+def _values(
+    frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw], assignment: Assignment
+) -> list[Problem]:
     problems: list[Problem] = []
-    assignment = {name: str(value) for name, value in frame.parameters.items()}
     for name, wanted in frame.values.items():
         if name not in fields or name not in found:
-            problems.append((("values", name), f"there is no field `{name}`", nearest(name, found)))
+            problems.append((("values", name), f"there is no field `{name}`", nearest(name, found) or "take it out"))
             continue
+        if name in frame.raw and frame.raw[name] != found[name]:
+            continue  # told already: the value follows from the raw integer
         raw, type_ = found[name], fields[name].type
         value = (
             [value_of(type_, r, assignment) for r in raw] if isinstance(raw, list) else value_of(type_, raw, assignment)

@@ -7,9 +7,8 @@ from .rule import Finding, Found, Subject
 
 def check(subject: Subject) -> Found:
     if subject.frames is None:
-        yield Finding(
-            (), "there are no golden frames beside this spec", "write frames from the manual into EDITION.frames.yaml"
-        )
+        hint = "write some from the manual into a file beside it: my.frames.yaml for my.yaml"
+        yield Finding((), "there are no golden frames beside this spec", hint)
         return
     there = {(frame.direction, frame.command) for frame in subject.frames.frames}
     for message in subject.edition.all_messages():

@@ -13,6 +13,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wzero-as-null-pointer-constant"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wuseless-cast"
+#endif
+#endif
+
 /** The version of this file. Headers that need another one do not compile. */
 #define CANWRIGHT_H_VERSION 1
 
@@ -27,8 +36,11 @@
  * never passes for a plain one. The data stand on a word boundary, where a compiler may join the bytes it reads.
  */
 typedef struct {
+    /** 11 bits, or 29 and CANWRIGHT_EXTENDED; with CANWRIGHT_REMOTE for a remote frame. */
     uint32_t id;
+    /** The first `dlc` of them count. */
     uint8_t data[8];
+    /** Number of data bytes, 0 to 8. */
     uint8_t dlc;
 } canwright_frame_t;
 
@@ -59,14 +71,16 @@ typedef enum {
 
 /** A number as a quotient, exact without floating point: 6 is {6, 1}. A denominator of 0 means not known. */
 typedef struct {
+    /** Has the sign. */
     int32_t numerator;
+    /** Not 0 in a number that is known. */
     uint32_t denominator;
 } canwright_ratio_t;
 
 /** The status in words. */
 static inline const char *canwright_status_name(canwright_status_t status)
 {
-    switch (status) {
+    switch ((int)status) {
     case CANWRIGHT_OK:
         return "ok";
     case CANWRIGHT_UNKNOWN_ID:
@@ -188,5 +202,9 @@ static inline uint64_t canwright_order64(uint64_t bits)
 {
     return (bits >> 63) != 0u ? ~bits : bits | UINT64_C(0x8000000000000000);
 }
+
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 #endif

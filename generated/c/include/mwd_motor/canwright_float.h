@@ -17,6 +17,15 @@
 #error "Conversions to double need the 64-bit IEEE 754 numbers that this compiler does not have; use thousandths."
 #endif
 
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wzero-as-null-pointer-constant"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wuseless-cast"
+#endif
+#endif
+
 /** Up to here, a double holds every integer. */
 #define CANWRIGHT_EXACT (UINT64_C(1) << 53)
 
@@ -151,5 +160,9 @@ static inline canwright_status_t canwright_nearest_unsigned(
     *nearest = whole;
     return whole >= lowest && whole <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
+
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 #endif

@@ -26,6 +26,15 @@
 /** The beginning of the spec's hash. Headers of one edition that come of different specs do not compile together. */
 #define MWD_MOTOR_V2_35_SPEC 0xf3f5995du
 
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wzero-as-null-pointer-constant"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wuseless-cast"
+#endif
+#endif
+
 /* -----------------------------------------------------------------------------------------------------------------
  * Parameters: what you know of a node and no frame says
  * ----------------------------------------------------------------------------------------------------------------- */
@@ -77,8 +86,8 @@ typedef struct {
  * @name One motor (2)
  * @{
  */
-#define MWD_MOTOR_V2_35_MOTOR_NODE_MIN 1u
-#define MWD_MOTOR_V2_35_MOTOR_NODE_MAX 32u
+#define MWD_MOTOR_V2_35_MOTOR_NODE_MIN 1u  /**< First node. */
+#define MWD_MOTOR_V2_35_MOTOR_NODE_MAX 32u /**< Last node. */
 
 /** The id of a request to a node. */
 static inline canwright_status_t mwd_motor_v2_35_motor_request_id(uint32_t *id, uint32_t node)
@@ -242,8 +251,8 @@ static inline canwright_status_t mwd_motor_v2_35_voltage_from_milli(uint16_t *ra
  * -850..850.
  * @{
  */
-#define MWD_MOTOR_V2_35_POWER_RAW_MIN (-850)
-#define MWD_MOTOR_V2_35_POWER_RAW_MAX 850
+#define MWD_MOTOR_V2_35_POWER_RAW_MIN (-850) /**< Least raw value. */
+#define MWD_MOTOR_V2_35_POWER_RAW_MAX 850    /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_35_power_valid(int16_t raw)
@@ -262,8 +271,8 @@ static inline bool mwd_motor_v2_35_power_valid(int16_t raw)
  * MH: the raw value only. No edition gives one. A guess would read as a measurement.
  * @{
  */
-#define MWD_MOTOR_V2_35_TORQUE_CURRENT_RAW_MIN (-2048)
-#define MWD_MOTOR_V2_35_TORQUE_CURRENT_RAW_MAX 2048
+#define MWD_MOTOR_V2_35_TORQUE_CURRENT_RAW_MIN (-2048) /**< Least raw value. */
+#define MWD_MOTOR_V2_35_TORQUE_CURRENT_RAW_MAX 2048    /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_35_torque_current_valid(int16_t raw)
@@ -275,7 +284,7 @@ static inline bool mwd_motor_v2_35_torque_current_valid(int16_t raw)
 static inline canwright_status_t mwd_motor_v2_35_torque_current_to_milli(
     int32_t *milli, int16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_SERIES_MS:
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -294,7 +303,7 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_to_milli(
 static inline canwright_status_t mwd_motor_v2_35_torque_current_from_milli(
     int16_t *raw, int32_t milli, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_SERIES_MS:
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -326,8 +335,8 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_milli(
  * type of its own with 32/2000 A, for every series. The two sections agree on nothing that one scale could serve.
  * @{
  */
-#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_RAW_MIN (-2000)
-#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_RAW_MAX 2000
+#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_RAW_MIN (-2000) /**< Least raw value. */
+#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_RAW_MAX 2000    /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_35_broadcast_current_valid(int16_t raw)
@@ -467,7 +476,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_milli(ui
  * 0..36000*gear_ratio-1.
  * @{
  */
-#define MWD_MOTOR_V2_35_SINGLE_TURN_POSITION_RAW_MIN 0u
+#define MWD_MOTOR_V2_35_SINGLE_TURN_POSITION_RAW_MIN 0u /**< Least raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_35_single_turn_position_valid(
@@ -554,18 +563,18 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_milli(int
  * count instead would be off by one count.
  * @{
  */
-#define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MIN_14 0u
-#define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MAX_14 16383u
-#define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MIN_15 0u
-#define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MAX_15 32767u
-#define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MIN_18 0u
-#define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MAX_18 65535u
+#define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MIN_14 0u     /**< Least raw value (encoder_bits 14). */
+#define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MAX_14 16383u /**< Greatest raw value (encoder_bits 14). */
+#define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MIN_15 0u     /**< Least raw value (encoder_bits 15). */
+#define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MAX_15 32767u /**< Greatest raw value (encoder_bits 15). */
+#define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MIN_18 0u     /**< Least raw value (encoder_bits 18). */
+#define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MAX_18 65535u /**< Greatest raw value (encoder_bits 18). */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_35_encoder_position_valid(
     uint16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
         return raw <= 16383u;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
@@ -579,7 +588,7 @@ static inline bool mwd_motor_v2_35_encoder_position_valid(
 static inline canwright_status_t mwd_motor_v2_35_encoder_position_to_milli(
     int32_t *milli, uint16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
         *milli = canwright_divide32((int32_t)raw * 5625, 256);
         return CANWRIGHT_OK;
@@ -599,7 +608,7 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_milli(
     uint16_t *raw, int32_t milli, const mwd_motor_v2_35_parameters_t *parameters)
 {
     uint16_t nearest;
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
         if (milli < -10 || milli > 1439989) {
             return CANWRIGHT_OUT_OF_RANGE;
@@ -708,7 +717,7 @@ typedef enum {
 /** The name of a field. */
 static inline const char *mwd_motor_v2_35_field_name(mwd_motor_v2_35_field_t field)
 {
-    switch (field) {
+    switch ((int)field) {
     case MWD_MOTOR_V2_35_FIELD_TEMPERATURE:
         return "temperature";
     case MWD_MOTOR_V2_35_FIELD_POWER:
@@ -799,7 +808,7 @@ static inline canwright_status_t mwd_motor_v2_35_motion_feedback_check(
         *field = MWD_MOTOR_V2_35_FIELD_ENCODER;
         return CANWRIGHT_OUT_OF_RANGE;
     }
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_SERIES_MS:
         if (!mwd_motor_v2_35_power_valid(message->power)) {
             *field = MWD_MOTOR_V2_35_FIELD_POWER;
@@ -838,7 +847,7 @@ static inline canwright_status_t mwd_motor_v2_35_motion_feedback_pack(
     frame->data[5] = (uint8_t)((uint16_t)message->speed >> 8);
     frame->data[6] = (uint8_t)message->encoder;
     frame->data[7] = (uint8_t)(message->encoder >> 8);
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_SERIES_MS:
         frame->data[2] = (uint8_t)message->power;
         frame->data[3] = (uint8_t)((uint16_t)message->power >> 8);
@@ -863,7 +872,7 @@ static inline canwright_status_t mwd_motor_v2_35_motion_feedback_unpack(
     message->temperature = (int8_t)canwright_signed32(frame->data[1], 8u);
     message->speed = (int16_t)canwright_signed32((uint32_t)frame->data[4] | ((uint32_t)frame->data[5] << 8), 16u);
     message->encoder = (uint16_t)((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8));
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_SERIES_MS:
         message->power = (int16_t)canwright_signed32((uint32_t)frame->data[2] | ((uint32_t)frame->data[3] << 8), 16u);
         message->iq = 0;
@@ -982,7 +991,7 @@ static inline void mwd_motor_v2_35_status_1_unpack(
  * The reply is the request, sent back.
  * @{
  */
-#define MWD_MOTOR_V2_35_MOTOR_OFF_CODE 0x80u
+#define MWD_MOTOR_V2_35_MOTOR_OFF_CODE 0x80u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_motor_off_request_encode(canwright_frame_t *frame, uint32_t node)
@@ -1024,7 +1033,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_off_reply_decode(
  * If a motor answers motion commands without moving, it is off; this command wakes it.
  * @{
  */
-#define MWD_MOTOR_V2_35_MOTOR_ON_CODE 0x88u
+#define MWD_MOTOR_V2_35_MOTOR_ON_CODE 0x88u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_motor_on_request_encode(canwright_frame_t *frame, uint32_t node)
@@ -1063,7 +1072,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_on_reply_decode(uint32_t 
  * The reply is the request, sent back.
  * @{
  */
-#define MWD_MOTOR_V2_35_MOTOR_STOP_CODE 0x81u
+#define MWD_MOTOR_V2_35_MOTOR_STOP_CODE 0x81u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_motor_stop_request_encode(canwright_frame_t *frame, uint32_t node)
@@ -1105,7 +1114,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_stop_reply_decode(
  * Not limited by: Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_35_SET_POWER_CODE 0xA0u
+#define MWD_MOTOR_V2_35_SET_POWER_CODE 0xA0u /**< The code. */
 
 /** The request of set_power. */
 typedef struct {
@@ -1213,7 +1222,7 @@ static inline canwright_status_t mwd_motor_v2_35_set_power_reply_decode(
  * Not limited by: Max Torque Current.
  * @{
  */
-#define MWD_MOTOR_V2_35_SET_TORQUE_CODE 0xA1u
+#define MWD_MOTOR_V2_35_SET_TORQUE_CODE 0xA1u /**< The code. */
 
 /** The request of set_torque. */
 typedef struct {
@@ -1322,7 +1331,7 @@ static inline canwright_status_t mwd_motor_v2_35_set_torque_reply_decode(
  * Limited by: Max Speed, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_35_SET_SPEED_CODE 0xA2u
+#define MWD_MOTOR_V2_35_SET_SPEED_CODE 0xA2u /**< The code. */
 
 /** The request of set_speed. */
 typedef struct {
@@ -1414,7 +1423,7 @@ static inline canwright_status_t mwd_motor_v2_35_set_speed_reply_decode(
  * Limited by: Max Angle, Max Speed, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_35_MOVE_TO_ANGLE_CODE 0xA3u
+#define MWD_MOTOR_V2_35_MOVE_TO_ANGLE_CODE 0xA3u /**< The code. */
 
 /** The request of move_to_angle. */
 typedef struct {
@@ -1506,7 +1515,7 @@ static inline canwright_status_t mwd_motor_v2_35_move_to_angle_reply_decode(
  * Limited by: Max Angle, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_35_MOVE_TO_ANGLE_AT_SPEED_CODE 0xA4u
+#define MWD_MOTOR_V2_35_MOVE_TO_ANGLE_AT_SPEED_CODE 0xA4u /**< The code. */
 
 /** The request of move_to_angle_at_speed. */
 typedef struct {
@@ -1606,7 +1615,7 @@ static inline canwright_status_t mwd_motor_v2_35_move_to_angle_at_speed_reply_de
  * 1 and 2 and incremental 1 and 2. Used here: The names of the body. They say what the commands do.
  * @{
  */
-#define MWD_MOTOR_V2_35_TURN_TO_ANGLE_CODE 0xA5u
+#define MWD_MOTOR_V2_35_TURN_TO_ANGLE_CODE 0xA5u /**< The code. */
 
 /** The request of turn_to_angle. */
 typedef struct {
@@ -1725,7 +1734,7 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_reply_decode(
  * Used here: The rows by their byte numbers. The byte numbers are complete and agree with 0x30.
  * @{
  */
-#define MWD_MOTOR_V2_35_TURN_TO_ANGLE_AT_SPEED_CODE 0xA6u
+#define MWD_MOTOR_V2_35_TURN_TO_ANGLE_AT_SPEED_CODE 0xA6u /**< The code. */
 
 /** The request of turn_to_angle_at_speed. */
 typedef struct {
@@ -1848,7 +1857,7 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_at_speed_reply_de
  * 1 and 2 and incremental 1 and 2. Used here: The names of the body. They say what the commands do.
  * @{
  */
-#define MWD_MOTOR_V2_35_MOVE_BY_ANGLE_CODE 0xA7u
+#define MWD_MOTOR_V2_35_MOVE_BY_ANGLE_CODE 0xA7u /**< The code. */
 
 /** The request of move_by_angle. */
 typedef struct {
@@ -1948,7 +1957,7 @@ static inline canwright_status_t mwd_motor_v2_35_move_by_angle_reply_decode(
  * 1 and 2 and incremental 1 and 2. Used here: The names of the body. They say what the commands do.
  * @{
  */
-#define MWD_MOTOR_V2_35_MOVE_BY_ANGLE_AT_SPEED_CODE 0xA8u
+#define MWD_MOTOR_V2_35_MOVE_BY_ANGLE_AT_SPEED_CODE 0xA8u /**< The code. */
 
 /** The request of move_by_angle_at_speed. */
 typedef struct {
@@ -2041,7 +2050,7 @@ static inline canwright_status_t mwd_motor_v2_35_move_by_angle_at_speed_reply_de
  * Reads P and I of the three control loops.
  * @{
  */
-#define MWD_MOTOR_V2_35_READ_PID_CODE 0x30u
+#define MWD_MOTOR_V2_35_READ_PID_CODE 0x30u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_pid_request_encode(canwright_frame_t *frame, uint32_t node)
@@ -2097,7 +2106,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_pid_reply_decode(
  * Used here: The rows by their byte numbers. The byte numbers are complete and agree with 0x30.
  * @{
  */
-#define MWD_MOTOR_V2_35_WRITE_PID_RAM_CODE 0x31u
+#define MWD_MOTOR_V2_35_WRITE_PID_RAM_CODE 0x31u /**< The code. */
 
 /** The request of write_pid_ram. */
 typedef mwd_motor_v2_35_pid_gains_t mwd_motor_v2_35_write_pid_ram_request_t;
@@ -2163,7 +2172,7 @@ static inline canwright_status_t mwd_motor_v2_35_write_pid_ram_reply_decode(
  * The reply is the request, sent back.
  * @{
  */
-#define MWD_MOTOR_V2_35_WRITE_PID_ROM_CODE 0x32u
+#define MWD_MOTOR_V2_35_WRITE_PID_ROM_CODE 0x32u /**< The code. */
 
 /** The request of write_pid_rom. */
 typedef mwd_motor_v2_35_pid_gains_t mwd_motor_v2_35_write_pid_rom_request_t;
@@ -2225,7 +2234,7 @@ static inline canwright_status_t mwd_motor_v2_35_write_pid_rom_reply_decode(
  * Reads the acceleration the drive works with.
  * @{
  */
-#define MWD_MOTOR_V2_35_READ_ACCELERATION_CODE 0x33u
+#define MWD_MOTOR_V2_35_READ_ACCELERATION_CODE 0x33u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_acceleration_request_encode(
@@ -2300,7 +2309,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_acceleration_reply_decode(
  * The reply is the request, sent back.
  * @{
  */
-#define MWD_MOTOR_V2_35_WRITE_ACCELERATION_RAM_CODE 0x34u
+#define MWD_MOTOR_V2_35_WRITE_ACCELERATION_RAM_CODE 0x34u /**< The code. */
 
 /** Request and reply of write_acceleration_ram. */
 typedef struct {
@@ -2386,7 +2395,7 @@ static inline canwright_status_t mwd_motor_v2_35_write_acceleration_ram_reply_de
  * Reads the encoder three ways. The position is the measured one less the zero.
  * @{
  */
-#define MWD_MOTOR_V2_35_READ_ENCODER_CODE 0x90u
+#define MWD_MOTOR_V2_35_READ_ENCODER_CODE 0x90u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_encoder_request_encode(canwright_frame_t *frame, uint32_t node)
@@ -2506,7 +2515,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_encoder_reply_decode(
  * The reply is the request, sent back.
  * @{
  */
-#define MWD_MOTOR_V2_35_WRITE_ENCODER_OFFSET_ROM_CODE 0x91u
+#define MWD_MOTOR_V2_35_WRITE_ENCODER_OFFSET_ROM_CODE 0x91u /**< The code. */
 
 /** Request and reply of write_encoder_offset_rom. */
 typedef struct {
@@ -2621,7 +2630,7 @@ static inline canwright_status_t mwd_motor_v2_35_write_encoder_offset_rom_reply_
  * Takes effect after a power cycle.
  * @{
  */
-#define MWD_MOTOR_V2_35_WRITE_POSITION_AS_ZERO_ROM_CODE 0x19u
+#define MWD_MOTOR_V2_35_WRITE_POSITION_AS_ZERO_ROM_CODE 0x19u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_write_position_as_zero_rom_request_encode(
@@ -2713,7 +2722,7 @@ static inline canwright_status_t mwd_motor_v2_35_write_position_as_zero_rom_repl
  * Reads the absolute angle over all turns.
  * @{
  */
-#define MWD_MOTOR_V2_35_READ_MULTI_TURN_ANGLE_CODE 0x92u
+#define MWD_MOTOR_V2_35_READ_MULTI_TURN_ANGLE_CODE 0x92u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_multi_turn_angle_request_encode(
@@ -2805,7 +2814,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_multi_turn_angle_reply_dec
  * Reads the angle within one turn of the output.
  * @{
  */
-#define MWD_MOTOR_V2_35_READ_SINGLE_TURN_ANGLE_CODE 0x94u
+#define MWD_MOTOR_V2_35_READ_SINGLE_TURN_ANGLE_CODE 0x94u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_single_turn_angle_request_encode(
@@ -2908,7 +2917,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_single_turn_angle_reply_de
  * edition.
  * @{
  */
-#define MWD_MOTOR_V2_35_CLEAR_ANGLE_CODE 0x95u
+#define MWD_MOTOR_V2_35_CLEAR_ANGLE_CODE 0x95u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_clear_angle_request_encode(canwright_frame_t *frame, uint32_t node)
@@ -2944,7 +2953,7 @@ static inline canwright_status_t mwd_motor_v2_35_clear_angle_reply_decode(
  * Reads temperature, supply voltage and errors.
  * @{
  */
-#define MWD_MOTOR_V2_35_READ_STATUS_1_CODE 0x9Au
+#define MWD_MOTOR_V2_35_READ_STATUS_1_CODE 0x9Au /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_status_1_request_encode(canwright_frame_t *frame, uint32_t node)
@@ -3003,7 +3012,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_status_1_reply_decode(
  * the host side takes 0x9B as well. Later editions print 0x9B and drivers in the field accept either.
  * @{
  */
-#define MWD_MOTOR_V2_35_CLEAR_ERRORS_CODE 0x9Bu
+#define MWD_MOTOR_V2_35_CLEAR_ERRORS_CODE 0x9Bu /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_clear_errors_request_encode(canwright_frame_t *frame, uint32_t node)
@@ -3064,7 +3073,7 @@ static inline canwright_status_t mwd_motor_v2_35_clear_errors_reply_decode(
  * are those of the motion feedback, and later editions say so for every series.
  * @{
  */
-#define MWD_MOTOR_V2_35_READ_STATUS_2_CODE 0x9Cu
+#define MWD_MOTOR_V2_35_READ_STATUS_2_CODE 0x9Cu /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_status_2_request_encode(canwright_frame_t *frame, uint32_t node)
@@ -3121,7 +3130,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_status_2_reply_decode(
  * exclude MS and give other scales; this one does neither.
  * @{
  */
-#define MWD_MOTOR_V2_35_READ_STATUS_3_CODE 0x9Du
+#define MWD_MOTOR_V2_35_READ_STATUS_3_CODE 0x9Du /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_read_status_3_request_encode(canwright_frame_t *frame, uint32_t node)
@@ -3333,7 +3342,7 @@ typedef enum {
 /** The name of a command. */
 static inline const char *mwd_motor_v2_35_command_name(mwd_motor_v2_35_command_t command)
 {
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_COMMAND_MOTOR_OFF:
         return "motor_off";
     case MWD_MOTOR_V2_35_COMMAND_MOTOR_ON:
@@ -3425,7 +3434,7 @@ static inline const char *mwd_motor_v2_35_command_name(mwd_motor_v2_35_command_t
 /** What sending a command does besides its reply: the effects above, ORed. */
 static inline uint32_t mwd_motor_v2_35_command_effects(mwd_motor_v2_35_command_t command)
 {
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_COMMAND_MOTOR_OFF:
         return MWD_MOTOR_V2_35_EFFECT_STOPS | MWD_MOTOR_V2_35_EFFECT_CLEARS_TURNS
             | MWD_MOTOR_V2_35_EFFECT_CLEARS_COMMANDS | MWD_MOTOR_V2_35_EFFECT_LED_SLOW_BLINK;
@@ -3468,7 +3477,7 @@ static inline uint32_t mwd_motor_v2_35_command_effects(mwd_motor_v2_35_command_t
 static inline bool mwd_motor_v2_35_command_available(
     mwd_motor_v2_35_command_t command, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_COMMAND_SET_POWER:
         return parameters->series != MWD_MOTOR_V2_35_SERIES_MF && parameters->series != MWD_MOTOR_V2_35_SERIES_MH
             && parameters->series != MWD_MOTOR_V2_35_SERIES_MG;
@@ -3586,21 +3595,37 @@ static inline canwright_status_t mwd_motor_v2_35_identify_request(
 
 /** Any request. The command tells which member of `as` holds its fields; some have none. */
 typedef struct {
+    /** Which command it is. */
     mwd_motor_v2_35_command_t command;
+    /** The node; 0 where the id has none. */
     uint32_t node;
+    /** The fields, each member for its commands. */
     union {
+        /** set_power. */
         mwd_motor_v2_35_set_power_request_t set_power_request;
+        /** set_torque. */
         mwd_motor_v2_35_set_torque_request_t set_torque_request;
+        /** set_speed. */
         mwd_motor_v2_35_set_speed_request_t set_speed_request;
+        /** move_to_angle. */
         mwd_motor_v2_35_move_to_angle_request_t move_to_angle_request;
+        /** move_to_angle_at_speed. */
         mwd_motor_v2_35_move_to_angle_at_speed_request_t move_to_angle_at_speed_request;
+        /** turn_to_angle. */
         mwd_motor_v2_35_turn_to_angle_request_t turn_to_angle_request;
+        /** turn_to_angle_at_speed. */
         mwd_motor_v2_35_turn_to_angle_at_speed_request_t turn_to_angle_at_speed_request;
+        /** move_by_angle. */
         mwd_motor_v2_35_move_by_angle_request_t move_by_angle_request;
+        /** move_by_angle_at_speed. */
         mwd_motor_v2_35_move_by_angle_at_speed_request_t move_by_angle_at_speed_request;
+        /** write_pid_ram, write_pid_rom. */
         mwd_motor_v2_35_pid_gains_t pid_gains;
+        /** write_acceleration_ram. */
         mwd_motor_v2_35_write_acceleration_ram_t write_acceleration_ram;
+        /** write_encoder_offset_rom. */
         mwd_motor_v2_35_write_encoder_offset_rom_t write_encoder_offset_rom;
+        /** broadcast_torque. */
         mwd_motor_v2_35_broadcast_torque_request_t broadcast_torque_request;
     } as;
 } mwd_motor_v2_35_any_request_t;
@@ -3614,7 +3639,7 @@ static inline canwright_status_t mwd_motor_v2_35_decode_request(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    switch (request->command) {
+    switch ((int)request->command) {
     case MWD_MOTOR_V2_35_COMMAND_SET_POWER:
         mwd_motor_v2_35_set_power_request_unpack(&request->as.set_power_request, frame);
         break;
@@ -3760,19 +3785,36 @@ static inline canwright_status_t mwd_motor_v2_35_identify_reply(
 
 /** Any reply. The command tells which member of `as` holds its fields; some have none. */
 typedef struct {
+    /** Which command it is. */
     mwd_motor_v2_35_command_t command;
+    /** The node; 0 where the id has none. */
     uint32_t node;
+    /** The fields, each member for its commands. */
     union {
+        /**
+         * set_power, set_torque, set_speed, move_to_angle, move_to_angle_at_speed, turn_to_angle,
+         * turn_to_angle_at_speed, move_by_angle, move_by_angle_at_speed, read_status_2.
+         */
         mwd_motor_v2_35_motion_feedback_t motion_feedback;
+        /** read_pid, write_pid_ram, write_pid_rom. */
         mwd_motor_v2_35_pid_gains_t pid_gains;
+        /** read_acceleration. */
         mwd_motor_v2_35_read_acceleration_reply_t read_acceleration_reply;
+        /** write_acceleration_ram. */
         mwd_motor_v2_35_write_acceleration_ram_t write_acceleration_ram;
+        /** read_encoder. */
         mwd_motor_v2_35_read_encoder_reply_t read_encoder_reply;
+        /** write_encoder_offset_rom. */
         mwd_motor_v2_35_write_encoder_offset_rom_t write_encoder_offset_rom;
+        /** write_position_as_zero_rom. */
         mwd_motor_v2_35_write_position_as_zero_rom_reply_t write_position_as_zero_rom_reply;
+        /** read_multi_turn_angle. */
         mwd_motor_v2_35_read_multi_turn_angle_reply_t read_multi_turn_angle_reply;
+        /** read_single_turn_angle. */
         mwd_motor_v2_35_read_single_turn_angle_reply_t read_single_turn_angle_reply;
+        /** read_status_1, clear_errors. */
         mwd_motor_v2_35_status_1_t status_1;
+        /** read_status_3. */
         mwd_motor_v2_35_read_status_3_reply_t read_status_3_reply;
     } as;
 } mwd_motor_v2_35_any_reply_t;
@@ -3787,7 +3829,7 @@ static inline canwright_status_t mwd_motor_v2_35_decode_reply(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    switch (reply->command) {
+    switch ((int)reply->command) {
     case MWD_MOTOR_V2_35_COMMAND_SET_POWER:
     case MWD_MOTOR_V2_35_COMMAND_SET_TORQUE:
     case MWD_MOTOR_V2_35_COMMAND_SET_SPEED:
@@ -3850,7 +3892,7 @@ static inline canwright_status_t mwd_motor_v2_35_check_reply(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_COMMAND_MOTOR_OFF:
     case MWD_MOTOR_V2_35_COMMAND_MOTOR_ON:
     case MWD_MOTOR_V2_35_COMMAND_MOTOR_STOP:
@@ -3895,5 +3937,9 @@ static inline canwright_status_t mwd_motor_v2_35_check_reply(
     }
     return answers ? CANWRIGHT_OK : CANWRIGHT_NOT_ANSWER;
 }
+
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 #endif

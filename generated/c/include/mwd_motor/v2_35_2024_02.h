@@ -25,6 +25,15 @@
 /** The beginning of the spec's hash. Headers of one edition that come of different specs do not compile together. */
 #define MWD_MOTOR_V2_35_2024_02_SPEC 0x50c57c63u
 
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wzero-as-null-pointer-constant"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wuseless-cast"
+#endif
+#endif
+
 /* -----------------------------------------------------------------------------------------------------------------
  * Parameters: what you know of a node and no frame says
  * ----------------------------------------------------------------------------------------------------------------- */
@@ -76,8 +85,8 @@ typedef struct {
  * @name One motor (2)
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_MOTOR_NODE_MIN 1u
-#define MWD_MOTOR_V2_35_2024_02_MOTOR_NODE_MAX 32u
+#define MWD_MOTOR_V2_35_2024_02_MOTOR_NODE_MIN 1u  /**< First node. */
+#define MWD_MOTOR_V2_35_2024_02_MOTOR_NODE_MAX 32u /**< Last node. */
 
 /** The id of a request to a node. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_id(uint32_t *id, uint32_t node)
@@ -294,8 +303,8 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_bus_current_from_milli(
  * the same in both.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_POWER_RAW_MIN (-850)
-#define MWD_MOTOR_V2_35_2024_02_POWER_RAW_MAX 850
+#define MWD_MOTOR_V2_35_2024_02_POWER_RAW_MIN (-850) /**< Least raw value. */
+#define MWD_MOTOR_V2_35_2024_02_POWER_RAW_MAX 850    /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_35_2024_02_power_valid(int16_t raw)
@@ -315,8 +324,8 @@ static inline bool mwd_motor_v2_35_2024_02_power_valid(int16_t raw)
  * the same in both.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_OUTPUT_POWER_RAW_MIN (-1000)
-#define MWD_MOTOR_V2_35_2024_02_OUTPUT_POWER_RAW_MAX 1000
+#define MWD_MOTOR_V2_35_2024_02_OUTPUT_POWER_RAW_MIN (-1000) /**< Least raw value. */
+#define MWD_MOTOR_V2_35_2024_02_OUTPUT_POWER_RAW_MAX 1000    /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_35_2024_02_output_power_valid(int16_t raw)
@@ -340,8 +349,8 @@ static inline bool mwd_motor_v2_35_2024_02_output_power_valid(int16_t raw)
  * told, and a report is not to be refused for it.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_TORQUE_CURRENT_RAW_MIN (-2048)
-#define MWD_MOTOR_V2_35_2024_02_TORQUE_CURRENT_RAW_MAX 2048
+#define MWD_MOTOR_V2_35_2024_02_TORQUE_CURRENT_RAW_MIN (-2048) /**< Least raw value. */
+#define MWD_MOTOR_V2_35_2024_02_TORQUE_CURRENT_RAW_MAX 2048    /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_35_2024_02_torque_current_valid(int16_t raw)
@@ -353,7 +362,7 @@ static inline bool mwd_motor_v2_35_2024_02_torque_current_valid(int16_t raw)
 static inline canwright_status_t mwd_motor_v2_35_2024_02_torque_current_to_milli(
     int32_t *milli, int16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_2024_02_SERIES_MS:
     case MWD_MOTOR_V2_35_2024_02_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -372,7 +381,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_torque_current_to_milli
 static inline canwright_status_t mwd_motor_v2_35_2024_02_torque_current_from_milli(
     int16_t *raw, int32_t milli, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_2024_02_SERIES_MS:
     case MWD_MOTOR_V2_35_2024_02_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -414,7 +423,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_torque_current_from_mil
 static inline canwright_status_t mwd_motor_v2_35_2024_02_measured_torque_current_to_milli(
     int32_t *milli, int16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_2024_02_SERIES_MS:
     case MWD_MOTOR_V2_35_2024_02_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -433,7 +442,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_measured_torque_current
 static inline canwright_status_t mwd_motor_v2_35_2024_02_measured_torque_current_from_milli(
     int16_t *raw, int32_t milli, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_2024_02_SERIES_MS:
     case MWD_MOTOR_V2_35_2024_02_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -471,7 +480,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_measured_torque_current
 static inline canwright_status_t mwd_motor_v2_35_2024_02_phase_current_to_milli(
     int32_t *milli, int16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_2024_02_SERIES_MS:
     case MWD_MOTOR_V2_35_2024_02_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -490,7 +499,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_phase_current_to_milli(
 static inline canwright_status_t mwd_motor_v2_35_2024_02_phase_current_from_milli(
     int16_t *raw, int32_t milli, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_2024_02_SERIES_MS:
     case MWD_MOTOR_V2_35_2024_02_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -602,7 +611,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_angle_from_
  * 0..36000*gear_ratio-1.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_SINGLE_TURN_POSITION_RAW_MIN 0u
+#define MWD_MOTOR_V2_35_2024_02_SINGLE_TURN_POSITION_RAW_MIN 0u /**< Least raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_35_2024_02_single_turn_position_valid(
@@ -689,18 +698,18 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_multi_turn_angle_from_m
  * by one count.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MIN_14 0u
-#define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MAX_14 16383u
-#define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MIN_15 0u
-#define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MAX_15 32767u
-#define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MIN_16 0u
-#define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MAX_16 65535u
+#define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MIN_14 0u     /**< Least raw value (encoder_bits 14). */
+#define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MAX_14 16383u /**< Greatest raw value (encoder_bits 14). */
+#define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MIN_15 0u     /**< Least raw value (encoder_bits 15). */
+#define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MAX_15 32767u /**< Greatest raw value (encoder_bits 15). */
+#define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MIN_16 0u     /**< Least raw value (encoder_bits 16). */
+#define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MAX_16 65535u /**< Greatest raw value (encoder_bits 16). */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_35_2024_02_encoder_position_valid(
     uint16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_14:
         return raw <= 16383u;
     case MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_15:
@@ -714,7 +723,7 @@ static inline bool mwd_motor_v2_35_2024_02_encoder_position_valid(
 static inline canwright_status_t mwd_motor_v2_35_2024_02_encoder_position_to_milli(
     int32_t *milli, uint16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_14:
         *milli = canwright_divide32((int32_t)raw * 5625, 256);
         return CANWRIGHT_OK;
@@ -734,7 +743,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_encoder_position_from_m
     uint16_t *raw, int32_t milli, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     uint16_t nearest;
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_14:
         if (milli < -10 || milli > 1439989) {
             return CANWRIGHT_OUT_OF_RANGE;
@@ -935,7 +944,7 @@ typedef enum {
 /** The name of a field. */
 static inline const char *mwd_motor_v2_35_2024_02_field_name(mwd_motor_v2_35_2024_02_field_t field)
 {
-    switch (field) {
+    switch ((int)field) {
     case MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE:
         return "temperature";
     case MWD_MOTOR_V2_35_2024_02_FIELD_POWER:
@@ -1025,7 +1034,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motion_feedback_check(
         *field = MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER;
         return CANWRIGHT_OUT_OF_RANGE;
     }
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_2024_02_SERIES_MS:
         if (!mwd_motor_v2_35_2024_02_output_power_valid(message->power)) {
             *field = MWD_MOTOR_V2_35_2024_02_FIELD_POWER;
@@ -1060,7 +1069,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motion_feedback_pack(
     frame->data[5] = (uint8_t)((uint16_t)message->speed >> 8);
     frame->data[6] = (uint8_t)message->encoder;
     frame->data[7] = (uint8_t)(message->encoder >> 8);
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_2024_02_SERIES_MS:
         frame->data[2] = (uint8_t)message->power;
         frame->data[3] = (uint8_t)((uint16_t)message->power >> 8);
@@ -1085,7 +1094,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motion_feedback_unpack(
     message->temperature = (int8_t)canwright_signed32(frame->data[1], 8u);
     message->speed = (int16_t)canwright_signed32((uint32_t)frame->data[4] | ((uint32_t)frame->data[5] << 8), 16u);
     message->encoder = (uint16_t)((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8));
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_2024_02_SERIES_MS:
         message->power = (int16_t)canwright_signed32((uint32_t)frame->data[2] | ((uint32_t)frame->data[3] << 8), 16u);
         message->iq = 0;
@@ -1248,7 +1257,7 @@ static inline void mwd_motor_v2_35_2024_02_control_parameters_speed_limit_unpack
  * The reply is the request, sent back.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_MOTOR_OFF_CODE 0x80u
+#define MWD_MOTOR_V2_35_2024_02_MOTOR_OFF_CODE 0x80u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_off_request_encode(
@@ -1292,7 +1301,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_off_reply_decode(
  * If a motor answers motion commands without moving, it is off; this command wakes it.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_MOTOR_ON_CODE 0x88u
+#define MWD_MOTOR_V2_35_2024_02_MOTOR_ON_CODE 0x88u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_on_request_encode(
@@ -1334,7 +1343,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_on_reply_decode(
  * The reply is the request, sent back.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_MOTOR_STOP_CODE 0x81u
+#define MWD_MOTOR_V2_35_2024_02_MOTOR_STOP_CODE 0x81u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_stop_request_encode(
@@ -1377,7 +1386,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_stop_reply_decode
  * every series. Nothing ties the brake to a series; ask what the motor was ordered with.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_BRAKE_CODE 0x8Cu
+#define MWD_MOTOR_V2_35_2024_02_BRAKE_CODE 0x8Cu /**< The code. */
 
 /** The request of brake. */
 typedef struct {
@@ -1513,7 +1522,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_brake_reply_decode(
  * Not limited by: Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_SET_POWER_CODE 0xA0u
+#define MWD_MOTOR_V2_35_2024_02_SET_POWER_CODE 0xA0u /**< The code. */
 
 /** The request of set_power. */
 typedef struct {
@@ -1621,7 +1630,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_power_reply_decode(
  * Not limited by: Max Torque Current.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_SET_TORQUE_CODE 0xA1u
+#define MWD_MOTOR_V2_35_2024_02_SET_TORQUE_CODE 0xA1u /**< The code. */
 
 /** The request of set_torque. */
 typedef struct {
@@ -1730,7 +1739,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_torque_reply_decode
  * Limited by: Max Speed, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_SET_SPEED_CODE 0xA2u
+#define MWD_MOTOR_V2_35_2024_02_SET_SPEED_CODE 0xA2u /**< The code. */
 
 /** The request of set_speed. */
 typedef struct {
@@ -1828,7 +1837,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_speed_reply_decode(
  * 2048. A limit of 0 or more is the plain use; later editions print the same range.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_SET_SPEED_LIMITED_CODE 0xADu
+#define MWD_MOTOR_V2_35_2024_02_SET_SPEED_LIMITED_CODE 0xADu /**< The code. */
 
 /** The request of set_speed_limited. */
 typedef struct {
@@ -1945,7 +1954,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_speed_limited_reply
  * Limited by: Max Angle, Max Speed, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_MOVE_TO_ANGLE_CODE 0xA3u
+#define MWD_MOTOR_V2_35_2024_02_MOVE_TO_ANGLE_CODE 0xA3u /**< The code. */
 
 /** The request of move_to_angle. */
 typedef struct {
@@ -2037,7 +2046,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_move_to_angle_reply_dec
  * Limited by: Max Angle, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_MOVE_TO_ANGLE_AT_SPEED_CODE 0xA4u
+#define MWD_MOTOR_V2_35_2024_02_MOVE_TO_ANGLE_AT_SPEED_CODE 0xA4u /**< The code. */
 
 /** The request of move_to_angle_at_speed. */
 typedef struct {
@@ -2134,7 +2143,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_move_to_angle_at_speed_
  * Limited by: Max Speed, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_TURN_TO_ANGLE_CODE 0xA5u
+#define MWD_MOTOR_V2_35_2024_02_TURN_TO_ANGLE_CODE 0xA5u /**< The code. */
 
 /** The request of turn_to_angle. */
 typedef struct {
@@ -2247,7 +2256,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_reply_dec
  * Limited by: Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_TURN_TO_ANGLE_AT_SPEED_CODE 0xA6u
+#define MWD_MOTOR_V2_35_2024_02_TURN_TO_ANGLE_AT_SPEED_CODE 0xA6u /**< The code. */
 
 /** The request of turn_to_angle_at_speed. */
 typedef struct {
@@ -2367,7 +2376,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_
  * Limited by: Max Speed, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_MOVE_BY_ANGLE_CODE 0xA7u
+#define MWD_MOTOR_V2_35_2024_02_MOVE_BY_ANGLE_CODE 0xA7u /**< The code. */
 
 /** The request of move_by_angle. */
 typedef struct {
@@ -2464,7 +2473,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_move_by_angle_reply_dec
  * DATA[4..7] hold the angle, and 2.14 and 2.16 give the same field as uint16_t.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_MOVE_BY_ANGLE_AT_SPEED_CODE 0xA8u
+#define MWD_MOTOR_V2_35_2024_02_MOVE_BY_ANGLE_AT_SPEED_CODE 0xA8u /**< The code. */
 
 /** The request of move_by_angle_at_speed. */
 typedef struct {
@@ -2564,7 +2573,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_move_by_angle_at_speed_
  * unit borrowed from a field of a like name could be wrong by a hundred. Read the parameter before writing it.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_READ_CONTROL_PARAMETER_TORQUE_LIMIT_CODE 0xB0u
+#define MWD_MOTOR_V2_35_2024_02_READ_CONTROL_PARAMETER_TORQUE_LIMIT_CODE 0xB0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_control_parameter_torque_limit_request_encode(
@@ -2623,7 +2632,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_control_parameter_
  * unit borrowed from a field of a like name could be wrong by a hundred. Read the parameter before writing it.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_READ_CONTROL_PARAMETER_ACCELERATION_LIMIT_CODE 0xB0u
+#define MWD_MOTOR_V2_35_2024_02_READ_CONTROL_PARAMETER_ACCELERATION_LIMIT_CODE 0xB0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_control_parameter_acceleration_limit_request_encode(
@@ -2682,7 +2691,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_control_parameter_
  * unit borrowed from a field of a like name could be wrong by a hundred. Read the parameter before writing it.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_READ_CONTROL_PARAMETER_SPEED_LIMIT_CODE 0xB0u
+#define MWD_MOTOR_V2_35_2024_02_READ_CONTROL_PARAMETER_SPEED_LIMIT_CODE 0xB0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_control_parameter_speed_limit_request_encode(
@@ -2745,7 +2754,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_control_parameter_
  * unit borrowed from a field of a like name could be wrong by a hundred. Read the parameter before writing it.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_WRITE_CONTROL_PARAMETER_RAM_TORQUE_LIMIT_CODE 0xB1u
+#define MWD_MOTOR_V2_35_2024_02_WRITE_CONTROL_PARAMETER_RAM_TORQUE_LIMIT_CODE 0xB1u /**< The code. */
 
 /** The request of write_control_parameter_ram_torque_limit. */
 typedef mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t mwd_motor_v2_35_2024_02_write_control_parameter_ram_torque_limit_request_t;
@@ -2822,7 +2831,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_write_control_parameter
  * unit borrowed from a field of a like name could be wrong by a hundred. Read the parameter before writing it.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_WRITE_CONTROL_PARAMETER_RAM_ACCELERATION_LIMIT_CODE 0xB1u
+#define MWD_MOTOR_V2_35_2024_02_WRITE_CONTROL_PARAMETER_RAM_ACCELERATION_LIMIT_CODE 0xB1u /**< The code. */
 
 /** The request of write_control_parameter_ram_acceleration_limit. */
 typedef mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t mwd_motor_v2_35_2024_02_write_control_parameter_ram_acceleration_limit_request_t;
@@ -2899,7 +2908,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_write_control_parameter
  * unit borrowed from a field of a like name could be wrong by a hundred. Read the parameter before writing it.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_WRITE_CONTROL_PARAMETER_RAM_SPEED_LIMIT_CODE 0xB1u
+#define MWD_MOTOR_V2_35_2024_02_WRITE_CONTROL_PARAMETER_RAM_SPEED_LIMIT_CODE 0xB1u /**< The code. */
 
 /** The request of write_control_parameter_ram_speed_limit. */
 typedef mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t mwd_motor_v2_35_2024_02_write_control_parameter_ram_speed_limit_request_t;
@@ -2965,7 +2974,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_write_control_parameter
  * Reads the encoder three ways. The position is the measured one less the zero.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_READ_ENCODER_CODE 0x90u
+#define MWD_MOTOR_V2_35_2024_02_READ_ENCODER_CODE 0x90u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_encoder_request_encode(
@@ -3090,7 +3099,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_encoder_reply_deco
  * comes of the memory, whatever command writes it. When 0x91 takes effect is not to be known from here.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_WRITE_ENCODER_OFFSET_ROM_CODE 0x91u
+#define MWD_MOTOR_V2_35_2024_02_WRITE_ENCODER_OFFSET_ROM_CODE 0x91u /**< The code. */
 
 /** Request and reply of write_encoder_offset_rom. */
 typedef struct {
@@ -3209,7 +3218,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_write_encoder_offset_ro
  * Takes effect after a power cycle.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_WRITE_POSITION_AS_ZERO_ROM_CODE 0x19u
+#define MWD_MOTOR_V2_35_2024_02_WRITE_POSITION_AS_ZERO_ROM_CODE 0x19u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_write_position_as_zero_rom_request_encode(
@@ -3303,7 +3312,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_write_position_as_zero_
  * Reads the absolute angle over all turns.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_READ_MULTI_TURN_ANGLE_CODE 0x92u
+#define MWD_MOTOR_V2_35_2024_02_READ_MULTI_TURN_ANGLE_CODE 0x92u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_multi_turn_angle_request_encode(
@@ -3395,7 +3404,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_multi_turn_angle_r
  * Reads the angle within one turn of the output.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_READ_SINGLE_TURN_ANGLE_CODE 0x94u
+#define MWD_MOTOR_V2_35_2024_02_READ_SINGLE_TURN_ANGLE_CODE 0x94u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_single_turn_angle_request_encode(
@@ -3498,7 +3507,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_single_turn_angle_
  * such a frame sets the angle to 0 here. Do not send it to a motor of unknown edition.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_SET_ANGLE_CODE 0x95u
+#define MWD_MOTOR_V2_35_2024_02_SET_ANGLE_CODE 0x95u /**< The code. */
 
 /** Request and reply of set_angle. */
 typedef struct {
@@ -3584,7 +3593,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_angle_reply_decode(
  * Reads temperature, supply voltage and current, motor state and errors.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_READ_STATUS_1_CODE 0x9Au
+#define MWD_MOTOR_V2_35_2024_02_READ_STATUS_1_CODE 0x9Au /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_status_1_request_encode(
@@ -3641,7 +3650,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_status_1_reply_dec
  * An error stays set for as long as its cause is there.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_CLEAR_ERRORS_CODE 0x9Bu
+#define MWD_MOTOR_V2_35_2024_02_CLEAR_ERRORS_CODE 0x9Bu /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_clear_errors_request_encode(
@@ -3696,7 +3705,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_clear_errors_reply_deco
  * Reads the motion feedback without a motion command.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_READ_STATUS_2_CODE 0x9Cu
+#define MWD_MOTOR_V2_35_2024_02_READ_STATUS_2_CODE 0x9Cu /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_status_2_request_encode(
@@ -3756,7 +3765,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_status_2_reply_dec
  * said. Used here: The command is for MF, MH and MG. An answer of an MS motor would hold no measurement.
  * @{
  */
-#define MWD_MOTOR_V2_35_2024_02_READ_STATUS_3_CODE 0x9Du
+#define MWD_MOTOR_V2_35_2024_02_READ_STATUS_3_CODE 0x9Du /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_status_3_request_encode(
@@ -3883,7 +3892,7 @@ typedef enum {
 /** The name of a command. */
 static inline const char *mwd_motor_v2_35_2024_02_command_name(mwd_motor_v2_35_2024_02_command_t command)
 {
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF:
         return "motor_off";
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON:
@@ -3979,7 +3988,7 @@ static inline const char *mwd_motor_v2_35_2024_02_command_name(mwd_motor_v2_35_2
 /** What sending a command does besides its reply: the effects above, ORed. */
 static inline uint32_t mwd_motor_v2_35_2024_02_command_effects(mwd_motor_v2_35_2024_02_command_t command)
 {
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF:
         return MWD_MOTOR_V2_35_2024_02_EFFECT_STOPS | MWD_MOTOR_V2_35_2024_02_EFFECT_CLEARS_TURNS
             | MWD_MOTOR_V2_35_2024_02_EFFECT_CLEARS_COMMANDS | MWD_MOTOR_V2_35_2024_02_EFFECT_LED_SLOW_BLINK;
@@ -4022,7 +4031,7 @@ static inline uint32_t mwd_motor_v2_35_2024_02_command_effects(mwd_motor_v2_35_2
 static inline bool mwd_motor_v2_35_2024_02_command_available(
     mwd_motor_v2_35_2024_02_command_t command, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER:
         return parameters->series != MWD_MOTOR_V2_35_2024_02_SERIES_MF
             && parameters->series != MWD_MOTOR_V2_35_2024_02_SERIES_MH
@@ -4153,24 +4162,43 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_identify_request(
 
 /** Any request. The command tells which member of `as` holds its fields; some have none. */
 typedef struct {
+    /** Which command it is. */
     mwd_motor_v2_35_2024_02_command_t command;
+    /** The node; 0 where the id has none. */
     uint32_t node;
+    /** The fields, each member for its commands. */
     union {
+        /** brake. */
         mwd_motor_v2_35_2024_02_brake_request_t brake_request;
+        /** set_power. */
         mwd_motor_v2_35_2024_02_set_power_request_t set_power_request;
+        /** set_torque. */
         mwd_motor_v2_35_2024_02_set_torque_request_t set_torque_request;
+        /** set_speed. */
         mwd_motor_v2_35_2024_02_set_speed_request_t set_speed_request;
+        /** set_speed_limited. */
         mwd_motor_v2_35_2024_02_set_speed_limited_request_t set_speed_limited_request;
+        /** move_to_angle. */
         mwd_motor_v2_35_2024_02_move_to_angle_request_t move_to_angle_request;
+        /** move_to_angle_at_speed. */
         mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t move_to_angle_at_speed_request;
+        /** turn_to_angle. */
         mwd_motor_v2_35_2024_02_turn_to_angle_request_t turn_to_angle_request;
+        /** turn_to_angle_at_speed. */
         mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t turn_to_angle_at_speed_request;
+        /** move_by_angle. */
         mwd_motor_v2_35_2024_02_move_by_angle_request_t move_by_angle_request;
+        /** move_by_angle_at_speed. */
         mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t move_by_angle_at_speed_request;
+        /** write_control_parameter_ram_torque_limit. */
         mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t control_parameters_torque_limit;
+        /** write_control_parameter_ram_acceleration_limit. */
         mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t control_parameters_acceleration_limit;
+        /** write_control_parameter_ram_speed_limit. */
         mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t control_parameters_speed_limit;
+        /** write_encoder_offset_rom. */
         mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t write_encoder_offset_rom;
+        /** set_angle. */
         mwd_motor_v2_35_2024_02_set_angle_t set_angle;
     } as;
 } mwd_motor_v2_35_2024_02_any_request_t;
@@ -4184,7 +4212,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_decode_request(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    switch (request->command) {
+    switch ((int)request->command) {
     case MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE:
         mwd_motor_v2_35_2024_02_brake_request_unpack(&request->as.brake_request, frame);
         break;
@@ -4357,21 +4385,40 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_identify_reply(
 
 /** Any reply. The command tells which member of `as` holds its fields; some have none. */
 typedef struct {
+    /** Which command it is. */
     mwd_motor_v2_35_2024_02_command_t command;
+    /** The node; 0 where the id has none. */
     uint32_t node;
+    /** The fields, each member for its commands. */
     union {
+        /** brake. */
         mwd_motor_v2_35_2024_02_brake_reply_t brake_reply;
+        /**
+         * set_power, set_torque, set_speed, set_speed_limited, move_to_angle, move_to_angle_at_speed, turn_to_angle,
+         * turn_to_angle_at_speed, move_by_angle, move_by_angle_at_speed, read_status_2.
+         */
         mwd_motor_v2_35_2024_02_motion_feedback_t motion_feedback;
+        /** read_control_parameter_torque_limit, write_control_parameter_ram_torque_limit. */
         mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t control_parameters_torque_limit;
+        /** read_control_parameter_acceleration_limit, write_control_parameter_ram_acceleration_limit. */
         mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t control_parameters_acceleration_limit;
+        /** read_control_parameter_speed_limit, write_control_parameter_ram_speed_limit. */
         mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t control_parameters_speed_limit;
+        /** read_encoder. */
         mwd_motor_v2_35_2024_02_read_encoder_reply_t read_encoder_reply;
+        /** write_encoder_offset_rom. */
         mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t write_encoder_offset_rom;
+        /** write_position_as_zero_rom. */
         mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t write_position_as_zero_rom_reply;
+        /** read_multi_turn_angle. */
         mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t read_multi_turn_angle_reply;
+        /** read_single_turn_angle. */
         mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t read_single_turn_angle_reply;
+        /** set_angle. */
         mwd_motor_v2_35_2024_02_set_angle_t set_angle;
+        /** read_status_1, clear_errors. */
         mwd_motor_v2_35_2024_02_status_1_t status_1;
+        /** read_status_3. */
         mwd_motor_v2_35_2024_02_read_status_3_reply_t read_status_3_reply;
     } as;
 } mwd_motor_v2_35_2024_02_any_reply_t;
@@ -4386,7 +4433,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_decode_reply(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    switch (reply->command) {
+    switch ((int)reply->command) {
     case MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE:
         mwd_motor_v2_35_2024_02_brake_reply_unpack(&reply->as.brake_reply, frame);
         break;
@@ -4457,7 +4504,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_check_reply(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP:
@@ -4502,5 +4549,9 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_check_reply(
     }
     return answers ? CANWRIGHT_OK : CANWRIGHT_NOT_ANSWER;
 }
+
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 #endif

@@ -17,6 +17,15 @@
 #error "v2_35.h and v2_35_float.h come of different specs; copy both from the same place."
 #endif
 
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wzero-as-null-pointer-constant"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wuseless-cast"
+#endif
+#endif
+
 /** Motor temperature, degC. */
 static inline double mwd_motor_v2_35_temperature_to_double(int8_t raw)
 {
@@ -84,7 +93,7 @@ static inline canwright_status_t mwd_motor_v2_35_power_from_double(int16_t *raw,
 static inline canwright_status_t mwd_motor_v2_35_torque_current_to_double(
     double *value, int16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_SERIES_MS:
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -106,7 +115,7 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_double(
     double steps;
     int64_t nearest;
     canwright_status_t status;
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_SERIES_MS:
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -345,7 +354,7 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_double(in
 static inline canwright_status_t mwd_motor_v2_35_encoder_position_to_double(
     double *value, uint16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
         *value = (double)raw * 45.0 / 2048.0;
         return CANWRIGHT_OK;
@@ -367,7 +376,7 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_double(
     double steps;
     int64_t nearest;
     canwright_status_t status;
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
         steps = value * 2048.0 / 45.0;
         break;
@@ -411,5 +420,9 @@ static inline canwright_status_t mwd_motor_v2_35_gain_from_double(uint8_t *raw, 
     *raw = (uint8_t)nearest;
     return CANWRIGHT_OK;
 }
+
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 #endif

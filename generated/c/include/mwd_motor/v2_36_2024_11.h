@@ -25,6 +25,15 @@
 /** The beginning of the spec's hash. Headers of one edition that come of different specs do not compile together. */
 #define MWD_MOTOR_V2_36_2024_11_SPEC 0xa8590ac0u
 
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wzero-as-null-pointer-constant"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wuseless-cast"
+#endif
+#endif
+
 /* -----------------------------------------------------------------------------------------------------------------
  * Parameters: what you know of a node and no frame says
  * ----------------------------------------------------------------------------------------------------------------- */
@@ -76,8 +85,8 @@ typedef struct {
  * @name One motor (page 5)
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_MOTOR_NODE_MIN 1u
-#define MWD_MOTOR_V2_36_2024_11_MOTOR_NODE_MAX 32u
+#define MWD_MOTOR_V2_36_2024_11_MOTOR_NODE_MIN 1u  /**< First node. */
+#define MWD_MOTOR_V2_36_2024_11_MOTOR_NODE_MAX 32u /**< Last node. */
 
 /** The id of a request to a node. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_id(uint32_t *id, uint32_t node)
@@ -293,8 +302,8 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_bus_current_from_milli(
  * it a voltage. Used here: Two types as printed. Nothing says that the two count the same thing.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_POWER_RAW_MIN (-850)
-#define MWD_MOTOR_V2_36_2024_11_POWER_RAW_MAX 850
+#define MWD_MOTOR_V2_36_2024_11_POWER_RAW_MIN (-850) /**< Least raw value. */
+#define MWD_MOTOR_V2_36_2024_11_POWER_RAW_MAX 850    /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2024_11_power_valid(int16_t raw)
@@ -313,8 +322,8 @@ static inline bool mwd_motor_v2_36_2024_11_power_valid(int16_t raw)
  * it a voltage. Used here: Two types as printed. Nothing says that the two count the same thing.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_OUTPUT_POWER_RAW_MIN (-1000)
-#define MWD_MOTOR_V2_36_2024_11_OUTPUT_POWER_RAW_MAX 1000
+#define MWD_MOTOR_V2_36_2024_11_OUTPUT_POWER_RAW_MIN (-1000) /**< Least raw value. */
+#define MWD_MOTOR_V2_36_2024_11_OUTPUT_POWER_RAW_MAX 1000    /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2024_11_output_power_valid(int16_t raw)
@@ -338,8 +347,8 @@ static inline bool mwd_motor_v2_36_2024_11_output_power_valid(int16_t raw)
  * drive measures may be more than what it may be told.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_TORQUE_CURRENT_RAW_MIN (-2048)
-#define MWD_MOTOR_V2_36_2024_11_TORQUE_CURRENT_RAW_MAX 2048
+#define MWD_MOTOR_V2_36_2024_11_TORQUE_CURRENT_RAW_MIN (-2048) /**< Least raw value. */
+#define MWD_MOTOR_V2_36_2024_11_TORQUE_CURRENT_RAW_MAX 2048    /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2024_11_torque_current_valid(int16_t raw)
@@ -351,7 +360,7 @@ static inline bool mwd_motor_v2_36_2024_11_torque_current_valid(int16_t raw)
 static inline canwright_status_t mwd_motor_v2_36_2024_11_torque_current_to_milli(
     int32_t *milli, int16_t raw, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -370,7 +379,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_torque_current_to_milli
 static inline canwright_status_t mwd_motor_v2_36_2024_11_torque_current_from_milli(
     int16_t *raw, int32_t milli, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -412,7 +421,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_torque_current_from_mil
 static inline canwright_status_t mwd_motor_v2_36_2024_11_measured_torque_current_to_milli(
     int32_t *milli, int16_t raw, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -431,7 +440,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_measured_torque_current
 static inline canwright_status_t mwd_motor_v2_36_2024_11_measured_torque_current_from_milli(
     int16_t *raw, int32_t milli, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -469,7 +478,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_measured_torque_current
 static inline canwright_status_t mwd_motor_v2_36_2024_11_phase_current_to_milli(
     int32_t *milli, int16_t raw, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -488,7 +497,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_phase_current_to_milli(
 static inline canwright_status_t mwd_motor_v2_36_2024_11_phase_current_from_milli(
     int16_t *raw, int32_t milli, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -600,7 +609,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_angle_from_
  * 0..36000*gear_ratio-1.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_POSITION_RAW_MIN 0u
+#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_POSITION_RAW_MIN 0u /**< Least raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2024_11_single_turn_position_valid(
@@ -687,18 +696,18 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_multi_turn_angle_from_m
  * one count.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MIN_14 0u
-#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MAX_14 16383u
-#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MIN_15 0u
-#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MAX_15 32767u
-#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MIN_16 0u
-#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MAX_16 65535u
+#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MIN_14 0u     /**< Least raw value (encoder_bits 14). */
+#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MAX_14 16383u /**< Greatest raw value (encoder_bits 14). */
+#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MIN_15 0u     /**< Least raw value (encoder_bits 15). */
+#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MAX_15 32767u /**< Greatest raw value (encoder_bits 15). */
+#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MIN_16 0u     /**< Least raw value (encoder_bits 16). */
+#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MAX_16 65535u /**< Greatest raw value (encoder_bits 16). */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2024_11_encoder_position_valid(
     uint16_t raw, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_14:
         return raw <= 16383u;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_15:
@@ -712,7 +721,7 @@ static inline bool mwd_motor_v2_36_2024_11_encoder_position_valid(
 static inline canwright_status_t mwd_motor_v2_36_2024_11_encoder_position_to_milli(
     int32_t *milli, uint16_t raw, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_14:
         *milli = canwright_divide32((int32_t)raw * 5625, 256);
         return CANWRIGHT_OK;
@@ -732,7 +741,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_encoder_position_from_m
     uint16_t *raw, int32_t milli, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     uint16_t nearest;
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_14:
         if (milli < -10 || milli > 1439989) {
             return CANWRIGHT_OUT_OF_RANGE;
@@ -937,7 +946,7 @@ typedef enum {
 /** The name of a field. */
 static inline const char *mwd_motor_v2_36_2024_11_field_name(mwd_motor_v2_36_2024_11_field_t field)
 {
-    switch (field) {
+    switch ((int)field) {
     case MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE:
         return "temperature";
     case MWD_MOTOR_V2_36_2024_11_FIELD_POWER:
@@ -1035,7 +1044,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motion_feedback_check(
         *field = MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER;
         return CANWRIGHT_OUT_OF_RANGE;
     }
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
         if (!mwd_motor_v2_36_2024_11_output_power_valid(message->power)) {
             *field = MWD_MOTOR_V2_36_2024_11_FIELD_POWER;
@@ -1070,7 +1079,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motion_feedback_pack(
     frame->data[5] = (uint8_t)((uint16_t)message->speed >> 8);
     frame->data[6] = (uint8_t)message->encoder;
     frame->data[7] = (uint8_t)(message->encoder >> 8);
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
         frame->data[2] = (uint8_t)message->power;
         frame->data[3] = (uint8_t)((uint16_t)message->power >> 8);
@@ -1095,7 +1104,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motion_feedback_unpack(
     message->temperature = (int8_t)canwright_signed32(frame->data[1], 8u);
     message->speed = (int16_t)canwright_signed32((uint32_t)frame->data[4] | ((uint32_t)frame->data[5] << 8), 16u);
     message->encoder = (uint16_t)((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8));
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
         message->power = (int16_t)canwright_signed32((uint32_t)frame->data[2] | ((uint32_t)frame->data[3] << 8), 16u);
         message->iq = 0;
@@ -1392,7 +1401,7 @@ static inline void mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(
  * The reply is the request, sent back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_MOTOR_OFF_CODE 0x80u
+#define MWD_MOTOR_V2_36_2024_11_MOTOR_OFF_CODE 0x80u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_off_request_encode(
@@ -1436,7 +1445,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_off_reply_decode(
  * If a motor answers motion commands without moving, it is off; this command wakes it.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_MOTOR_ON_CODE 0x88u
+#define MWD_MOTOR_V2_36_2024_11_MOTOR_ON_CODE 0x88u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_on_request_encode(
@@ -1478,7 +1487,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_on_reply_decode(
  * The reply is the request, sent back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_MOTOR_STOP_CODE 0x81u
+#define MWD_MOTOR_V2_36_2024_11_MOTOR_STOP_CODE 0x81u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_stop_request_encode(
@@ -1521,7 +1530,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_stop_reply_decode
  * every series. A brake is an option of a motor and not of its series.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_BRAKE_CODE 0x8Cu
+#define MWD_MOTOR_V2_36_2024_11_BRAKE_CODE 0x8Cu /**< The code. */
 
 /** The request of brake. */
 typedef struct {
@@ -1657,7 +1666,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_brake_reply_decode(
  * Not limited by: Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_SET_POWER_CODE 0xA0u
+#define MWD_MOTOR_V2_36_2024_11_SET_POWER_CODE 0xA0u /**< The code. */
 
 /** The request of set_power. */
 typedef struct {
@@ -1765,7 +1774,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_power_reply_decode(
  * Not limited by: Max Torque Current.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_SET_TORQUE_CODE 0xA1u
+#define MWD_MOTOR_V2_36_2024_11_SET_TORQUE_CODE 0xA1u /**< The code. */
 
 /** The request of set_torque. */
 typedef struct {
@@ -1886,7 +1895,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_torque_reply_decode
  * second speed command; an earlier edition had one without and one with a limit.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_SET_SPEED_CODE 0xA2u
+#define MWD_MOTOR_V2_36_2024_11_SET_SPEED_CODE 0xA2u /**< The code. */
 
 /** The request of set_speed. */
 typedef struct {
@@ -2007,7 +2016,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_speed_reply_decode(
  * second speed command; an earlier edition had one without and one with a limit.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_MOVE_TO_ANGLE_CODE 0xA3u
+#define MWD_MOTOR_V2_36_2024_11_MOVE_TO_ANGLE_CODE 0xA3u /**< The code. */
 
 /** The request of move_to_angle. */
 typedef struct {
@@ -2099,7 +2108,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_move_to_angle_reply_dec
  * Limited by: Max Angle, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_MOVE_TO_ANGLE_AT_SPEED_CODE 0xA4u
+#define MWD_MOTOR_V2_36_2024_11_MOVE_TO_ANGLE_AT_SPEED_CODE 0xA4u /**< The code. */
 
 /** The request of move_to_angle_at_speed. */
 typedef struct {
@@ -2196,7 +2205,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_move_to_angle_at_speed_
  * Limited by: Max Speed, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_TURN_TO_ANGLE_CODE 0xA5u
+#define MWD_MOTOR_V2_36_2024_11_TURN_TO_ANGLE_CODE 0xA5u /**< The code. */
 
 /** The request of turn_to_angle. */
 typedef struct {
@@ -2309,7 +2318,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_reply_dec
  * Limited by: Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_TURN_TO_ANGLE_AT_SPEED_CODE 0xA6u
+#define MWD_MOTOR_V2_36_2024_11_TURN_TO_ANGLE_AT_SPEED_CODE 0xA6u /**< The code. */
 
 /** The request of turn_to_angle_at_speed. */
 typedef struct {
@@ -2429,7 +2438,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_
  * Limited by: Max Speed, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_MOVE_BY_ANGLE_CODE 0xA7u
+#define MWD_MOTOR_V2_36_2024_11_MOVE_BY_ANGLE_CODE 0xA7u /**< The code. */
 
 /** The request of move_by_angle. */
 typedef struct {
@@ -2526,7 +2535,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_move_by_angle_reply_dec
  * hold the angle, and 13 and 15 give the same field as uint16_t.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_MOVE_BY_ANGLE_AT_SPEED_CODE 0xA8u
+#define MWD_MOTOR_V2_36_2024_11_MOVE_BY_ANGLE_AT_SPEED_CODE 0xA8u /**< The code. */
 
 /** The request of move_by_angle_at_speed. */
 typedef struct {
@@ -2619,7 +2628,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_move_by_angle_at_speed_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_ANGLE_PID_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_ANGLE_PID_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_angle_pid_request_encode(
@@ -2671,7 +2680,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_SPEED_PID_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_SPEED_PID_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_speed_pid_request_encode(
@@ -2723,7 +2732,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_CURRENT_PID_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_CURRENT_PID_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_current_pid_request_encode(
@@ -2775,7 +2784,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_max_torque_current_request_encode(
@@ -2827,7 +2836,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_MAX_SPEED_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_MAX_SPEED_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_max_speed_request_encode(
@@ -2879,7 +2888,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_MAX_ANGLE_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_MAX_ANGLE_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_max_angle_request_encode(
@@ -2931,7 +2940,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_CURRENT_RAMP_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_CURRENT_RAMP_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_current_ramp_request_encode(
@@ -2983,7 +2992,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_SPEED_RAMP_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2024_11_READ_CONTROL_PARAMETER_SPEED_RAMP_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_speed_ramp_request_encode(
@@ -3039,7 +3048,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_control_parameter_
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_angle_pid. */
 typedef mwd_motor_v2_36_2024_11_pid_gains_t mwd_motor_v2_36_2024_11_write_control_parameter_ram_angle_pid_request_t;
@@ -3109,7 +3118,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_speed_pid. */
 typedef mwd_motor_v2_36_2024_11_pid_gains_t mwd_motor_v2_36_2024_11_write_control_parameter_ram_speed_pid_request_t;
@@ -3179,7 +3188,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_current_pid. */
 typedef mwd_motor_v2_36_2024_11_pid_gains_t mwd_motor_v2_36_2024_11_write_control_parameter_ram_current_pid_request_t;
@@ -3249,7 +3258,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_max_torque_current. */
 typedef mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t mwd_motor_v2_36_2024_11_write_control_parameter_ram_max_torque_current_request_t;
@@ -3319,7 +3328,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_max_speed. */
 typedef mwd_motor_v2_36_2024_11_control_parameters_max_speed_t mwd_motor_v2_36_2024_11_write_control_parameter_ram_max_speed_request_t;
@@ -3389,7 +3398,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_MAX_ANGLE_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_MAX_ANGLE_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_max_angle. */
 typedef mwd_motor_v2_36_2024_11_control_parameters_max_angle_t mwd_motor_v2_36_2024_11_write_control_parameter_ram_max_angle_request_t;
@@ -3459,7 +3468,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_CURRENT_RAMP_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_CURRENT_RAMP_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_current_ramp. */
 typedef mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t mwd_motor_v2_36_2024_11_write_control_parameter_ram_current_ramp_request_t;
@@ -3529,7 +3538,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2024_11_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_speed_ramp. */
 typedef mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t mwd_motor_v2_36_2024_11_write_control_parameter_ram_speed_ramp_request_t;
@@ -3595,7 +3604,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_write_control_parameter
  * Reads the encoder three ways. The position is the measured one less the zero.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_ENCODER_CODE 0x90u
+#define MWD_MOTOR_V2_36_2024_11_READ_ENCODER_CODE 0x90u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_encoder_request_encode(
@@ -3715,7 +3724,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_encoder_reply_deco
  * Takes effect after a power cycle.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_WRITE_POSITION_AS_ZERO_ROM_CODE 0x19u
+#define MWD_MOTOR_V2_36_2024_11_WRITE_POSITION_AS_ZERO_ROM_CODE 0x19u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_write_position_as_zero_rom_request_encode(
@@ -3809,7 +3818,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_write_position_as_zero_
  * Reads the absolute angle over all turns.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_MULTI_TURN_ANGLE_CODE 0x92u
+#define MWD_MOTOR_V2_36_2024_11_READ_MULTI_TURN_ANGLE_CODE 0x92u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_multi_turn_angle_request_encode(
@@ -3901,7 +3910,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_multi_turn_angle_r
  * Reads the angle within one turn of the output.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_SINGLE_TURN_ANGLE_CODE 0x94u
+#define MWD_MOTOR_V2_36_2024_11_READ_SINGLE_TURN_ANGLE_CODE 0x94u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_single_turn_angle_request_encode(
@@ -4004,7 +4013,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_single_turn_angle_
  * zero. Do not send it to a motor of unknown edition.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_SET_ANGLE_CODE 0x95u
+#define MWD_MOTOR_V2_36_2024_11_SET_ANGLE_CODE 0x95u /**< The code. */
 
 /** Request and reply of set_angle. */
 typedef struct {
@@ -4090,7 +4099,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_angle_reply_decode(
  * Reads temperature, supply voltage and current, motor state and errors.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_STATUS_1_CODE 0x9Au
+#define MWD_MOTOR_V2_36_2024_11_READ_STATUS_1_CODE 0x9Au /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_status_1_request_encode(
@@ -4147,7 +4156,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_status_1_reply_dec
  * An error stays set for as long as its cause is there.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_CLEAR_ERRORS_CODE 0x9Bu
+#define MWD_MOTOR_V2_36_2024_11_CLEAR_ERRORS_CODE 0x9Bu /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_clear_errors_request_encode(
@@ -4202,7 +4211,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_clear_errors_reply_deco
  * Reads the motion feedback without a motion command.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_STATUS_2_CODE 0x9Cu
+#define MWD_MOTOR_V2_36_2024_11_READ_STATUS_2_CODE 0x9Cu /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_status_2_request_encode(
@@ -4262,7 +4271,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_status_2_reply_dec
  * said. Used here: The command is for MF, MH and MG. An answer of an MS motor would hold no measurement.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_READ_STATUS_3_CODE 0x9Du
+#define MWD_MOTOR_V2_36_2024_11_READ_STATUS_3_CODE 0x9Du /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_status_3_request_encode(
@@ -4397,7 +4406,7 @@ typedef enum {
 /** The name of a command. */
 static inline const char *mwd_motor_v2_36_2024_11_command_name(mwd_motor_v2_36_2024_11_command_t command)
 {
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF:
         return "motor_off";
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON:
@@ -4509,7 +4518,7 @@ static inline const char *mwd_motor_v2_36_2024_11_command_name(mwd_motor_v2_36_2
 /** What sending a command does besides its reply: the effects above, ORed. */
 static inline uint32_t mwd_motor_v2_36_2024_11_command_effects(mwd_motor_v2_36_2024_11_command_t command)
 {
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF:
         return MWD_MOTOR_V2_36_2024_11_EFFECT_STOPS | MWD_MOTOR_V2_36_2024_11_EFFECT_CLEARS_TURNS
             | MWD_MOTOR_V2_36_2024_11_EFFECT_CLEARS_COMMANDS | MWD_MOTOR_V2_36_2024_11_EFFECT_LED_SLOW_BLINK;
@@ -4553,7 +4562,7 @@ static inline uint32_t mwd_motor_v2_36_2024_11_command_effects(mwd_motor_v2_36_2
 static inline bool mwd_motor_v2_36_2024_11_command_available(
     mwd_motor_v2_36_2024_11_command_t command, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER:
         return parameters->series != MWD_MOTOR_V2_36_2024_11_SERIES_MF
             && parameters->series != MWD_MOTOR_V2_36_2024_11_SERIES_MH
@@ -4708,25 +4717,48 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_request(
 
 /** Any request. The command tells which member of `as` holds its fields; some have none. */
 typedef struct {
+    /** Which command it is. */
     mwd_motor_v2_36_2024_11_command_t command;
+    /** The node; 0 where the id has none. */
     uint32_t node;
+    /** The fields, each member for its commands. */
     union {
+        /** brake. */
         mwd_motor_v2_36_2024_11_brake_request_t brake_request;
+        /** set_power. */
         mwd_motor_v2_36_2024_11_set_power_request_t set_power_request;
+        /** set_torque. */
         mwd_motor_v2_36_2024_11_set_torque_request_t set_torque_request;
+        /** set_speed. */
         mwd_motor_v2_36_2024_11_set_speed_request_t set_speed_request;
+        /** move_to_angle. */
         mwd_motor_v2_36_2024_11_move_to_angle_request_t move_to_angle_request;
+        /** move_to_angle_at_speed. */
         mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t move_to_angle_at_speed_request;
+        /** turn_to_angle. */
         mwd_motor_v2_36_2024_11_turn_to_angle_request_t turn_to_angle_request;
+        /** turn_to_angle_at_speed. */
         mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t turn_to_angle_at_speed_request;
+        /** move_by_angle. */
         mwd_motor_v2_36_2024_11_move_by_angle_request_t move_by_angle_request;
+        /** move_by_angle_at_speed. */
         mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t move_by_angle_at_speed_request;
+        /**
+         * write_control_parameter_ram_angle_pid, write_control_parameter_ram_speed_pid,
+         * write_control_parameter_ram_current_pid.
+         */
         mwd_motor_v2_36_2024_11_pid_gains_t pid_gains;
+        /** write_control_parameter_ram_max_torque_current. */
         mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t control_parameters_max_torque_current;
+        /** write_control_parameter_ram_max_speed. */
         mwd_motor_v2_36_2024_11_control_parameters_max_speed_t control_parameters_max_speed;
+        /** write_control_parameter_ram_max_angle. */
         mwd_motor_v2_36_2024_11_control_parameters_max_angle_t control_parameters_max_angle;
+        /** write_control_parameter_ram_current_ramp. */
         mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t control_parameters_current_ramp;
+        /** write_control_parameter_ram_speed_ramp. */
         mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t control_parameters_speed_ramp;
+        /** set_angle. */
         mwd_motor_v2_36_2024_11_set_angle_t set_angle;
     } as;
 } mwd_motor_v2_36_2024_11_any_request_t;
@@ -4740,7 +4772,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_request(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    switch (request->command) {
+    switch ((int)request->command) {
     case MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE:
         mwd_motor_v2_36_2024_11_brake_request_unpack(&request->as.brake_request, frame);
         break;
@@ -4942,23 +4974,48 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_reply(
 
 /** Any reply. The command tells which member of `as` holds its fields; some have none. */
 typedef struct {
+    /** Which command it is. */
     mwd_motor_v2_36_2024_11_command_t command;
+    /** The node; 0 where the id has none. */
     uint32_t node;
+    /** The fields, each member for its commands. */
     union {
+        /** brake. */
         mwd_motor_v2_36_2024_11_brake_reply_t brake_reply;
+        /**
+         * set_power, set_torque, set_speed, move_to_angle, move_to_angle_at_speed, turn_to_angle,
+         * turn_to_angle_at_speed, move_by_angle, move_by_angle_at_speed, read_status_2.
+         */
         mwd_motor_v2_36_2024_11_motion_feedback_t motion_feedback;
+        /**
+         * read_control_parameter_angle_pid, read_control_parameter_speed_pid, read_control_parameter_current_pid,
+         * write_control_parameter_ram_angle_pid, write_control_parameter_ram_speed_pid,
+         * write_control_parameter_ram_current_pid.
+         */
         mwd_motor_v2_36_2024_11_pid_gains_t pid_gains;
+        /** read_control_parameter_max_torque_current, write_control_parameter_ram_max_torque_current. */
         mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t control_parameters_max_torque_current;
+        /** read_control_parameter_max_speed, write_control_parameter_ram_max_speed. */
         mwd_motor_v2_36_2024_11_control_parameters_max_speed_t control_parameters_max_speed;
+        /** read_control_parameter_max_angle, write_control_parameter_ram_max_angle. */
         mwd_motor_v2_36_2024_11_control_parameters_max_angle_t control_parameters_max_angle;
+        /** read_control_parameter_current_ramp, write_control_parameter_ram_current_ramp. */
         mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t control_parameters_current_ramp;
+        /** read_control_parameter_speed_ramp, write_control_parameter_ram_speed_ramp. */
         mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t control_parameters_speed_ramp;
+        /** read_encoder. */
         mwd_motor_v2_36_2024_11_read_encoder_reply_t read_encoder_reply;
+        /** write_position_as_zero_rom. */
         mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t write_position_as_zero_rom_reply;
+        /** read_multi_turn_angle. */
         mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t read_multi_turn_angle_reply;
+        /** read_single_turn_angle. */
         mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t read_single_turn_angle_reply;
+        /** set_angle. */
         mwd_motor_v2_36_2024_11_set_angle_t set_angle;
+        /** read_status_1, clear_errors. */
         mwd_motor_v2_36_2024_11_status_1_t status_1;
+        /** read_status_3. */
         mwd_motor_v2_36_2024_11_read_status_3_reply_t read_status_3_reply;
     } as;
 } mwd_motor_v2_36_2024_11_any_reply_t;
@@ -4973,7 +5030,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_reply(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    switch (reply->command) {
+    switch ((int)reply->command) {
     case MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE:
         mwd_motor_v2_36_2024_11_brake_reply_unpack(&reply->as.brake_reply, frame);
         break;
@@ -5056,7 +5113,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_check_reply(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP:
@@ -5109,5 +5166,9 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_check_reply(
     }
     return answers ? CANWRIGHT_OK : CANWRIGHT_NOT_ANSWER;
 }
+
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 #endif

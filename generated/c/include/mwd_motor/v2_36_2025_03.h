@@ -25,6 +25,15 @@
 /** The beginning of the spec's hash. Headers of one edition that come of different specs do not compile together. */
 #define MWD_MOTOR_V2_36_2025_03_SPEC 0xf43d4f0eu
 
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wzero-as-null-pointer-constant"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wuseless-cast"
+#endif
+#endif
+
 /* -----------------------------------------------------------------------------------------------------------------
  * Parameters: what you know of a node and no frame says
  * ----------------------------------------------------------------------------------------------------------------- */
@@ -76,8 +85,8 @@ typedef struct {
  * @name One motor (page 5)
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_MOTOR_NODE_MIN 1u
-#define MWD_MOTOR_V2_36_2025_03_MOTOR_NODE_MAX 32u
+#define MWD_MOTOR_V2_36_2025_03_MOTOR_NODE_MIN 1u  /**< First node. */
+#define MWD_MOTOR_V2_36_2025_03_MOTOR_NODE_MAX 32u /**< Last node. */
 
 /** The id of a request to a node. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_id(uint32_t *id, uint32_t node)
@@ -351,8 +360,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_milli(
  * it a voltage. Used here: Two types as printed. Nothing says that the two count the same thing.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_POWER_RAW_MIN (-850)
-#define MWD_MOTOR_V2_36_2025_03_POWER_RAW_MAX 850
+#define MWD_MOTOR_V2_36_2025_03_POWER_RAW_MIN (-850) /**< Least raw value. */
+#define MWD_MOTOR_V2_36_2025_03_POWER_RAW_MAX 850    /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2025_03_power_valid(int16_t raw)
@@ -371,8 +380,8 @@ static inline bool mwd_motor_v2_36_2025_03_power_valid(int16_t raw)
  * it a voltage. Used here: Two types as printed. Nothing says that the two count the same thing.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_OUTPUT_POWER_RAW_MIN (-1000)
-#define MWD_MOTOR_V2_36_2025_03_OUTPUT_POWER_RAW_MAX 1000
+#define MWD_MOTOR_V2_36_2025_03_OUTPUT_POWER_RAW_MIN (-1000) /**< Least raw value. */
+#define MWD_MOTOR_V2_36_2025_03_OUTPUT_POWER_RAW_MAX 1000    /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2025_03_output_power_valid(int16_t raw)
@@ -401,8 +410,8 @@ static inline bool mwd_motor_v2_36_2025_03_output_power_valid(int16_t raw)
  * original. The bytes are the same in both.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_TORQUE_CURRENT_RAW_MIN (-2048)
-#define MWD_MOTOR_V2_36_2025_03_TORQUE_CURRENT_RAW_MAX 2048
+#define MWD_MOTOR_V2_36_2025_03_TORQUE_CURRENT_RAW_MIN (-2048) /**< Least raw value. */
+#define MWD_MOTOR_V2_36_2025_03_TORQUE_CURRENT_RAW_MAX 2048    /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2025_03_torque_current_valid(int16_t raw)
@@ -414,7 +423,7 @@ static inline bool mwd_motor_v2_36_2025_03_torque_current_valid(int16_t raw)
 static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_to_milli(
     int32_t *milli, int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -433,7 +442,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_to_milli
 static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_milli(
     int16_t *raw, int32_t milli, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -475,7 +484,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_mil
 static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current_to_milli(
     int32_t *milli, int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -494,7 +503,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
 static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current_from_milli(
     int16_t *raw, int32_t milli, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -532,7 +541,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
 static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_to_milli(
     int32_t *milli, int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -551,7 +560,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_to_milli(
 static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_milli(
     int16_t *raw, int32_t milli, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -663,7 +672,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_
  * 0..36000*gear_ratio-1.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_POSITION_RAW_MIN 0u
+#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_POSITION_RAW_MIN 0u /**< Least raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2025_03_single_turn_position_valid(
@@ -750,18 +759,18 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_m
  * one count.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MIN_14 0u
-#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MAX_14 16383u
-#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MIN_15 0u
-#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MAX_15 32767u
-#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MIN_16 0u
-#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MAX_16 65535u
+#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MIN_14 0u     /**< Least raw value (encoder_bits 14). */
+#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MAX_14 16383u /**< Greatest raw value (encoder_bits 14). */
+#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MIN_15 0u     /**< Least raw value (encoder_bits 15). */
+#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MAX_15 32767u /**< Greatest raw value (encoder_bits 15). */
+#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MIN_16 0u     /**< Least raw value (encoder_bits 16). */
+#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MAX_16 65535u /**< Greatest raw value (encoder_bits 16). */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2025_03_encoder_position_valid(
     uint16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
         return raw <= 16383u;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
@@ -775,7 +784,7 @@ static inline bool mwd_motor_v2_36_2025_03_encoder_position_valid(
 static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_to_milli(
     int32_t *milli, uint16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
         *milli = canwright_divide32((int32_t)raw * 5625, 256);
         return CANWRIGHT_OK;
@@ -795,7 +804,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_m
     uint16_t *raw, int32_t milli, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     uint16_t nearest;
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
         if (milli < -10 || milli > 1439989) {
             return CANWRIGHT_OUT_OF_RANGE;
@@ -832,8 +841,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_m
  * Raw 0..2000.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_GAIN_RAW_MIN 0u
-#define MWD_MOTOR_V2_36_2025_03_GAIN_RAW_MAX 2000u
+#define MWD_MOTOR_V2_36_2025_03_GAIN_RAW_MIN 0u    /**< Least raw value. */
+#define MWD_MOTOR_V2_36_2025_03_GAIN_RAW_MAX 2000u /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2025_03_gain_valid(uint16_t raw)
@@ -857,20 +866,20 @@ static inline bool mwd_motor_v2_36_2025_03_gain_valid(uint16_t raw)
  * manual says nothing else of it.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MIN_MS 0
-#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MAX_MS 850
-#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MIN_MF 0
-#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MAX_MF 2000
-#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MIN_MH 0
-#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MAX_MH 2000
-#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MIN_MG 0
-#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MAX_MG 2000
+#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MIN_MS 0    /**< Least raw value (series MS). */
+#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MAX_MS 850  /**< Greatest raw value (series MS). */
+#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MIN_MF 0    /**< Least raw value (series MF). */
+#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MAX_MF 2000 /**< Greatest raw value (series MF). */
+#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MIN_MH 0    /**< Least raw value (series MH). */
+#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MAX_MH 2000 /**< Greatest raw value (series MH). */
+#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MIN_MG 0    /**< Least raw value (series MG). */
+#define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MAX_MG 2000 /**< Greatest raw value (series MG). */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2025_03_output_limit_valid(
     int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
         return raw >= 0 && raw <= 850;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
@@ -894,8 +903,8 @@ static inline bool mwd_motor_v2_36_2025_03_output_limit_valid(
  * whose effect you know before you write one.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_SPEED_BOUND_RAW_MIN 0
-#define MWD_MOTOR_V2_36_2025_03_SPEED_BOUND_RAW_MAX 600000
+#define MWD_MOTOR_V2_36_2025_03_SPEED_BOUND_RAW_MIN 0      /**< Least raw value. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_BOUND_RAW_MAX 600000 /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2025_03_speed_bound_valid(int32_t raw)
@@ -919,8 +928,8 @@ static inline bool mwd_motor_v2_36_2025_03_speed_bound_valid(int32_t raw)
  * all four bytes.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MIN 0
-#define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MAX 2147483647
+#define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MIN 0          /**< Least raw value. */
+#define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MAX 2147483647 /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2025_03_max_angle_valid(int32_t raw)
@@ -940,8 +949,8 @@ static inline bool mwd_motor_v2_36_2025_03_max_angle_valid(int32_t raw)
  * whose effect you know before you write one.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_CURRENT_RAMP_RAW_MIN 0
-#define MWD_MOTOR_V2_36_2025_03_CURRENT_RAMP_RAW_MAX 30000
+#define MWD_MOTOR_V2_36_2025_03_CURRENT_RAMP_RAW_MIN 0     /**< Least raw value. */
+#define MWD_MOTOR_V2_36_2025_03_CURRENT_RAMP_RAW_MAX 30000 /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2025_03_current_ramp_valid(int16_t raw)
@@ -961,8 +970,8 @@ static inline bool mwd_motor_v2_36_2025_03_current_ramp_valid(int16_t raw)
  * whose effect you know before you write one.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_SPEED_RAMP_RAW_MIN 0
-#define MWD_MOTOR_V2_36_2025_03_SPEED_RAMP_RAW_MAX 600000
+#define MWD_MOTOR_V2_36_2025_03_SPEED_RAMP_RAW_MIN 0      /**< Least raw value. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_RAMP_RAW_MAX 600000 /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2025_03_speed_ramp_valid(int32_t raw)
@@ -1130,8 +1139,8 @@ static inline bool mwd_motor_v2_36_2025_03_align_state_valid(uint8_t raw)
  * drive may report 0. Do not write it, no address reaches such a drive.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_DRIVER_ID_RAW_MIN 0u
-#define MWD_MOTOR_V2_36_2025_03_DRIVER_ID_RAW_MAX 32u
+#define MWD_MOTOR_V2_36_2025_03_DRIVER_ID_RAW_MIN 0u  /**< Least raw value. */
+#define MWD_MOTOR_V2_36_2025_03_DRIVER_ID_RAW_MAX 32u /**< Greatest raw value. */
 
 /** Tells whether a raw value may be sent. */
 static inline bool mwd_motor_v2_36_2025_03_driver_id_valid(uint8_t raw)
@@ -1343,7 +1352,7 @@ typedef enum {
 /** The name of a field. */
 static inline const char *mwd_motor_v2_36_2025_03_field_name(mwd_motor_v2_36_2025_03_field_t field)
 {
-    switch (field) {
+    switch ((int)field) {
     case MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE:
         return "temperature";
     case MWD_MOTOR_V2_36_2025_03_FIELD_POWER:
@@ -1463,7 +1472,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motion_feedback_check(
         *field = MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER;
         return CANWRIGHT_OUT_OF_RANGE;
     }
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
         if (!mwd_motor_v2_36_2025_03_output_power_valid(message->power)) {
             *field = MWD_MOTOR_V2_36_2025_03_FIELD_POWER;
@@ -1498,7 +1507,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motion_feedback_pack(
     frame->data[5] = (uint8_t)((uint16_t)message->speed >> 8);
     frame->data[6] = (uint8_t)message->encoder;
     frame->data[7] = (uint8_t)(message->encoder >> 8);
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
         frame->data[2] = (uint8_t)message->power;
         frame->data[3] = (uint8_t)((uint16_t)message->power >> 8);
@@ -1523,7 +1532,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motion_feedback_unpack(
     message->temperature = (int8_t)canwright_signed32(frame->data[1], 8u);
     message->speed = (int16_t)canwright_signed32((uint32_t)frame->data[4] | ((uint32_t)frame->data[5] << 8), 16u);
     message->encoder = (uint16_t)((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8));
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
         message->power = (int16_t)canwright_signed32((uint32_t)frame->data[2] | ((uint32_t)frame->data[3] << 8), 16u);
         message->iq = 0;
@@ -2143,7 +2152,7 @@ static inline void mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(
  * The reply is the request, sent back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_MOTOR_OFF_CODE 0x80u
+#define MWD_MOTOR_V2_36_2025_03_MOTOR_OFF_CODE 0x80u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_off_request_encode(
@@ -2187,7 +2196,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_off_reply_decode(
  * If a motor answers motion commands without moving, it is off; this command wakes it.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_MOTOR_ON_CODE 0x88u
+#define MWD_MOTOR_V2_36_2025_03_MOTOR_ON_CODE 0x88u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_on_request_encode(
@@ -2229,7 +2238,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_on_reply_decode(
  * The reply is the request, sent back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_MOTOR_STOP_CODE 0x81u
+#define MWD_MOTOR_V2_36_2025_03_MOTOR_STOP_CODE 0x81u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_stop_request_encode(
@@ -2277,7 +2286,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_stop_reply_decode
  * original. The bytes are the same in both.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_BRAKE_CODE 0x8Cu
+#define MWD_MOTOR_V2_36_2025_03_BRAKE_CODE 0x8Cu /**< The code. */
 
 /** The request of brake. */
 typedef struct {
@@ -2413,7 +2422,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_brake_reply_decode(
  * Not limited by: Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_SET_POWER_CODE 0xA0u
+#define MWD_MOTOR_V2_36_2025_03_SET_POWER_CODE 0xA0u /**< The code. */
 
 /** The request of set_power. */
 typedef struct {
@@ -2521,7 +2530,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_set_power_reply_decode(
  * Not limited by: Max Torque Current.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_SET_TORQUE_CODE 0xA1u
+#define MWD_MOTOR_V2_36_2025_03_SET_TORQUE_CODE 0xA1u /**< The code. */
 
 /** The request of set_torque. */
 typedef struct {
@@ -2638,7 +2647,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_set_torque_reply_decode
  * 2048. A limit of 0 or more is the plain use; other editions print the same range.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_SET_SPEED_CODE 0xA2u
+#define MWD_MOTOR_V2_36_2025_03_SET_SPEED_CODE 0xA2u /**< The code. */
 
 /** The request of set_speed. */
 typedef struct {
@@ -2755,7 +2764,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_set_speed_reply_decode(
  * Limited by: Max Angle, Max Speed, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_MOVE_TO_ANGLE_CODE 0xA3u
+#define MWD_MOTOR_V2_36_2025_03_MOVE_TO_ANGLE_CODE 0xA3u /**< The code. */
 
 /** The request of move_to_angle. */
 typedef struct {
@@ -2847,7 +2856,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_move_to_angle_reply_dec
  * Limited by: Max Angle, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_MOVE_TO_ANGLE_AT_SPEED_CODE 0xA4u
+#define MWD_MOTOR_V2_36_2025_03_MOVE_TO_ANGLE_AT_SPEED_CODE 0xA4u /**< The code. */
 
 /** The request of move_to_angle_at_speed. */
 typedef struct {
@@ -2944,7 +2953,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_move_to_angle_at_speed_
  * Limited by: Max Speed, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_TURN_TO_ANGLE_CODE 0xA5u
+#define MWD_MOTOR_V2_36_2025_03_TURN_TO_ANGLE_CODE 0xA5u /**< The code. */
 
 /** The request of turn_to_angle. */
 typedef struct {
@@ -3057,7 +3066,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_reply_dec
  * Limited by: Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_TURN_TO_ANGLE_AT_SPEED_CODE 0xA6u
+#define MWD_MOTOR_V2_36_2025_03_TURN_TO_ANGLE_AT_SPEED_CODE 0xA6u /**< The code. */
 
 /** The request of turn_to_angle_at_speed. */
 typedef struct {
@@ -3177,7 +3186,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_
  * Limited by: Max Speed, Max Acceleration, Max Torque Current, Max Power.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_MOVE_BY_ANGLE_CODE 0xA7u
+#define MWD_MOTOR_V2_36_2025_03_MOVE_BY_ANGLE_CODE 0xA7u /**< The code. */
 
 /** The request of move_by_angle. */
 typedef struct {
@@ -3274,7 +3283,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_move_by_angle_reply_dec
  * hold the angle, and 13 and 15 give the same field as uint16_t.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_MOVE_BY_ANGLE_AT_SPEED_CODE 0xA8u
+#define MWD_MOTOR_V2_36_2025_03_MOVE_BY_ANGLE_AT_SPEED_CODE 0xA8u /**< The code. */
 
 /** The request of move_by_angle_at_speed. */
 typedef struct {
@@ -3367,7 +3376,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_move_by_angle_at_speed_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_ANGLE_PID_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_ANGLE_PID_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_angle_pid_request_encode(
@@ -3424,7 +3433,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_SPEED_PID_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_SPEED_PID_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_speed_pid_request_encode(
@@ -3481,7 +3490,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_CURRENT_PID_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_CURRENT_PID_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_current_pid_request_encode(
@@ -3538,7 +3547,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_max_torque_current_request_encode(
@@ -3597,7 +3606,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_MAX_SPEED_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_MAX_SPEED_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_max_speed_request_encode(
@@ -3654,7 +3663,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_UPPER_ANGLE_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_UPPER_ANGLE_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_upper_angle_request_encode(
@@ -3706,7 +3715,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_LOWER_ANGLE_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_LOWER_ANGLE_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_lower_angle_request_encode(
@@ -3758,7 +3767,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
  * Reads one control parameter.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_SPEED_RAMP_CODE 0xC0u
+#define MWD_MOTOR_V2_36_2025_03_READ_CONTROL_PARAMETER_SPEED_RAMP_CODE 0xC0u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_speed_ramp_request_encode(
@@ -3819,7 +3828,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_angle_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_angle_pid_request_t;
@@ -3899,7 +3908,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_speed_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_pid_request_t;
@@ -3979,7 +3988,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_current_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_current_pid_request_t;
@@ -4059,7 +4068,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_max_torque_current. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_torque_current_request_t;
@@ -4143,7 +4152,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_max_speed. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_max_speed_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_speed_request_t;
@@ -4223,7 +4232,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_UPPER_ANGLE_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_UPPER_ANGLE_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_upper_angle. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_upper_angle_request_t;
@@ -4293,7 +4302,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_LOWER_ANGLE_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_LOWER_ANGLE_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_lower_angle. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_lower_angle_request_t;
@@ -4363,7 +4372,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
  * The reply holds the value that took effect, which need not be the one that was sent.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP_CODE 0xC1u
+#define MWD_MOTOR_V2_36_2025_03_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP_CODE 0xC1u /**< The code. */
 
 /** The request of write_control_parameter_ram_speed_ramp. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_ramp_request_t;
@@ -4439,7 +4448,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
  * Reads the encoder three ways. The position is the measured one less the zero.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_ENCODER_CODE 0x90u
+#define MWD_MOTOR_V2_36_2025_03_READ_ENCODER_CODE 0x90u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_encoder_request_encode(
@@ -4569,7 +4578,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_encoder_reply_deco
  * own.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_CALIBRATE_ENCODER_CODE 0x18u
+#define MWD_MOTOR_V2_36_2025_03_CALIBRATE_ENCODER_CODE 0x18u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_calibrate_encoder_request_encode(
@@ -4677,7 +4686,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_calibrate_encoder_reply
  * original. The bytes are the same in both.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_WRITE_POSITION_AS_ZERO_ROM_CODE 0x19u
+#define MWD_MOTOR_V2_36_2025_03_WRITE_POSITION_AS_ZERO_ROM_CODE 0x19u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_position_as_zero_rom_request_encode(
@@ -4774,7 +4783,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_position_as_zero_
  * be complete. The numbers run on from the sections before, where such lists end at 2 and 3.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_MULTI_TURN_ANGLE_CODE 0x92u
+#define MWD_MOTOR_V2_36_2025_03_READ_MULTI_TURN_ANGLE_CODE 0x92u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_multi_turn_angle_request_encode(
@@ -4866,7 +4875,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_multi_turn_angle_r
  * Reads the angle within one turn of the output.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_SINGLE_TURN_ANGLE_CODE 0x94u
+#define MWD_MOTOR_V2_36_2025_03_READ_SINGLE_TURN_ANGLE_CODE 0x94u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_single_turn_angle_request_encode(
@@ -4966,7 +4975,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_single_turn_angle_
  * 2024 take an angle in DATA[4..7] and v2.35 calls 0x95 not implemented. Check the edition of the motor.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_SET_ZERO_RAM_CODE 0x95u
+#define MWD_MOTOR_V2_36_2025_03_SET_ZERO_RAM_CODE 0x95u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_set_zero_ram_request_encode(
@@ -5004,7 +5013,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_set_zero_ram_reply_deco
  * Reads temperature, supply voltage and current, motor state and errors.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STATUS_1_CODE 0x9Au
+#define MWD_MOTOR_V2_36_2025_03_READ_STATUS_1_CODE 0x9Au /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_status_1_request_encode(
@@ -5061,7 +5070,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_status_1_reply_dec
  * An error stays set for as long as its cause is there.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_CLEAR_ERRORS_CODE 0x9Bu
+#define MWD_MOTOR_V2_36_2025_03_CLEAR_ERRORS_CODE 0x9Bu /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_clear_errors_request_encode(
@@ -5116,7 +5125,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_clear_errors_reply_deco
  * Reads the motion feedback without a motion command.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STATUS_2_CODE 0x9Cu
+#define MWD_MOTOR_V2_36_2025_03_READ_STATUS_2_CODE 0x9Cu /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_status_2_request_encode(
@@ -5176,7 +5185,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_status_2_reply_dec
  * said. Used here: The command is for MF, MH and MG. An answer of an MS motor would hold no measurement.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STATUS_3_CODE 0x9Du
+#define MWD_MOTOR_V2_36_2025_03_READ_STATUS_3_CODE 0x9Du /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_status_3_request_encode(
@@ -5270,7 +5279,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_status_3_reply_dec
  * next. Used here: Gains are read with 0xA0, 0xA4 or 0xA8 and a zero behind it. There is nothing else to send.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_DRIVER_ID_CODE 0x40u
+#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_DRIVER_ID_CODE 0x40u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_driver_id_request_encode(
@@ -5330,7 +5339,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_dri
  * next. Used here: Gains are read with 0xA0, 0xA4 or 0xA8 and a zero behind it. There is nothing else to send.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_BUS_TYPE_CODE 0x40u
+#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_BUS_TYPE_CODE 0x40u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_bus_type_request_encode(
@@ -5390,7 +5399,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_bus
  * next. Used here: Gains are read with 0xA0, 0xA4 or 0xA8 and a zero behind it. There is nothing else to send.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_RS485_BAUD_RATE_CODE 0x40u
+#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_RS485_BAUD_RATE_CODE 0x40u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_rs485_baud_rate_request_encode(
@@ -5451,7 +5460,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_rs4
  * next. Used here: Gains are read with 0xA0, 0xA4 or 0xA8 and a zero behind it. There is nothing else to send.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_CAN_BAUD_RATE_CODE 0x40u
+#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_CAN_BAUD_RATE_CODE 0x40u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_can_baud_rate_request_encode(
@@ -5511,7 +5520,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_can
  * next. Used here: Gains are read with 0xA0, 0xA4 or 0xA8 and a zero behind it. There is nothing else to send.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_MAX_POWER_CODE 0x40u
+#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_MAX_POWER_CODE 0x40u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max_power_request_encode(
@@ -5573,7 +5582,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max
  * next. Used here: Gains are read with 0xA0, 0xA4 or 0xA8 and a zero behind it. There is nothing else to send.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_MAX_SPEED_CODE 0x40u
+#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_MAX_SPEED_CODE 0x40u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max_speed_request_encode(
@@ -5633,7 +5642,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max
  * next. Used here: Gains are read with 0xA0, 0xA4 or 0xA8 and a zero behind it. There is nothing else to send.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_MAX_ANGLE_CODE 0x40u
+#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_MAX_ANGLE_CODE 0x40u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max_angle_request_encode(
@@ -5693,7 +5702,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max
  * next. Used here: Gains are read with 0xA0, 0xA4 or 0xA8 and a zero behind it. There is nothing else to send.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_CURRENT_RAMP_CODE 0x40u
+#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_CURRENT_RAMP_CODE 0x40u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_current_ramp_request_encode(
@@ -5753,7 +5762,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_cur
  * next. Used here: Gains are read with 0xA0, 0xA4 or 0xA8 and a zero behind it. There is nothing else to send.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_SPEED_RAMP_CODE 0x40u
+#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_SPEED_RAMP_CODE 0x40u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_speed_ramp_request_encode(
@@ -5813,7 +5822,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_spe
  * next. Used here: Gains are read with 0xA0, 0xA4 or 0xA8 and a zero behind it. There is nothing else to send.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_ANGLE_PID_CODE 0x40u
+#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_ANGLE_PID_CODE 0x40u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_angle_pid_request_encode(
@@ -5873,7 +5882,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_ang
  * next. Used here: Gains are read with 0xA0, 0xA4 or 0xA8 and a zero behind it. There is nothing else to send.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_SPEED_PID_CODE 0x40u
+#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_SPEED_PID_CODE 0x40u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_speed_pid_request_encode(
@@ -5933,7 +5942,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_spe
  * next. Used here: Gains are read with 0xA0, 0xA4 or 0xA8 and a zero behind it. There is nothing else to send.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_CURRENT_PID_CODE 0x40u
+#define MWD_MOTOR_V2_36_2025_03_READ_STORED_SETTING_CURRENT_PID_CODE 0x40u /**< The code. */
 
 /** Makes a request. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_current_pid_request_encode(
@@ -6002,7 +6011,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_cur
  * back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_DRIVER_ID_CODE 0x42u
+#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_DRIVER_ID_CODE 0x42u /**< The code. */
 
 /** The request of stage_stored_setting_driver_id. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_driver_id_t mwd_motor_v2_36_2025_03_stage_stored_setting_driver_id_request_t;
@@ -6090,7 +6099,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_dr
  * back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_BUS_TYPE_CODE 0x42u
+#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_BUS_TYPE_CODE 0x42u /**< The code. */
 
 /** The request of stage_stored_setting_bus_type. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_bus_type_t mwd_motor_v2_36_2025_03_stage_stored_setting_bus_type_request_t;
@@ -6178,7 +6187,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_bu
  * back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_RS485_BAUD_RATE_CODE 0x42u
+#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_RS485_BAUD_RATE_CODE 0x42u /**< The code. */
 
 /** The request of stage_stored_setting_rs485_baud_rate. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t mwd_motor_v2_36_2025_03_stage_stored_setting_rs485_baud_rate_request_t;
@@ -6268,7 +6277,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_rs
  * back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_CAN_BAUD_RATE_CODE 0x42u
+#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_CAN_BAUD_RATE_CODE 0x42u /**< The code. */
 
 /** The request of stage_stored_setting_can_baud_rate. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t mwd_motor_v2_36_2025_03_stage_stored_setting_can_baud_rate_request_t;
@@ -6354,7 +6363,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ca
  * back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_MAX_POWER_CODE 0x42u
+#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_MAX_POWER_CODE 0x42u /**< The code. */
 
 /** The request of stage_stored_setting_max_power. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_max_power_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_power_request_t;
@@ -6444,7 +6453,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
  * back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_MAX_SPEED_CODE 0x42u
+#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_MAX_SPEED_CODE 0x42u /**< The code. */
 
 /** The request of stage_stored_setting_max_speed. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_max_speed_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_speed_request_t;
@@ -6530,7 +6539,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
  * back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_MAX_ANGLE_CODE 0x42u
+#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_MAX_ANGLE_CODE 0x42u /**< The code. */
 
 /** The request of stage_stored_setting_max_angle. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_max_angle_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_angle_request_t;
@@ -6616,7 +6625,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
  * back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_CURRENT_RAMP_CODE 0x42u
+#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_CURRENT_RAMP_CODE 0x42u /**< The code. */
 
 /** The request of stage_stored_setting_current_ramp. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t mwd_motor_v2_36_2025_03_stage_stored_setting_current_ramp_request_t;
@@ -6702,7 +6711,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_cu
  * back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_SPEED_RAMP_CODE 0x42u
+#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_SPEED_RAMP_CODE 0x42u /**< The code. */
 
 /** The request of stage_stored_setting_speed_ramp. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t mwd_motor_v2_36_2025_03_stage_stored_setting_speed_ramp_request_t;
@@ -6788,7 +6797,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_sp
  * back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_ANGLE_PID_CODE 0x42u
+#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_ANGLE_PID_CODE 0x42u /**< The code. */
 
 /** The request of stage_stored_setting_angle_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_stage_stored_setting_angle_pid_request_t;
@@ -6874,7 +6883,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_an
  * back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_SPEED_PID_CODE 0x42u
+#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_SPEED_PID_CODE 0x42u /**< The code. */
 
 /** The request of stage_stored_setting_speed_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_stage_stored_setting_speed_pid_request_t;
@@ -6960,7 +6969,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_sp
  * back.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_CURRENT_PID_CODE 0x42u
+#define MWD_MOTOR_V2_36_2025_03_STAGE_STORED_SETTING_CURRENT_PID_CODE 0x42u /**< The code. */
 
 /** The request of stage_stored_setting_current_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_stage_stored_setting_current_pid_request_t;
@@ -7041,7 +7050,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_cu
  * Used here: A power cycle. Another edition has a restart command, 0x07; nothing says that this one takes it.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_SAVE_STORED_SETTINGS_CODE 0x44u
+#define MWD_MOTOR_V2_36_2025_03_SAVE_STORED_SETTINGS_CODE 0x44u /**< The code. */
 
 /** Writes the fields into a stamped frame, without a check. */
 static inline void mwd_motor_v2_36_2025_03_save_stored_settings_request_pack(canwright_frame_t *frame)
@@ -7217,7 +7226,7 @@ typedef enum {
 /** The name of a command. */
 static inline const char *mwd_motor_v2_36_2025_03_command_name(mwd_motor_v2_36_2025_03_command_t command)
 {
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF:
         return "motor_off";
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON:
@@ -7385,7 +7394,7 @@ static inline const char *mwd_motor_v2_36_2025_03_command_name(mwd_motor_v2_36_2
 /** What sending a command does besides its reply: the effects above, ORed. */
 static inline uint32_t mwd_motor_v2_36_2025_03_command_effects(mwd_motor_v2_36_2025_03_command_t command)
 {
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF:
         return MWD_MOTOR_V2_36_2025_03_EFFECT_STOPS | MWD_MOTOR_V2_36_2025_03_EFFECT_CLEARS_TURNS
             | MWD_MOTOR_V2_36_2025_03_EFFECT_CLEARS_COMMANDS | MWD_MOTOR_V2_36_2025_03_EFFECT_LED_SLOW_BLINK;
@@ -7450,7 +7459,7 @@ static inline uint32_t mwd_motor_v2_36_2025_03_command_effects(mwd_motor_v2_36_2
 static inline bool mwd_motor_v2_36_2025_03_command_available(
     mwd_motor_v2_36_2025_03_command_t command, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER:
         return parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MF
             && parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MH
@@ -7706,33 +7715,65 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_request(
 
 /** Any request. The command tells which member of `as` holds its fields; some have none. */
 typedef struct {
+    /** Which command it is. */
     mwd_motor_v2_36_2025_03_command_t command;
+    /** The node; 0 where the id has none. */
     uint32_t node;
+    /** The fields, each member for its commands. */
     union {
+        /** brake. */
         mwd_motor_v2_36_2025_03_brake_request_t brake_request;
+        /** set_power. */
         mwd_motor_v2_36_2025_03_set_power_request_t set_power_request;
+        /** set_torque. */
         mwd_motor_v2_36_2025_03_set_torque_request_t set_torque_request;
+        /** set_speed. */
         mwd_motor_v2_36_2025_03_set_speed_request_t set_speed_request;
+        /** move_to_angle. */
         mwd_motor_v2_36_2025_03_move_to_angle_request_t move_to_angle_request;
+        /** move_to_angle_at_speed. */
         mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t move_to_angle_at_speed_request;
+        /** turn_to_angle. */
         mwd_motor_v2_36_2025_03_turn_to_angle_request_t turn_to_angle_request;
+        /** turn_to_angle_at_speed. */
         mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t turn_to_angle_at_speed_request;
+        /** move_by_angle. */
         mwd_motor_v2_36_2025_03_move_by_angle_request_t move_by_angle_request;
+        /** move_by_angle_at_speed. */
         mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t move_by_angle_at_speed_request;
+        /**
+         * write_control_parameter_ram_angle_pid, write_control_parameter_ram_speed_pid,
+         * write_control_parameter_ram_current_pid, stage_stored_setting_angle_pid, stage_stored_setting_speed_pid,
+         * stage_stored_setting_current_pid.
+         */
         mwd_motor_v2_36_2025_03_pid_gains_t pid_gains;
+        /** write_control_parameter_ram_max_torque_current. */
         mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t control_parameters_max_torque_current;
+        /** write_control_parameter_ram_max_speed. */
         mwd_motor_v2_36_2025_03_control_parameters_max_speed_t control_parameters_max_speed;
+        /** write_control_parameter_ram_upper_angle. */
         mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t control_parameters_upper_angle;
+        /** write_control_parameter_ram_lower_angle. */
         mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t control_parameters_lower_angle;
+        /** write_control_parameter_ram_speed_ramp. */
         mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t control_parameters_speed_ramp;
+        /** stage_stored_setting_driver_id. */
         mwd_motor_v2_36_2025_03_stored_settings_driver_id_t stored_settings_driver_id;
+        /** stage_stored_setting_bus_type. */
         mwd_motor_v2_36_2025_03_stored_settings_bus_type_t stored_settings_bus_type;
+        /** stage_stored_setting_rs485_baud_rate. */
         mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t stored_settings_rs485_baud_rate;
+        /** stage_stored_setting_can_baud_rate. */
         mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t stored_settings_can_baud_rate;
+        /** stage_stored_setting_max_power. */
         mwd_motor_v2_36_2025_03_stored_settings_max_power_t stored_settings_max_power;
+        /** stage_stored_setting_max_speed. */
         mwd_motor_v2_36_2025_03_stored_settings_max_speed_t stored_settings_max_speed;
+        /** stage_stored_setting_max_angle. */
         mwd_motor_v2_36_2025_03_stored_settings_max_angle_t stored_settings_max_angle;
+        /** stage_stored_setting_current_ramp. */
         mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t stored_settings_current_ramp;
+        /** stage_stored_setting_speed_ramp. */
         mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t stored_settings_speed_ramp;
     } as;
 } mwd_motor_v2_36_2025_03_any_request_t;
@@ -7746,7 +7787,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_request(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    switch (request->command) {
+    switch ((int)request->command) {
     case MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE:
         mwd_motor_v2_36_2025_03_brake_request_unpack(&request->as.brake_request, frame);
         break;
@@ -8076,33 +8117,70 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_reply(
 
 /** Any reply. The command tells which member of `as` holds its fields; some have none. */
 typedef struct {
+    /** Which command it is. */
     mwd_motor_v2_36_2025_03_command_t command;
+    /** The node; 0 where the id has none. */
     uint32_t node;
+    /** The fields, each member for its commands. */
     union {
+        /** brake. */
         mwd_motor_v2_36_2025_03_brake_reply_t brake_reply;
+        /**
+         * set_power, set_torque, set_speed, move_to_angle, move_to_angle_at_speed, turn_to_angle,
+         * turn_to_angle_at_speed, move_by_angle, move_by_angle_at_speed, read_status_2.
+         */
         mwd_motor_v2_36_2025_03_motion_feedback_t motion_feedback;
+        /**
+         * read_control_parameter_angle_pid, read_control_parameter_speed_pid, read_control_parameter_current_pid,
+         * write_control_parameter_ram_angle_pid, write_control_parameter_ram_speed_pid,
+         * write_control_parameter_ram_current_pid, read_stored_setting_angle_pid, read_stored_setting_speed_pid,
+         * read_stored_setting_current_pid, stage_stored_setting_angle_pid, stage_stored_setting_speed_pid,
+         * stage_stored_setting_current_pid.
+         */
         mwd_motor_v2_36_2025_03_pid_gains_t pid_gains;
+        /** read_control_parameter_max_torque_current, write_control_parameter_ram_max_torque_current. */
         mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t control_parameters_max_torque_current;
+        /** read_control_parameter_max_speed, write_control_parameter_ram_max_speed. */
         mwd_motor_v2_36_2025_03_control_parameters_max_speed_t control_parameters_max_speed;
+        /** read_control_parameter_upper_angle, write_control_parameter_ram_upper_angle. */
         mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t control_parameters_upper_angle;
+        /** read_control_parameter_lower_angle, write_control_parameter_ram_lower_angle. */
         mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t control_parameters_lower_angle;
+        /** read_control_parameter_speed_ramp, write_control_parameter_ram_speed_ramp. */
         mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t control_parameters_speed_ramp;
+        /** read_encoder. */
         mwd_motor_v2_36_2025_03_read_encoder_reply_t read_encoder_reply;
+        /** calibrate_encoder. */
         mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t calibrate_encoder_reply;
+        /** write_position_as_zero_rom. */
         mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t write_position_as_zero_rom_reply;
+        /** read_multi_turn_angle. */
         mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t read_multi_turn_angle_reply;
+        /** read_single_turn_angle. */
         mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t read_single_turn_angle_reply;
+        /** read_status_1, clear_errors. */
         mwd_motor_v2_36_2025_03_status_1_t status_1;
+        /** read_status_3. */
         mwd_motor_v2_36_2025_03_read_status_3_reply_t read_status_3_reply;
+        /** read_stored_setting_driver_id, stage_stored_setting_driver_id. */
         mwd_motor_v2_36_2025_03_stored_settings_driver_id_t stored_settings_driver_id;
+        /** read_stored_setting_bus_type, stage_stored_setting_bus_type. */
         mwd_motor_v2_36_2025_03_stored_settings_bus_type_t stored_settings_bus_type;
+        /** read_stored_setting_rs485_baud_rate, stage_stored_setting_rs485_baud_rate. */
         mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t stored_settings_rs485_baud_rate;
+        /** read_stored_setting_can_baud_rate, stage_stored_setting_can_baud_rate. */
         mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t stored_settings_can_baud_rate;
+        /** read_stored_setting_max_power, stage_stored_setting_max_power. */
         mwd_motor_v2_36_2025_03_stored_settings_max_power_t stored_settings_max_power;
+        /** read_stored_setting_max_speed, stage_stored_setting_max_speed. */
         mwd_motor_v2_36_2025_03_stored_settings_max_speed_t stored_settings_max_speed;
+        /** read_stored_setting_max_angle, stage_stored_setting_max_angle. */
         mwd_motor_v2_36_2025_03_stored_settings_max_angle_t stored_settings_max_angle;
+        /** read_stored_setting_current_ramp, stage_stored_setting_current_ramp. */
         mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t stored_settings_current_ramp;
+        /** read_stored_setting_speed_ramp, stage_stored_setting_speed_ramp. */
         mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t stored_settings_speed_ramp;
+        /** save_stored_settings. */
         mwd_motor_v2_36_2025_03_save_stored_settings_reply_t save_stored_settings_reply;
     } as;
 } mwd_motor_v2_36_2025_03_any_reply_t;
@@ -8117,7 +8195,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_reply(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    switch (reply->command) {
+    switch ((int)reply->command) {
     case MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE:
         mwd_motor_v2_36_2025_03_brake_reply_unpack(&reply->as.brake_reply, frame);
         break;
@@ -8245,7 +8323,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_check_reply(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    switch (command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP:
@@ -8327,5 +8405,9 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_check_reply(
     }
     return answers ? CANWRIGHT_OK : CANWRIGHT_NOT_ANSWER;
 }
+
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 #endif

@@ -17,6 +17,15 @@
 #error "v2_36_2025_03.h and v2_36_2025_03_float.h come of different specs; copy both from the same place."
 #endif
 
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wzero-as-null-pointer-constant"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wuseless-cast"
+#endif
+#endif
+
 /** Motor temperature, degC. */
 static inline double mwd_motor_v2_36_2025_03_temperature_to_double(int8_t raw)
 {
@@ -126,7 +135,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_output_power_from_doubl
 static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_to_double(
     double *value, int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -148,7 +157,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_dou
     double steps;
     int64_t nearest;
     canwright_status_t status;
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -173,7 +182,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_dou
 static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current_to_double(
     double *value, int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -195,7 +204,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
     double steps;
     int64_t nearest;
     canwright_status_t status;
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -220,7 +229,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
 static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_to_double(
     double *value, int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -242,7 +251,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_doub
     double steps;
     int64_t nearest;
     canwright_status_t status;
-    switch (parameters->series) {
+    switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
@@ -418,7 +427,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_d
 static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_to_double(
     double *value, uint16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
         *value = (double)raw * 45.0 / 2048.0;
         return CANWRIGHT_OK;
@@ -440,7 +449,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_d
     double steps;
     int64_t nearest;
     canwright_status_t status;
-    switch (parameters->encoder_bits) {
+    switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
         steps = value * 2048.0 / 45.0;
         break;
@@ -698,5 +707,9 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_u8_from_double(uint8_t 
     *raw = (uint8_t)nearest;
     return CANWRIGHT_OK;
 }
+
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 #endif

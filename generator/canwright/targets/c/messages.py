@@ -11,6 +11,7 @@ from .forms import Form, address_mask, form_of, named_forms
 from .names import Names
 from .numbers import working
 from .text import english
+from .values import MacroView
 
 EXTENDED = 1 << 31
 
@@ -64,7 +65,7 @@ class AddressView(NamedTuple):
     doc: str
     rules: tuple[RuleView, ...]
     forms: tuple[FormView, ...]
-    nodes: tuple[tuple[str, int], ...]
+    nodes: tuple[MacroView, ...]
 
 
 class MessageView(NamedTuple):
@@ -129,10 +130,10 @@ def addresses(names: Names, edition: Edition, forms: Forms) -> list[AddressView]
         used = forms.at(address)
         nodes = address.request.nodes or address.reply.nodes
         rules = dict.fromkeys(form.rule for form in used)
-        ends = (("node_min", nodes[0]), ("node_max", nodes[-1])) if nodes else ()
+        ends = (("node_min", nodes[0], "First node."), ("node_max", nodes[-1], "Last node.")) if nodes else ()
         heading = english(address.title) + (f" ({address.manual})" if address.manual else "")
         if used:
-            macros = tuple((names.upper(address.name, ending), node) for ending, node in ends)
+            macros = tuple(MacroView(names.upper(address.name, ending), f"{node}u", doc) for ending, node, doc in ends)
             found.append(AddressView(heading, english(address.about), tuple(rules), used, macros))
     return found
 

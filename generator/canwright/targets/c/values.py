@@ -90,10 +90,12 @@ def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
     found = type_.raw_range
     cases = found.cases.items() if found.parameter else [("", found.constant)]
     for case, limits in cases:
-        for ending, bound in (("RAW_MIN", limits.low), ("RAW_MAX", limits.high)) if limits else ():
+        ends = (("RAW_MIN", "Least", limits.low), ("RAW_MAX", "Greatest", limits.high)) if limits else ()
+        under = f" ({found.parameter} {case})" if case else ""
+        for ending, word, bound in ends:
             if bound.parameter is None and bound.constant.denominator == 1:
                 name = names.upper(type_.name, ending, *([case] if case else []))
-                yield MacroView(name, _parenthesised(kind.literal(int(bound.constant))), "")
+                yield MacroView(name, _parenthesised(kind.literal(int(bound.constant))), f"{word} raw value{under}.")
 
 
 def _members(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:

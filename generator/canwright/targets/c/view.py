@@ -84,9 +84,10 @@ class OnlyView(NamedTuple):
 
 
 class ContentView(NamedTuple):
-    """Commands whose messages of one direction have the same layout."""
+    """Commands whose messages of one direction have the same layout; `doc` has their names."""
 
     commands: tuple[str, ...]
+    doc: str
     member: str
     layout: LayoutView
 
@@ -184,7 +185,7 @@ def _command(
     messages = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
     code = None
     if command.code is not None:
-        code = MacroView(names.upper(command.name, "code"), f"0x{command.code:02X}u", "")
+        code = MacroView(names.upper(command.name, "code"), f"0x{command.code:02X}u", "The code.")
     frames: list[FrameView] = []
     for message in messages:
         own = not message.layout.shared and all(f.layout is not views[id(message.layout)] for f in frames)
@@ -276,7 +277,12 @@ def _direction(
     for message in edition.messages(direction):
         view = views[id(message.layout)]
         if view.members or view.depends:
-            grouped.setdefault(id(message.layout), []).append(names.upper("command", message.command))
+            grouped.setdefault(id(message.layout), []).append(message.command)
             order[id(message.layout)] = member(message.layout.name)
-    contents = [ContentView(tuple(commands), order[key], views[key]) for key, commands in grouped.items()]
+    contents = [
+        ContentView(
+            tuple(names.upper("command", one) for one in commands), f"{', '.join(commands)}.", order[key], views[key]
+        )
+        for key, commands in grouped.items()
+    ]
     return DirectionView(direction.value, tuple(entries(names, edition, forms, direction)), tuple(contents))

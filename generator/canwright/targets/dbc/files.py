@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Container, Iterator, Sequence
+from collections.abc import Collection, Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from ... import notation
 from ...model import Assignment, Direction, Edition, IdRule
 from .. import header
-from .frames import Frame, Part, Scope, frames, partners
+from .frames import Frame, Part, Scope, partners
 from .selectors import joined_span
 from .signals import Signals
 from .text import camel, fitting, in_ascii, number
@@ -28,19 +28,19 @@ def files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
 
 
 def _files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
-    for scope in scopes(edition, set_parameters):
-        contents = list(_contents(scope))
-        other = replace(scope, direction=_OTHER[scope.direction])
-        shared = {(frame.rule, frame.id_bits) for frame in frames(other)}
-        yield from (_file(scope, part, found, shared) for part, found in contents)
-        nodes = next((m.id.nodes for m in edition.messages(scope.direction) if m.id.nodes), None)
-        if nodes and len(nodes) > 1:
-            first = replace(scope, first_node_only=True)
-            yield from (_file(first, (*part, f"node{nodes[0]}"), found, shared) for part, found in contents)
+    for scopes in _scopes(edition, set_parameters):
+        for direction, scope in scopes.items():
+            contents = list(_contents(scope))
+            shared = {(frame.rule, frame.id_bits) for frame in scopes[_OTHER[direction]].frames}
+            yield from (_file(scope, joined, (), found, shared) for joined, found in contents)
+            nodes = next((m.id.nodes for m in edition.messages(direction) if m.id.nodes), None)
+            if nodes and len(nodes) > 1:
+                first = replace(scope, first_node_only=True)
+                yield from (_file(first, joined, (f"node{nodes[0]}",), found, shared) for joined, found in contents)
 
 
-def scopes(edition: Edition, set_parameters: Assignment) -> Iterator[Scope]:
-    """One for each direction of each combination of parameter values that has files of its own."""
+def _scopes(edition: Edition, set_parameters: Assignment) -> Iterator[Mapping[Direction, Scope]]:
+    """One for each direction, of each combination of parameter values that has files of its own."""
     numbers = {
         p.name: notation.rational(set_parameters[p.name])
         for p in edition.parameters
@@ -51,8 +51,8 @@ def scopes(edition: Edition, set_parameters: Assignment) -> Iterator[Scope]:
         wanted = set_parameters.get(parameter.name)
         if wanted is not None or not parameter.is_numeric:
             choices.append([(parameter.name, v.name) for v in parameter.values if wanted in (None, v.name)])
-    for combination, direction in itertools.product(itertools.product(*choices), KIND):
-        yield Scope(edition, direction, dict(combination), numbers)
+    for combination in itertools.product(*choices):
+        yield {direction: Scope(edition, direction, dict(combination), numbers) for direction in KIND}
 
 
 def node_name(address: str, node: int | None) -> str:
@@ -65,16 +65,15 @@ Contents = Sequence[tuple[Frame, tuple[Signal, ...]]]
 """Frames with their signals."""
 
 
-def _contents(scope: Scope) -> Iterator[tuple[tuple[str, ...], Contents]]:
+def _contents(scope: Scope) -> Iterator[tuple[str, Contents]]:
     """What a file that knows the first selector has, and one for each place where all selectors are read as one number.
 
     Each comes with what its name says of that.
     """
-    every = frames(scope)
-    yield (), [(frame, Signals(scope).of(frame.parts)) for frame in every]
+    yield "", [(frame, Signals(scope).of(frame.parts)) for frame in scope.frames]
     joined: dict[range, list[tuple[Frame, tuple[Signal, ...]]]] = {}
     names: dict[range, str] = {}
-    for frame in every:
+    for frame in scope.frames:
         by_span: dict[range, list[Part]] = {}
         for one in frame.parts:
             span = joined_span(one)
@@ -85,10 +84,12 @@ def _contents(scope: Scope) -> Iterator[tuple[tuple[str, ...], Contents]]:
                 names[span] = fitting("-".join(key.name for key, _ in parts[0].selectors[1:]), names.values())
             joined.setdefault(span, []).append((frame._replace(parts=tuple(parts)), Signals(scope).joined(parts, span)))
     for span, found in joined.items():
-        yield (names[span],), found
+        yield names[span], found
 
 
-def _file(scope: Scope, part: tuple[str, ...], found: Contents, shared: Container[tuple[IdRule, int]]) -> File:
+def _file(
+    scope: Scope, joined: str, part: tuple[str, ...], found: Contents, shared: Container[tuple[IdRule, int]]
+) -> File:
     """A file with some frames; `shared` are the ids that the other direction has as well."""
     edition = scope.edition
     host = fitting(edition.bus.host, ())
@@ -103,7 +104,8 @@ def _file(scope: Scope, part: tuple[str, ...], found: Contents, shared: Containe
         f"{edition.family}-{edition.name}",
         tuple(_known(scope)),
         KIND[scope.direction],
-        part,
+        joined,
+        (*filter(None, [joined]), *part),
         header(edition),
         _about(scope),
         tuple(dict.fromkeys((host, *ends))),

@@ -28,6 +28,19 @@ class Scope:
         """The nodes of a rule that the file is for, as many as a file can list; None when the id is fixed."""
         return rule.nodes[: 1 if self.first_node_only else MOST_NODES] if rule.nodes else rule.nodes
 
+    @cached_property
+    def by_id(self) -> Mapping[tuple[IdRule, int], Sequence[Part]]:
+        """The messages that share an id, in spec order."""
+        return _by_id(self)
+
+    @cached_property
+    def frames(self) -> Sequence[Frame]:
+        """The frames of a file, in the order their first messages have in the spec."""
+        return tuple(
+            Frame(rule, id_bits, tuple(part for part, hidden_by in _each(parts) if not hidden_by))
+            for (rule, id_bits), parts in self.by_id.items()
+        )
+
 
 @dataclass(frozen=True)
 class Part:
@@ -92,7 +105,7 @@ def overlaid(scope: Scope) -> dict[str, str]:
     """The messages of an id that one multiplexor does not tell apart from the others there, each with the reason."""
     return {
         part.message.name: f"{what} tells it from the other messages of its id, which no multiplexor can say"
-        for parts in _by_id(scope).values()
+        for parts in scope.by_id.values()
         for part, what in _each(parts)
         if what
     }
@@ -103,14 +116,6 @@ def messages(scope: Scope) -> Iterator[Message]:
     available = [c for c in scope.edition.commands if c.available(scope.assignment)]
     used = {m.name for c in available for m in (c.request, c.reply) if m is not None}
     return (m for m in scope.edition.messages(scope.direction) if m.name in used)
-
-
-def frames(scope: Scope) -> list[Frame]:
-    """The frames of a file, in the order their first messages have in the spec."""
-    return [
-        Frame(rule, id_bits, tuple(part for part, hidden_by in _each(parts) if not hidden_by))
-        for (rule, id_bits), parts in _by_id(scope).items()
-    ]
 
 
 def _each(parts: Sequence[Part]) -> Iterator[tuple[Part, str]]:

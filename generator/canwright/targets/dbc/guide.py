@@ -11,7 +11,7 @@ from ...golden import Frame as GoldenFrame
 from ...model import Direction, Edition, Parameter
 from .. import Described, header
 from .files import KIND
-from .frames import MOST_NODES, Part, Scope, frames, obstacle, overlaid
+from .frames import MOST_NODES, Part, Scope, obstacle, overlaid
 from .selectors import joined_span
 from .signals import LETTER
 from .text import number
@@ -23,6 +23,7 @@ _HIGHEST_STANDARD_ID = 0x7FF
 class Section(NamedTuple):
     """The files of one edition as a table: a row for each combination of parameter values.
 
+    `joined` are what names say of joined selectors, with the commands of such a file.
     `open_choices` are parameters that are not set, with their values; `open_numbers` those that scales are multiples of,
     with an example; `lacking` is direction, command and reason.
     """
@@ -32,6 +33,7 @@ class Section(NamedTuple):
     parameters: str
     columns: tuple[str, ...]
     rows: tuple[tuple[str, tuple[File, ...]], ...]
+    joined: tuple[tuple[str, tuple[str, ...]], ...]
     open_choices: tuple[tuple[str, tuple[str, ...]], ...]
     open_numbers: tuple[tuple[str, str], ...]
     lacking: tuple[tuple[str, str, str], ...]
@@ -103,10 +105,19 @@ def _section(described: Described, files: Sequence[File]) -> Section:
         ", ".join(p.name for p in edition.parameters if p.is_choice and not p.is_numeric) or "for",
         tuple(" ".join((file.kind, *file.part)) for file in next(iter(rows.values()), ())),
         tuple((" ".join(known) or "all", tuple(row)) for known, row in rows.items()),
+        tuple((name, tuple(dict.fromkeys(commands))) for name, commands in _joined(files).items()),
         tuple((p.name, tuple(v.name for v in p.values)) for p in edition.parameters if p.is_choice and p.is_numeric),
         tuple((p.name, _usual(described, p)) for p in edition.parameters if edition.is_factor(p)),
         tuple(_lacking(edition)),
     )
+
+
+def _joined(files: Sequence[File]) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {}
+    for file in files:
+        if file.joined:
+            found.setdefault(file.joined, []).extend(name for _, name in file.messages[0].signals[0].values)
+    return found
 
 
 def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
@@ -121,7 +132,7 @@ def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
         for message in edition.messages(direction):
             if message.name in reasons:
                 yield kind, message.command, f"left out: {reasons[message.name]}"
-        for frame in frames(scope):
+        for frame in scope.frames:
             nodes = frame.rule.nodes or range(0)
             if len(nodes) > MOST_NODES:
                 last = nodes[MOST_NODES - 1]

@@ -6,12 +6,14 @@ one number, which is a plain multiplexor.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Iterator
 
 from ...model import Key, Space
 from .frames import Part
 
 
+@functools.lru_cache(maxsize=1 << 10)
 def bits(key: Key) -> tuple[int, ...]:
     """Frame bits of a key from the least significant up."""
     return tuple(s.byte * 8 + s.low + i for s in key.segments for i in range(s.width))

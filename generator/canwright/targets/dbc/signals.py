@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
@@ -10,7 +11,7 @@ from typing import NamedTuple
 from ... import words
 from ...model import IDENTITY, Direction, Element, Encoding, Field, Key, Level, Linear, Order, Space, Type
 from .frames import Part, Scope
-from .selectors import bits, joined_value, runs, selector_bits
+from .selectors import bits, joined_span, joined_value, runs, selector_bits
 from .text import fitting, in_ascii, number
 from .view import Signal
 
@@ -21,7 +22,8 @@ LETTER = {Direction.REPLY: "r", Direction.REQUEST: "c"}
 """What the names of signals start with, so that those of the two directions differ."""
 
 _FLOAT_KINDS = {32: 1, 64: 2}
-_NO_LIMITS = (Fraction(0), Fraction(0))
+_Numbers = tuple[str, str, str, str]
+"""Factor, offset, and the least and the greatest value."""
 
 
 class _Place(NamedTuple):
@@ -87,9 +89,10 @@ class Signals:
             name = f"{self._letter}{code}_{key.name}"
             yield self._selector(name, mux, key, names, "Tells what the other bits mean.")
         free = set(range(max(part.message.dlc for part in parts) * 8)) - {b for key, _ in shared for b in bits(key)}
+        elsewhere = "; another file has them as fields" if all(map(joined_span, parts)) else ""
         for run in runs(free):
             place = _Place(f"{self._letter}{code}_data", mux, run)
-            yield self._integer(place, "Bits whose meaning the other selector tells.")
+            yield self._integer(place, f"Bits whose meaning the other selector tells{elsewhere}.")
 
     def _message(self, part: Part, mux: str, taken: Collection[int] = ()) -> list[Signal]:
         """The fields of a message that are not `taken`; where there is none, the reserved bits, for readers' sake."""
@@ -116,9 +119,12 @@ class Signals:
         index = "" if element.index is None else str(element.index)
         place = _Place(f"{name}_{index}" if index else name, mux, element.bits, type_.order)
         which = f"{in_ascii(field.title)} {index}".strip()
-        comment = (
-            f"{title}: {which}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{self._open(type_)}{about}"
+        whole = (
+            title
+            if title.lower() == which.lower() or title.lower().endswith(f": {which}".lower())
+            else f"{title}: {which}"
         )
+        comment = f"{whole}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{self._open(type_)}{about}"
         if field.constant is not None:
             always = f"{comment} Always {field.constant}."
             yield self._integer(place, always, type_, documented=(field.constant,) * 2, start=field.constant)
@@ -175,19 +181,19 @@ class Signals:
         if documented and self._scope.direction is Direction.REQUEST:
             limits = documented
         linear, unit = self._scale(type_)
-        ends = sorted(raw * linear.scale + linear.offset for raw in limits)
         if start is None:
             start = 0 if limits[0] <= 0 <= limits[1] else limits[0]
         signed = type_ is not None and type_.encoding is Encoding.SIGNED
-        return self._signal(place, comment, signed, linear, unit, (ends[0], ends[1]), tuple(values), start)
+        return self._signal(place, comment, signed, _numbers(linear, limits), unit, tuple(values), start)
 
     def _float(self, place: _Place, comment: str, type_: Type) -> Signal:
         linear, unit = self._scale(type_)
         low, high = self._range(type_)
-        limits = _NO_LIMITS
+        limits = ("0", "0")
         if self._scope.direction is Direction.REQUEST and low is not None and high is not None:
-            limits = (low, high)
-        return self._signal(place, comment, True, linear, unit, limits, float_kind=_FLOAT_KINDS[type_.width])
+            limits = (number(low), number(high))
+        numbers = (number(linear.scale), number(linear.offset), *limits)
+        return self._signal(place, comment, True, numbers, unit, float_kind=_FLOAT_KINDS[type_.width])
 
     def _scale(self, type_: Type | None) -> tuple[Linear, str]:
         if type_ is None:
@@ -212,9 +218,8 @@ class Signals:
         place: _Place,
         comment: str,
         signed: bool,
-        linear: Linear,
+        numbers: _Numbers,
         unit: str,
-        limits: tuple[Fraction, Fraction],
         values: tuple[tuple[int, str], ...] = (),
         start_value: int = 0,
         float_kind: int = 0,
@@ -228,16 +233,20 @@ class Signals:
             len(place.bits),
             place.order is Order.BIG,
             signed,
-            number(linear.scale),
-            number(linear.offset),
-            number(limits[0]),
-            number(limits[1]),
+            *numbers,
             unit,
             comment,
             values,
             start_value,
             float_kind,
         )
+
+
+@functools.lru_cache(maxsize=1 << 12)
+def _numbers(linear: Linear, raw: tuple[int, int]) -> _Numbers:
+    """The numbers of a signal of integers, whose ends are `raw`: many signals have the same."""
+    low, high = sorted(end * linear.scale + linear.offset for end in raw)
+    return number(linear.scale), number(linear.offset), number(low), number(high)
 
 
 def _names(parts: Mapping[int, Part]) -> list[tuple[int, str]]:

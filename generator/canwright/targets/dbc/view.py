@@ -46,11 +46,15 @@ class Message(NamedTuple):
 
 
 class File(NamedTuple):
-    """One DBC file. `known` are the parameter values it holds for, `part` is what it is restricted to, if anything."""
+    """One DBC file. `known` are the parameter values it holds for, `part` is what it is restricted to, if anything.
+
+    `joined` is what the name says of selectors that are read as one number; empty in a file of first selectors.
+    """
 
     edition: str
     known: tuple[str, ...]
     kind: str
+    joined: str
     part: tuple[str, ...]
     header: str
     comment: str

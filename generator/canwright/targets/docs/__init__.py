@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import jinja2
 import yaml
@@ -21,7 +22,8 @@ _PAGES = ("types", "parameters", "errata", "bus")
 
 def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
     """A folder for each language, in it one for each edition."""
-    labels, says = (_words(name) for name in ("labels", "changes"))
+    labels: dict[str, dict[str, str]] = _words("labels")
+    says: dict[str, editions.Says] = _words("changes")
     env = environment(
         "docs",
         {"md": markdown, "code": code, "exact": words.exact, "raw_format": words.raw_format, "id_rule": words.id_rule},
@@ -53,16 +55,17 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
                 pair = (id(old), id(item.edition))
                 if pair not in compared:
                     compared[pair] = compare(old, item.edition)
-                changes = editions.changes(old, compared[pair], language, labels[language], says.get(language, {}))
+                changes = editions.changes(
+                    old, compared[pair], language, labels[language], says.get(language, editions.ENGLISH)
+                )
                 view = {**common, "edition": item.edition, "header": header(item.edition), "changes": changes}
                 yield Output(f"{folder}/changes.md", env.get_template("changes.md.j2").render(view))
 
 
-def _words(name: str) -> dict[str, dict[str, str]]:
+def _words(name: str) -> Any:
     """A file of words of the documents, by language."""
     text = (resources.TEMPLATES / "docs" / f"{name}.yaml").read_text("utf-8")
-    found: dict[str, dict[str, str]] = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    return found
+    return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
 
 
 def _edition(env: jinja2.Environment, item: Described, common: Mapping[str, object], folder: str) -> Iterator[Output]:

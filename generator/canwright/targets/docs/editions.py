@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from ... import words
 from ...compare import Category, Change, Impact
 from ...model import Command, Direction, Edition
-from .tables import code_of, group_title, index as index_of
+from .tables import code_of, index as index_of
 from .text import code, markdown
+
+Says = Mapping[Literal["sentences", "words"], Mapping[str, str]]
+"""The sentences of changes by rule, and the words that fill them, in one language."""
+ENGLISH: Says = {"sentences": {}, "words": {}}
+"""What the comparison says as it is."""
 
 
 class ChangeLine(NamedTuple):
@@ -94,14 +99,12 @@ def by_command(editions: Sequence[tuple[str, Edition]]) -> Mapping[tuple[str, st
     return found
 
 
-def changes(
-    old: Edition, found: Sequence[Change], language: str, labels: Mapping[str, str], says: Mapping[str, str]
-) -> Changes:
-    """What changed since an edition, as it was `found`; `says` are the sentences in this language."""
+def changes(old: Edition, found: Sequence[Change], language: str, labels: Mapping[str, str], says: Says) -> Changes:
+    """What changed since an edition, as it was `found`; `says` are the sentences and words in this language."""
 
     def line(change: Change) -> ChangeLine:
-        sentence = change.says(language, says.get(change.rule.id), markdown)
-        host = labels["comma"].join(labels[f"host_{side.value}"] for side in change.sides)
+        sentence = change.says(language, says["sentences"].get(change.rule.id), says["words"], markdown)
+        host = labels["listed"].join(labels[f"host_{side.value}"] for side in change.sides)
         what = f"{labels[f'item_{change.item.kind}']} {code(change.item.name)}".rstrip()
         return ChangeLine(what, sentence, labels[f"kind_{change.rule.category.value}"], host)
 
@@ -109,12 +112,13 @@ def changes(
         return change.rule.category is Category.DOC
 
     sections = (
-        (impact, tuple(line(c) for c in found if c.impact is impact and not is_document(c))) for impact in Impact
+        (impact, tuple(dict.fromkeys(line(c) for c in found if c.impact is impact and not is_document(c))))
+        for impact in Impact
     )
     return Changes(
         old,
         tuple((impact, lines) for impact, lines in sections if lines),
-        tuple(line(change) for change in found if is_document(change)),
+        tuple(dict.fromkeys(line(change) for change in found if is_document(change))),
     )
 
 
@@ -139,7 +143,7 @@ def _commands(
             cells = rows.setdefault(key, ["—"] * len(editions))
             if cells[at] == "—":
                 cells[at] = _cell(folder, command, labels)
-                titles.setdefault(command.group, group_title(command, language))
+                titles.setdefault(command.group, command.group_title[language])
     return tuple(
         SupportLine(f"{code(name)}<br>{markdown(titles[name])}", tuple(cells))
         for (_, _, name), cells in sorted(rows.items())

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from ... import words
 from ...golden import Frame, GoldenFrames, Value
 from ...model import Field, Message
+from ...written import Text
 from .tables import Labels
 from .text import code, markdown
 
@@ -31,16 +32,18 @@ def examples(
     found = golden.of_command.get((command, message.direction), []) if golden else []
     usual = [f for f in found if not f.decode_only] or found
     for frame in sorted(usual, key=lambda f: -len(f.values))[:MOST]:
-        source = golden.sources[frame.source] if golden else ""
         yield Example(
             code(f"{frame.id:03X}#{frame.data.hex().upper()}"),
             ", ".join(code(f"{name} = {value}") for name, value in frame.parameters.items()),
             "<br>".join(_meanings(frame, message, labels)) or labels["none"],
-            markdown(
-                source if isinstance(source, str) else "".join(t for name, t in source.items() if name == language)
-            )
-            + (f" ({markdown(frame.note)})" if frame.note and language == "en" else ""),
+            _source(golden.sources[frame.source], frame.note if language == "en" else None, language) if golden else "",
         )
+
+
+def _source(source: Text, note: str | None, language: str) -> str:
+    """Where a frame is from, and what is noted of it."""
+    text = source if isinstance(source, str) else "".join(said for name, said in source.items() if name == language)
+    return f"{markdown(text.removesuffix('.'))} ({markdown(note)})" if note else markdown(text)
 
 
 def _meanings(frame: Frame, message: Message, labels: Labels) -> Iterator[str]:
@@ -54,7 +57,7 @@ def _meanings(frame: Frame, message: Message, labels: Labels) -> Iterator[str]:
         elif value == "none":
             yield f"{code(f'{name}: raw {_list(raw)}')}, {labels['raw_only']}"
         else:
-            yield code(f"{name} = {_value(value, fields.get(name))}") + _raw(raw, value)
+            yield code(f"{name} = {_value(value, fields.get(name)) or labels['none']}") + _raw(raw, value)
 
 
 def _raw(raw: int | list[int], value: Value) -> str:
@@ -64,7 +67,7 @@ def _raw(raw: int | list[int], value: Value) -> str:
 def _value(value: Value, field: Field | None) -> str:
     unit = f" {field.type.unit.symbol}" if field and field.type.unit else ""
     if isinstance(value, list):
-        return ", ".join(_value(v, None) for v in value) + unit or "0"
+        return ", ".join(_value(v, None) for v in value) + unit
     return words.exact(value) + unit if isinstance(value, Fraction) else value
 
 

@@ -51,7 +51,7 @@ def _line(forms: Sequence[Command], labels: Labels, language: str) -> Line:
     if first.entry:
         name = f"[{markdown(first.group)}](#tables.{first.entry.table})"
         links = (f"[{markdown(c.entry.title[language])}](commands/{c.name}.md)" for c in forms if c.entry)
-        what = f"{name}<br>{markdown(tables.group_title(first, language))}<br>{' · '.join(links)}"
+        what = f"{name}<br>{markdown(first.group_title[language])}<br>{' · '.join(links)}"
     return Line(
         "<br>".join(dict.fromkeys(code(tables.code_of(form)) for form in forms if form.code is not None)),
         what,

@@ -95,12 +95,12 @@ class Pages:
         layout = message.layout
         if layout.manual not in ("", command.manual, command.entry.manual if command.entry else ""):
             facts.append((labels["manual"], markdown(layout.manual)))
-        about = layout.about[self._language]
+        about = self.said(layout) if layout.shared else markdown(layout.about[self._language])
         rows = list(tables.rows(message, command, labels, self._language))
         kept = [name for name in Row._fields if any(getattr(row, name) for row in rows)]
         return Half(
             labels[direction.value],
-            "" if command.entry and about == command.entry.about[self._language] else markdown(about),
+            "" if command.entry and layout.path[:4] == command.entry.path else about,
             labels["reserved"] if self._has_free_bits(command, message) else "",
             tuple(facts),
             tuple(labels[name] for name in kept),
@@ -141,6 +141,14 @@ class Pages:
     def types(self) -> Mapping[str, Any]:
         """The page of types."""
         return {"named_types": [t for t in self.edition.types if t.path[0] == "types"], "tables": tables}
+
+    def said(self, thing: tables.Titled) -> str:
+        """The title of a thing, and what else is said of it."""
+        return tables.said(thing, self._labels, self._language)
+
+    def condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
+        """Under which parameter values something is there."""
+        return code(words.condition(only))
 
     def erratum_links(self, erratum: Erratum) -> list[str]:
         """The commands that an erratum touches."""

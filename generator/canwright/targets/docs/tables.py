@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+import functools
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple, Protocol
 
 from ... import words
-from ...model import Assignment, Command, Field, Layout, Message, Order, ReplyForm, Type
+from ...model import Assignment, Command, Field, Layout, Message, Order, ReplyForm, Text, Type
 from .text import code, markdown
 
 Labels = Mapping[str, str]
+
+
+class Titled(Protocol):
+    """What people read of a thing."""
+
+    @property
+    def title(self) -> Text: ...
+    @property
+    def about(self) -> Text: ...
 
 
 class Row(NamedTuple):
@@ -36,12 +46,6 @@ def index(message: Message | None) -> str:
     return " ".join(f"0x{key.value:02X}" for key in message.keys if key.is_index) if message else ""
 
 
-def group_title(command: Command, language: str) -> str:
-    """The title of a command as the spec has it, without that of an entry."""
-    title = command.title[language]
-    return title.removesuffix(f": {command.entry.title[language]}") if command.entry else title
-
-
 def rows(message: Message, command: Command, labels: Labels, language: str) -> Iterator[Row]:
     """The selector and the fields of a frame, in the order of the spec."""
     for i, key in enumerate(message.keys):
@@ -64,8 +68,7 @@ def rows(message: Message, command: Command, labels: Labels, language: str) -> I
                 code(words.raw_format(field.type, segments)),
                 *_numbers(field, message.layout, command, labels),
                 _only(message.layout, field),
-                markdown(field.title[language])
-                + _sentence(field.about[language], labels)
+                said(field, labels, language)
                 + (f"; {labels['holds_node']}" if field.holds_node else "")
                 + _section(field, message, command, labels),
             )
@@ -81,8 +84,10 @@ def _only(layout: Layout, field: Field) -> str:
     return code(f"{layout.parameter} {', '.join(field.only)}") if field.only else ""
 
 
-def _sentence(about: str, labels: Labels) -> str:
-    return f"{labels['stop']}{markdown(about)}" if about else ""
+def said(thing: Titled, labels: Labels, language: str) -> str:
+    """The title of a thing, and what else is said of it."""
+    about = thing.about[language]
+    return markdown(thing.title[language] + (labels["stop"] + about if about else ""))
 
 
 def _section(field: Field, message: Message, command: Command, labels: Labels) -> str:
@@ -99,7 +104,7 @@ def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> 
     return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
 
 
-def cases(pairs: list[tuple[str, str]]) -> str:
+def cases(pairs: Sequence[tuple[str, str]]) -> str:
     """`A: 16.5/2048 V`, one line a case."""
     return "<br>".join(f"{names}: {code(text)}" if names else code(text) for names, text in pairs)
 
@@ -120,6 +125,7 @@ def raw_range(type_: Type) -> str:
     return cases(words.ranges(type_))
 
 
+@functools.lru_cache(maxsize=1 << 12)
 def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
     """The range in the unit, where scale and range allow to say it."""
     unit = f" {type_.unit.symbol}" if type_.unit else ""

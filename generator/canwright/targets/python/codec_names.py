@@ -1,13 +1,19 @@
 """What an edition's module may need of `_codec`."""
 
+PUBLIC = ("CodecError", "FieldAbsent", "Message", "Refusal", "Reply", "Request")
+"""What a program needs beside the classes of an edition; every module hands it on."""
+
 NAMES = (
-    *("Bound", "CodecError", "Float", "Message", "Number", "Real", "Refusal", "Reply", "Request"),
+    *PUBLIC,
+    *("Bound", "Float", "Number", "Real"),
     *(
         "Reader",
         "Route",
         "Router",
         "ToAll",
         "ToNode",
+        "check_choice",
+        "check_number",
         "constant",
         "each",
         "flags",

@@ -177,7 +177,7 @@ class MessageViews:
     def _body(self, layout: Layout, dlc: int, has_node: bool) -> BodyView:
         fields = tuple(self._field(f, layout.manual) for f in layout.fields if f.constant is None)
         cases = tuple(self._case(layout, v, dlc) for v in layout.variants)
-        return BodyView(fields, cases, layout.parameter or "", has_node, _depends(layout))
+        return BodyView(fields, cases, layout.parameter or "", has_node, depends(layout))
 
     def _condition(self, layout: Layout, variant: Variant) -> str:
         if layout.parameter is None or len(layout.variants) == 1:
@@ -278,6 +278,8 @@ class MessageViews:
         if count:
             value = f"tuple({value} for one in {raw})"
             check, convert = f"each({check}, {count})", f"each({convert}, {count})"
+        if view.enum:
+            convert = f"self.TYPES[{text.literal(attribute)}]"
         to_raw = f"{convert}({attribute}, self.parameters, {name})"
         manual = f"Manual {text.plain(field.manual)}." if field.manual != manual_of_layout else ""
         facts = (
@@ -301,7 +303,7 @@ class MessageViews:
         )
 
 
-def _depends(layout: Layout) -> bool:
+def depends(layout: Layout) -> bool:
     """Whether values or ranges of a layout need parameters."""
     return bool(layout.parameters) or any(field.type.numbers for field in layout.fields)
 

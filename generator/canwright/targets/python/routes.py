@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import reduce
 from operator import or_
 
@@ -10,16 +10,27 @@ from ...model import Direction, Edition, Key, Message, ReplyForm
 from . import bits, text
 
 
-def routes(edition: Edition, direction: Direction) -> Iterator[str]:
+class Readers:
+    """The functions that read selectors: each expression once, with a name."""
+
+    def __init__(self) -> None:
+        self.names: dict[str, str] = {}
+
+    def of(self, key: Key, shortest: int) -> str:
+        """The name of the function that reads a key in data of that length or more."""
+        return self.names.setdefault(bits.read_key(key, shortest), f"_key_{len(self.names) + 1}")
+
+
+def routes(edition: Edition, direction: Direction, readers: Readers) -> Iterator[str]:
     """One `Route(...)` expression for every rule from node to id."""
     groups: dict[tuple[object, bool], list[Message]] = {}
     for message in edition.messages(direction):
         groups.setdefault((message.id, message.remote), []).append(message)
     for messages in groups.values():
-        yield _route(messages)
+        yield _route(messages, readers)
 
 
-def _route(messages: list[Message]) -> str:
+def _route(messages: list[Message], readers: Readers) -> str:
     rule, mask = messages[0].id, reduce(or_, (m.id_mask for m in messages))
     nodes = f"range({rule.nodes[0]}, {rule.nodes[-1] + 1})" if rule.nodes is not None else "None"
     arguments = [f"0x{rule.base:X}", str(rule.node_shift), nodes]
@@ -38,7 +49,7 @@ def _route(messages: list[Message]) -> str:
             by_place.setdefault((message.keys[0].space, message.keys[0].segments), []).append(message)
     shortest = min(0 if m.remote else m.dlc for m in messages)
     selectors = [
-        (_reader(keyed[0].keys[0], shortest), f"{{{', '.join(_entries(keyed, shortest))}}}")
+        (readers.of(keyed[0].keys[0], shortest), _lines("{", _entries(keyed, shortest, readers), "}"))
         for keyed in by_place.values()
     ]
     if selectors:
@@ -66,37 +77,45 @@ def _of_length(messages: list[Message]) -> dict[str, list[str]]:
     return {first: others for first, *others in alike if others}
 
 
-def _entries(messages: list[Message], shortest: int) -> Iterator[str]:
+def _lines(begin: str, entries: Iterable[str], end: str, indent: int = 4) -> str:
+    """Entries one below the other, for an expression at an indent."""
+    margin = " " * indent
+    return "".join((begin, *(f"\n{margin}    {entry}," for entry in entries), f"\n{margin}{end}"))
+
+
+def _entries(messages: list[Message], shortest: int, readers: Readers) -> Iterator[str]:
     found: dict[int, list[str]] = {}
     for message in sorted(messages, key=lambda m: -len(m.keys)):
-        more = "".join(f"({_reader(k, shortest)}, 0x{k.value:X})," for k in message.keys[1:])
+        more = _tuple(f"({readers.of(k, shortest)}, 0x{k.value:02X})" for k in message.keys[1:])
         for value in message.claims:
-            found.setdefault(value, []).append(f"({text.class_name(message.name)}, ({more}))")
+            found.setdefault(value, []).append(f"({text.class_name(message.name)}, {more})")
     for value, entries in found.items():
-        yield f"0x{value:02X}: ({', '.join(entries)},)"
+        yield f"0x{value:02X}: " + (f"({entries[0]},)" if len(entries) == 1 else _lines("(", entries, ")", 8))
 
 
-def _reader(key: Key, shortest: int) -> str:
-    return f"lambda can_id, data: {bits.read_key(key, shortest)}"
-
-
-def answers(edition: Edition) -> Iterator[str]:
+def answers(edition: Edition, readers: Readers) -> Iterator[str]:
     """One `request: answer` entry for every command that has both."""
     for command in edition.commands:
         if command.request is None or command.reply is None:
             continue
         reply = command.reply
         length = 0 if reply.remote else reply.dlc
-        selectors = "".join(
-            f"({_reader(k, length)}, ({''.join(f'0x{v:02X}, ' for v in (k.value, *(reply.accept if i == 0 else ())))})), "
+        selectors = _tuple(
+            f"({readers.of(k, length)}, {_tuple(f'0x{v:02X}' for v in (k.value, *(reply.accept if i == 0 else ())))})"
             for i, k in enumerate(reply.keys)
         )
-        nodes = "".join(f"{node}, " for node in command.from_each)
+        nodes = _tuple(map(str, command.from_each))
         echo = command.reply_form is ReplyForm.ECHO
         names = text.class_name(command.request.name), text.class_name(reply.name)
         held = "".join(
-            f", {word}=({_reader(key, 0 if m.remote else m.dlc)}, 0x{(1 << key.width) - 1:X})"
+            f", {word}=({readers.of(key, 0 if m.remote else m.dlc)}, 0x{(1 << key.width) - 1:X})"
             for word, m in (("asked", command.request), ("told", reply))
             if (key := m.node_key) is not None
         )
-        yield f"{names[0]}: _Answer({names[1]}, ({selectors}), ({nodes}), {echo}{held})"
+        yield f"{names[0]}: _Answer({names[1]}, {selectors}, {nodes}, {echo}{held})"
+
+
+def _tuple(items: Iterable[str]) -> str:
+    """A tuple as it is written; a comma behind one item alone."""
+    listed = list(items)
+    return f"({', '.join(listed)}{',' if len(listed) == 1 else ''})"

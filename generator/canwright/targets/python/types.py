@@ -107,7 +107,7 @@ def _number_arguments(type_: Type, parameters: Mapping[str, Parameter]) -> list[
 def _scale(linear: Linear | None) -> str:
     if linear is None:
         return "None"
-    return f"({linear.scale.numerator}, {linear.scale.denominator}, {_exact(linear.offset)})"
+    return f"({linear.scale.numerator}, {linear.scale.denominator}, {exact(linear.offset)})"
 
 
 def _times(type_: Type, parameters: Mapping[str, Parameter]) -> list[str]:
@@ -128,11 +128,12 @@ def _limits(span: Range | None) -> str:
 
 def _bound(bound: Bound) -> str:
     if bound.parameter is None:
-        return f"Bound({_exact(bound.constant)})"
-    return f"Bound({_exact(bound.constant)}, {_exact(bound.coefficient)}, {text.literal(bound.parameter)})"
+        return f"Bound({exact(bound.constant)})"
+    return f"Bound({exact(bound.constant)}, {exact(bound.coefficient)}, {text.literal(bound.parameter)})"
 
 
-def _exact(number: Fraction) -> str:
+def exact(number: Fraction) -> str:
+    """A number as an expression that loses nothing."""
     return str(number.numerator) if number.denominator == 1 else f"Fraction({number.numerator}, {number.denominator})"
 
 

@@ -1,0 +1,39 @@
+"""What golden frames say of requests and answers, the spec says as well."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..golden import CheckedFrame, Exchange, Refusal
+from ..interpret import CanFrame
+from ..model import Path
+from ..receiving import Receiver, Refused
+from .entries import Problem, judged, named
+from .rule import Found, Subject
+
+
+def check(subject: Subject) -> Found:
+    if subject.frames is not None and subject.frames.exchanges:
+        receiver = Receiver(subject.edition)
+        yield from judged(
+            subject.edition, "exchanges", subject.frames.exchanges, lambda entry: _exchange(receiver, entry)
+        )
+
+
+def _exchange(receiver: Receiver, entry: Exchange) -> Iterator[Problem]:
+    found = receiver.answer(_frame(entry.request), _frame(entry.reply))
+    says = found.says if isinstance(found, Refused) else None
+    if says is entry.says:
+        return
+    at: Path = ("says",) if entry.says else ("reply",)
+    if isinstance(found, Refused):
+        no = "this is no answer" if found.says is Refusal.NOT_ANSWER else "the request cannot be read"
+        hint = f"says: {found.says.value}" + ("" if entry.says else ", if that is right; otherwise check the spec")
+        yield at, f"by the spec {no}: {found.text}", hint
+    else:
+        text = f"by the spec this is the answer, {named(found.message, found.node)}"
+        yield at, text, "leave `says` out, if that is right; otherwise check the spec"
+
+
+def _frame(frame: CheckedFrame) -> CanFrame:
+    return CanFrame(frame.id, frame.data, frame.extended, frame.remote)

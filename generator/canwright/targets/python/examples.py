@@ -1,0 +1,127 @@
+"""The example of README.md: one command with its golden frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import NamedTuple
+
+from ...golden import Frame, Value
+from ...model import Command, Direction, Edition, Field, Message
+from .. import Described
+from . import messages, text, types
+
+
+class Example(NamedTuple):
+    """A request as it is made, and a frame that answers it; `known` are the arguments of `Parameters`."""
+
+    module: str
+    names: tuple[str, ...]
+    known: str
+    request: str
+    arguments: str
+    reply: str
+    reply_id: str
+    extended: bool
+    data: str
+    field: str
+    parameters: str
+    """The last argument of calls that read a frame; empty where nothing need be known."""
+    is_full: bool
+    """Whether the request has values as well."""
+
+
+def example(described: Sequence[Described]) -> Example | None:
+    """The first command with values in both directions; where there is none, the first with values in its reply."""
+    first: Example | None = None
+    for one in (one for item in described for one in _examples(item)):
+        if one.is_full:
+            return one
+        first = first or one
+    return first
+
+
+def _examples(described: Described) -> Iterator[Example]:
+    frames = [f for f in described.frames.frames if not f.decode_only] if described.frames else []
+    for command in described.edition.commands:
+        sent = [f for f in frames if f.request == command.name]
+        answered = [f for f in frames if f.reply == command.name and f.values and not f.remote]
+        pairs = ((q, r) for q in sent for r in answered if q.node == r.node and not _clash(q.parameters, r.parameters))
+        for request, reply in pairs:
+            made = _example(described.edition, command, request, reply)
+            if made:
+                yield made
+                break
+
+
+def _clash(one: Mapping[str, object], other: Mapping[str, object]) -> bool:
+    return any(other.get(name, value) != value for name, value in one.items())
+
+
+def _example(edition: Edition, command: Command, request: Frame, reply: Frame) -> Example | None:
+    asked, answer = command.message(Direction.REQUEST), command.message(Direction.REPLY)
+    if asked is None or answer is None or answer.command != command.name:
+        return None
+    views = types.type_views(edition)
+    arguments = list(_arguments(asked, request, views))
+    fields = [f for f in answer.layout.fields if f.name in reply.values]
+    if None in arguments or not fields:
+        return None
+    given = {**request.parameters, **reply.parameters}
+    known = [
+        f"{text.attribute(p.name)}={_parameter(edition, p.name, given)}" for p in edition.parameters if p.name in given
+    ]
+    takes = messages.depends(asked.layout) and known
+    written = [a for a in arguments if a] + (["parameters=known"] if takes else [])
+    classes = text.class_name(asked.name), text.class_name(answer.name)
+    names = {*classes, "CodecError", "decode_answer", "decode_reply"}
+    names |= {word for a in written for word in _enums_in(a, views)}
+    names |= {"Parameters"} if known else set()
+    names |= {
+        text.class_name(p.name) for p in edition.parameters if p.name in given and p.is_choice and not p.is_numeric
+    }
+    return Example(
+        f"{edition.family}.{edition.identifier}",
+        tuple(sorted(names)),
+        ", ".join(known),
+        classes[0],
+        ", ".join(written),
+        classes[1],
+        f"0x{reply.id:X}",
+        reply.extended,
+        reply.data.hex(" ").upper(),
+        text.attribute(fields[0].name),
+        ", known" if known else "",
+        bool(asked.layout.fields),
+    )
+
+
+def _enums_in(argument: str, views: Mapping[str, types.TypeView]) -> Iterator[str]:
+    """The enums that an argument names."""
+    yield from (view.enum for view in views.values() if view.enum and f"{view.enum}." in argument)
+
+
+def _arguments(message: Message, frame: Frame, views: Mapping[str, types.TypeView]) -> Iterator[str | None]:
+    """Keywords and their values; None for a field without a value."""
+    if message.id.nodes is not None:
+        yield f"node={frame.node}"
+    variant = message.layout.variant({name: str(value) for name, value in frame.parameters.items()})
+    for field in (f for f in (variant.fields if variant else ()) if f.constant is None):
+        value = _value(field, frame.values.get(field.name), views[field.type.name])
+        yield None if value is None else f"{text.attribute(field.name)}={value}"
+
+
+def _value(field: Field, value: Value | None, view: types.TypeView) -> str | None:
+    if isinstance(value, list) and not field.type.flags:
+        parts = [_value(field, one, view) for one in value]
+        return None if None in parts else f"({', '.join(map(str, parts))},)"
+    if isinstance(value, list):
+        return " | ".join(f"{view.enum}.{text.member_name(str(name))}" for name in value) or f"{view.enum}(0)"
+    if isinstance(value, Fraction):
+        return str(value.numerator) if value.denominator == 1 else repr(float(value))
+    return f"{view.enum}.{text.member_name(value)}" if value and field.type.enum and value != "none" else None
+
+
+def _parameter(edition: Edition, name: str, given: Mapping[str, int | str]) -> str:
+    parameter = edition.parameter(name)
+    return types.parameter_key(parameter, str(given[name])) if parameter.is_choice else str(given[name])
