@@ -55,6 +55,9 @@ _FORMATS: Mapping[str, str] = {
     "long": "i32",
 }
 
+_STEPS = re.compile(r"\b(?:tick|pulse|step|increment|inc|lsb|cnt)s?\b")
+"""What other manuals call a count."""
+
 _LONG = re.compile(r"-?[1-9][0-9]{31,}|0x[0-9A-Fa-f]{17,}")
 _AMBIGUOUS = re.compile(
     r"""(?aix) (?: yes|no|on|off | true|false | ~|null | [-+]?\.(?:inf|nan) | [-+]?0[obx][0-9a-f_]+
@@ -133,12 +136,13 @@ def unit(written: str, units: Mapping[str, Unit]) -> str:
     """The unit that another spelling stands for; or all that there are."""
     spelt = {spelling.casefold(): u for u in units.values() for spelling in (u.symbol, u.title["en"], u.dbc)}
     spelt |= {f"{spelling}s": u for spelling, u in spelt.items()} | {"c": units["degC"]} if "degC" in units else {}
-    found = spelt.get(written.strip().casefold())
-    meant = units.get(written) or found
+    word = written.strip().casefold()
+    meant = units.get(written) or spelt.get(word) or units.get(_STEPS.sub("count", word))
     if meant:
         return f"did you mean `{meant.name}`?"
     close = near(written, units)
-    return f"did you mean `{close}`?" if close else "there are: " + ", ".join(units)
+    without = "leave `unit` out and say it in `title`, or take one of these: "
+    return f"did you mean `{close}`?" if close else without + ", ".join(units)
 
 
 def doubt(text: str) -> tuple[str, str, str] | None:

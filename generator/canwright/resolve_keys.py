@@ -41,8 +41,10 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
         if command.reply_form is ReplyForm.ECHO and command.request and command.reply:
             both = deciding.get(command.request.name, frozenset()) | deciding.get(command.reply.name, frozenset())
             deciding |= {command.request.name: both, command.reply.name: both}
+    known: dict[tuple[int, frozenset[str]], Layout] = {}
     return tuple(
-        dataclasses.replace(c, request=_keyed(c.request, deciding), reply=_keyed(c.reply, deciding)) for c in commands
+        dataclasses.replace(c, request=_keyed(c.request, deciding, known), reply=_keyed(c.reply, deciding, known))
+        for c in commands
     )
 
 
@@ -68,12 +70,16 @@ def _holds(field: Field | None) -> int | None:
     return field.constant if field else None
 
 
-def _keyed(message: Message | None, deciding: Deciding) -> Message | None:
+def _keyed(
+    message: Message | None, deciding: Deciding, known: dict[tuple[int, frozenset[str]], Layout]
+) -> Message | None:
+    """The message with its keys; what one layout becomes is one layout again, for a request and its echo."""
     names = deciding.get(message.name) if message else None
     if message is None or not names:
         return message
     keys = tuple(_key(f) for f in message.layout.fields if f.name in names)
-    return dataclasses.replace(message, keys=(*message.keys, *keys), layout=_without(message.layout, names))
+    layout = known.setdefault((id(message.layout), names), _without(message.layout, names))
+    return dataclasses.replace(message, keys=(*message.keys, *keys), layout=layout)
 
 
 def _key(field: Field) -> Key:

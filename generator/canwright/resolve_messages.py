@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from . import schema
@@ -24,6 +24,8 @@ ENTRY = "entry"
 """In place of a layout's name: the layout of the table's entry."""
 FORMS = (ENTRY, "echo", "none")
 """The words that stand in place of a layout's name."""
+OF_REPLIES = frozenset(("of", "from_each"))
+"""What is said of replies alone, and all that is said of one that is another command's."""
 LONGEST_CHAIN = 20
 """How many commands may take their reply one from the next."""
 
@@ -37,6 +39,7 @@ class Form:
     layout: Layout | None
     keys: tuple[Key, ...]
     kind: str | None = None
+    dlc: int | None = None
 
     @property
     def name(self) -> str:
@@ -111,6 +114,9 @@ class MessageResolver:
         written = self._spec.commands[form.command]
         echo = written.reply == "echo"
         request = None
+        if isinstance(written.request, schema.MessageSpec):
+            at: Path = ("commands", form.command, "request")
+            self._without_effect(at, written.request, OF_REPLIES, "a request", "leave it out")
         if written.request != "none":
             name = form.name if echo else f"{form.name}_request"
             request = self._message(form, Direction.REQUEST, name, written.request or {})
@@ -150,7 +156,16 @@ class MessageResolver:
         reply = self._message(form, Direction.REPLY, form.name, {})
         return Reply(dataclasses.replace(reply, layout=request.layout, dlc=request.dlc), ReplyForm.ECHO)
 
+    def _without_effect(
+        self, path: Path, written: schema.MessageSpec, keys: Collection[str], what: str, hint: str
+    ) -> None:
+        for key in sorted(written.model_fields_set & set(keys)):
+            self._context.report((*path, key), "no-effect", f"`{key}` says nothing of {what}", hint, key=True)
+
     def _other(self, path: Path, written: schema.MessageSpec, of: str) -> Reply:
+        others = set(schema.MessageSpec.model_fields) - OF_REPLIES
+        hint = "leave it out, or leave `of` out and lay the reply out here"
+        self._without_effect(path, written, others, "the reply of another command", hint)
         if self._context.find((*path, "of"), "command", of, self._spec.commands) is None:
             return Reply(None, ReplyForm.NONE)
         if of in self._pending:
@@ -197,6 +212,7 @@ class MessageResolver:
             layout = self._own(at, layout_name, fields, command)
         if spec.fields:
             layout = self._resolver.joined((*path, "fields"), layout_name, layout, spec.fields)
+        of_entry = form.dlc if spec.layout == ENTRY else None
         code = self.code_of(form) if spec.code is None else self._code((*path, "code"), form, spec.code)
         return Message(
             f"{form.name}_{direction.value}",
@@ -207,7 +223,7 @@ class MessageResolver:
             (*self._keys(command, code, address.name, direction), *form.keys),
             tuple(spec.accept or ()),
             (),
-            self._spec.bus.dlc if spec.dlc is None else spec.dlc,
+            next(dlc for dlc in (of_entry, spec.dlc, self._spec.bus.dlc) if dlc is not None),
             bool(spec.remote),
             layout,
             path,
@@ -286,7 +302,12 @@ class MessageResolver:
                 for i, (selector, value, place) in enumerate(zip(selectors, values, places, strict=False))
             )
             entries[name] = Form(
-                "", name, self._entry_layout(path, f"{table}_{name}", written, entry), tuple(keys), entry.kind
+                "",
+                name,
+                self._entry_layout(path, f"{table}_{name}", written, entry),
+                tuple(keys),
+                entry.kind,
+                entry.dlc,
             )
         return entries
 

@@ -159,9 +159,9 @@ class EditionSpec(Titled):
         "en"
     ]
     manual: Annotated[Text | None, Field(description="Title of the manual that this spec follows.")] = None
-    byte_order: Annotated[Order, Field(description="little or big; a type may override it.", strict=False)] = (
-        Order.LITTLE
-    )
+    byte_order: Annotated[
+        Order, Field(description="Which byte comes first; a type may say otherwise.", strict=False)
+    ] = Order.LITTLE
     bus: Annotated[Bus, Field(description="What host and nodes must agree on.")] = Bus()
     addresses: Annotated[
         dict[Name, Address], Field(min_length=1, max_length=256, description="Addresses; the first is the usual one.")

@@ -19,8 +19,9 @@ class FieldSpec(Titled):
     at: Annotated[
         Start,
         Field(
-            description="Where it starts: byte 4, bit 3 of byte 4 (4.3), or bit 5 of the id (id.5). Little-endian "
-            "fields start at their least significant bit, big-endian ones at their most significant."
+            description="Where it starts: byte 4, bit 3 of byte 4 (4.3), or bit 5 of the id (id.5). In the data, "
+            "little-endian fields start at their least significant bit and big-endian ones at their most significant: with a "
+            "byte alone, at its bit 0 or its bit 7. In the id, all start at their least significant bit."
         ),
     ]
     type: Annotated[Name | None, Field(description="A type of this edition.")] = None
@@ -32,7 +33,9 @@ class FieldSpec(Titled):
         Indices | None, Field(description="Indices of an array whose elements follow one another.", examples=["1..4"])
     ] = None
     only: Only = None
-    constant: Annotated[int | None, Field(description="The raw value that it always holds.")] = None
+    constant: Annotated[
+        int | None, Field(description="The raw value that it always holds, in the data or in the id.")
+    ] = None
     holds: Annotated[
         Literal["node"] | None,
         Field(
@@ -48,6 +51,10 @@ EMPTY_RAW: tuple[Encoding, int] = (Encoding.UNSIGNED, 1)
 
 
 Fields = Annotated[dict[Name, FieldSpec], Field(max_length=1000)]
+
+
+LayoutOrName = Annotated[Annotated[Name, Tag("plain")] | Annotated[Fields, Tag("map")], Discriminator(is_map)]
+"""A shared layout's name, or fields."""
 
 
 class LayoutSpec(Titled):
@@ -67,7 +74,7 @@ class MessageSpec(Concept):
     """A request or reply that needs more said than its fields."""
 
     layout: Annotated[
-        Name | Fields | None,
+        LayoutOrName | None,
         Field(description="A shared layout's name, fields, or `entry`, those of the table's entry."),
     ] = None
     fields: Annotated[Fields | None, Field(description="Further fields, besides those of `layout`.")] = None
@@ -124,7 +131,7 @@ class Entry(Titled):
         Discriminator(is_list),
         Field(description="Value of the index; a list where the index is one, and then it may be shorter."),
     ]
-    layout: Annotated[Name | Fields, Field(description="Fields, or a shared layout's name.")]
+    layout: Annotated[LayoutOrName, Field(description="Fields, or a shared layout's name.")]
     kind: Annotated[
         Name | None, Field(description="A name of your own for entries alike, where a command's codes differ by it.")
     ] = None
@@ -135,6 +142,10 @@ class Entry(Titled):
             description="The commands that have it, when not all of the table: for what can only be read.",
             examples=[["read"]],
         ),
+    ] = None
+    dlc: Annotated[
+        int | None,
+        Field(ge=0, le=8, description="Data bytes of the messages that hold its layout, when not those of the others."),
     ] = None
     only: Only = None
     effects: Annotated[list[Name], Field(description="What writing it does, besides the command's effects.")] = []
@@ -176,8 +187,8 @@ class Command(Titled):
     request: Annotated[
         Message | None,
         Field(
-            description="Fields, the name of a shared layout, `entry` (the fields of the table's entry) or `none`; "
-            "left out, a request without fields."
+            description="Fields, the name of a shared layout, `entry` (the fields of the table's entry) or `none`, for "
+            "what nodes send unasked; left out, a request without fields."
         ),
     ] = None
     reply: Annotated[

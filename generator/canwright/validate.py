@@ -18,6 +18,7 @@ from . import hints
 from .diagnostics import MOST_FINDINGS, Diagnostic, SpecError, near
 from .model import Path
 from .scalars import MERGE
+from .schema_types import Type
 from .source import Document
 
 M = TypeVar("M", bound=BaseModel)
@@ -178,6 +179,9 @@ def _diagnostic(document: Document, concept: type[BaseModel], error: dict[str, A
         return document.finding(
             path, "value", "this is empty; at least one is needed here", _describe(concept, location)
         )
+    if kind == "string_too_long":
+        message = f"this has {len(str(error['input']))} characters, {context['max_length']} is the most"
+        return document.finding(path, "value", message, "write it shorter", key=about_key)
     message = error["msg"].removeprefix("Value error, ")
     return document.finding(path, "value", message[0].lower() + message[1:], _near_raw(error), key=about_key)
 
@@ -188,6 +192,8 @@ def _instead(concept: type[BaseModel], error: dict[str, Any]) -> str:
     keys, last = _keys(concept, location[:-1]), str(location[-1])
     if isinstance(error["input"], dict) and "at" in error["input"] and {"layout", "fields"} <= set(keys):
         return f"a field stands in `layout` here: {{layout: {{{last}: …}}, dlc: …}}"
+    if {"at", "type"} <= set(keys) and last in Type.model_fields:
+        return f"`{last}` is said of a type: write a type with it under `types`, and `type: NAME` here"
     return hints.key(last, keys)
 
 

@@ -90,6 +90,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "Entry.manual": {"tables.store.entries.gain.manual": "9"},
     "Entry.index": {"tables.store.entries.gain.index": 9},
     "Entry.layout": {"tables.store.entries.gain.layout": {"gain": {"at": 5, "raw": "u16"}}},
+    "Entry.dlc": {"tables.store.entries.gain.dlc": 7},
     "Entry.only": {"tables.store.entries.state.only": {"size": ["small", "big"]}},
     "Entry.effects": {"tables.store.entries.gain.effects": []},
     "Entry.kind": {

@@ -36,7 +36,7 @@ def main() -> None:
     Start here:
       canwright generate                              everything in spec/ into generated/
       canwright check                                 is generated/ what spec/ says?
-      canwright explain RULE                          what a finding means
+      canwright explain RULE                          what a finding means; or a key of a spec
       canwright copy OLD NEW                          start a new edition
       canwright diff OLD NEW                          what changed between editions, and who is hit
       canwright identify LOG                          which edition a recorded exchange fits

@@ -22,12 +22,14 @@ _FILES = (
 
 
 @click.command()
-@click.argument("rule", required=False)
+@click.argument("rule", metavar="[RULE|KEY]", required=False)
 def explain(rule: str | None) -> None:
-    """Say what a RULE wants, with a bad and a good example.
+    """Say what a RULE wants, by example, or what a KEY means.
 
-    Without RULE, list all rules. The rule stands in brackets behind every finding of `check`, and every change of `diff`.
+    Without either, list all rules. The rule stands in brackets behind every finding of `check`, and every change of `diff`.
     """
+    from .. import language
+
     kinds = {one.id: (one.severity.value, one.purpose) for one in EVERY.values()}
     kinds |= {one.id: (one.category.value, one.purpose) for one in CHANGES.values()}
     if rule is None:
@@ -35,9 +37,17 @@ def explain(rule: str | None) -> None:
         for id_, (kind, purpose) in kinds.items():
             click.echo(f"{id_:<{width}}  {kind:<7}  {purpose}")
         return
-    if rule not in kinds:
-        stop(f"there is no rule `{rule}`; {nearest(rule, kinds) or '`canwright explain` lists them'}")
-    kind, purpose = kinds[rule]
+    of_language = list(language.explained(rule))
+    if rule in kinds:
+        _show_rule(rule, *kinds[rule])
+    elif not of_language:
+        hint = nearest(rule, [*kinds, *language.words()]) or "`canwright explain` lists the rules"
+        stop(f"there is no rule and no key `{rule}`; {hint}")
+    if of_language:
+        click.echo(("\n" if rule in kinds else "") + "\n".join(of_language))
+
+
+def _show_rule(rule: str, kind: str, purpose: str) -> None:
     click.echo(f"{rule} ({kind})\n\n{purpose}")
     for heading, file in _FILES:
         example = (EXAMPLES if rule in EVERY else CHANGE_EXAMPLES) / rule / file

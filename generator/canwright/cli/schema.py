@@ -10,6 +10,12 @@ from ..schema import EditionSpec, schema_text
 
 @click.command()
 @click.option("--frames", is_flag=True, help="The schema of golden frames instead.")
-def schema(frames: bool) -> None:
+@click.option("--page", is_flag=True, help="How to write a spec, and every key, in Markdown instead.")
+def schema(frames: bool, page: bool) -> None:
     """Print the JSON Schema of the language, for editors."""
+    if page:
+        from .. import language
+
+        click.echo(language.page(), nl=False)
+        return
     click.echo(schema_text(GoldenFrames if frames else EditionSpec), nl=False)

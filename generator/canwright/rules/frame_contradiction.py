@@ -102,8 +102,11 @@ def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
     wrong = difference(message, can)
     if wrong is None:
         node = node_of(message, can)
-        of = f"is that of node {node}" if node is not None else "has no node"
-        return None if node == frame.node else (("node",), f"the id 0x{frame.id:X} {of}", "check `id` and `node`")
+        if node is None and frame.node is not None:
+            return ("node",), f"the id 0x{frame.id:X} is that of no node, but of all", "leave `node` out"
+        if node != frame.node:
+            return ("node",), f"the id 0x{frame.id:X} is that of node {node}", f"check `id`, and write `node: {node}`"
+        return None
     if wrong.part in ("extended", "remote"):
         return (), wrong.text, f"{wrong.part}: {str(not getattr(frame, wrong.part)).lower()}"
     if wrong.part == "id":
@@ -114,8 +117,13 @@ def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
 
 
 def _raws(frame: Frame, found: Mapping[str, Raw]) -> list[Problem]:
-    if set(found) != set(frame.raw):
-        return [(("raw",), f"the fields are {', '.join(found) or 'none'}", "write every field and no other")]
+    unknown = [name for name in frame.raw if name not in found]
+    if unknown:
+        return [(("raw", name), f"there is no field `{name}`", nearest(name, found)) for name in unknown]
+    missing = [name for name in found if name not in frame.raw]
+    if missing:
+        names = ", ".join(f"`{name}`" for name in missing)
+        return [(("raw",), f"`raw` lacks {names}", "write the raw number of every field; `values` may have fewer")]
     return [
         (("raw", name), f"the bytes hold {raw} in `{name}`", "check `data` by hand, and the layout in the spec")
         for name, raw in found.items()

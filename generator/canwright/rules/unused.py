@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ..model import Edition, Message
-from ..schema import EditionSpec
+from ..schema import EditionSpec, MessageSpec
 from .rule import Finding, Found, Subject
 
 
@@ -16,7 +16,7 @@ def check(subject: Subject) -> Found:
     commands = edition.commands
     used: dict[str, set[str]] = {
         "types": {f.type.name for f in fields},
-        "layouts": {m.layout.name for m in messages},
+        "layouts": {m.layout.name for m in messages} | set(_joined(spec)),
         "tables": {c.table for c in spec.commands.values() if c.table},
         "effects": {e.name for c in commands for e in c.effects} | _of_entries(spec),
         "settings": {s.name for c in commands for s in (*c.limited_by, *c.not_limited_by)},
@@ -39,6 +39,14 @@ def check(subject: Subject) -> Found:
 
 def _of_entries(spec: EditionSpec) -> set[str]:
     return {name for table in spec.tables.values() for entry in table.entries.values() for name in entry.effects}
+
+
+def _joined(spec: EditionSpec) -> Iterator[str]:
+    """Layouts that are named where further fields may stand beside them: the message then has one of its own."""
+    layouts = [entry.layout for table in spec.tables.values() for entry in table.entries.values()]
+    messages = (message for command in spec.commands.values() for message in (command.request, command.reply))
+    layouts += [message.layout for message in messages if isinstance(message, MessageSpec) and message.layout]
+    yield from (layout for layout in layouts if isinstance(layout, str))
 
 
 def _parameters(edition: Edition, messages: Iterable[Message]) -> Iterator[str]:

@@ -11,6 +11,7 @@ import cantools
 from cantools.database import Database, DecodeError, EncodeError
 from cantools.database.can import Message as CanMessage, Signal
 from canwright.golden import Refusal
+from canwright.interpret import is_message
 from canwright.model import Command, Direction, Edition, Encoding, Field, Message, Space
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
@@ -37,6 +38,8 @@ class DbcFile:
         except KeyError:
             return Refused(Refusal.UNKNOWN_ID)
         except DecodeError as error:
+            if any(is_message(message, frame) for message in self._edition.messages(direction)):
+                raise Cannot("lengths") from None
             return Refused(Refusal.WRONG_LENGTH if "data size" in str(error) else Refusal.UNKNOWN_CODE)
         selector = _selector(found)
         name = shown[selector.name] if selector else found.name.partition("_")[2]

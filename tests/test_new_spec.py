@@ -1,0 +1,131 @@
+"""What someone runs into who writes the first spec of a protocol, with the documents alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from canwright.cli import main
+from canwright.diagnostics import SpecError
+from canwright.load import described, load
+from canwright.resolve_types import read_units
+from click.testing import CliRunner
+
+from .spec_texts import MINIMAL, findings
+
+LEVEL = "{level: {at: 2, type: level}}"
+LONG = "a_name_of_more_than_forty_eight_characters_is_too_long"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        (LEVEL, "{layout: {level: {at: 2, raw: u8, enum: {low: 0}}}}", "unknown key `enum`"),
+        (LEVEL, f"{{layout: {{level: {{at: 2, type: {LONG}}}}}}}", "this has 54 characters, 48 is the most"),
+        ("level:", f"{LONG}:", "this has 54 characters, 48 is the most"),
+        (LEVEL, "{layout: [2]}", "expected a text here"),
+    ],
+)
+def test_one_mistake_is_one_finding(tmp_path: Path, old: str, new: str, says: str) -> None:
+    texts = [d.message for d in findings(tmp_path, MINIMAL.replace(old, new, 1)) if d.rule != "unknown-reference"]
+    assert texts == [says]
+
+
+def test_what_belongs_to_a_type_is_sent_there(tmp_path: Path) -> None:
+    (found,) = findings(tmp_path, MINIMAL.replace("type: level}", "raw: u8, unit: V}"))
+    assert found.hint == "`unit` is said of a type: write a type with it under `types`, and `type: NAME` here"
+
+
+@pytest.mark.parametrize(
+    ("entry", "says"),
+    [
+        ("node: 1, id: 0x101", ["`raw` lacks `level`"]),
+        ("node: 1, id: 0x101, raw: {levle: 7}", ["there is no field `levle`"]),
+        ("node: 2, id: 0x101, raw: {level: 7}", ["the id 0x101 is that of node 1"]),
+        ("id: 0x101, raw: {level: 7}", ["the id 0x101 is that of node 1"]),
+        ("node: 1, id: 0x101, raw: {level: 7}", []),
+    ],
+)
+def test_golden_frames_say_what_is_missing(tmp_path: Path, entry: str, says: list[str]) -> None:
+    assert told(tmp_path, MINIMAL, entry) == says
+
+
+def test_an_id_of_no_node_has_none_in_its_golden_frame(tmp_path: Path) -> None:
+    fixed = MINIMAL.replace("id: 0x100 + node, nodes: 1..4", "id: 0x101")
+    assert told(tmp_path, fixed, "node: 1, id: 0x101, raw: {level: 7}") == [
+        "the id 0x101 is that of no node, but of all"
+    ]
+    assert told(tmp_path, fixed, "id: 0x101, raw: {level: 7}") == []
+
+
+def told(folder: Path, text: str, entry: str) -> list[str]:
+    """What is said of a golden frame of `dim`."""
+    (folder / "v1.yaml").write_text(text, "utf-8")
+    frames = f'{{request: dim, {entry}, data: "10 00 07 00 00 00 00 00", source: manual}}'
+    (folder / "v1.frames.yaml").write_text(
+        f"canwright: 1\nfamily: lamp\nedition: v1\nsources: {{manual: M}}\nframes: [{frames}]\n", "utf-8"
+    )
+    try:
+        findings = load(folder / "v1.yaml").warnings
+    except SpecError as error:
+        findings = error.diagnostics
+    return [finding.message for finding in findings if finding.rule == "frame-contradiction"]
+
+
+TABLE = """\
+tables:
+  things:
+    index: {at: 1, raw: u8}
+    entries:
+      level: {index: 1, dlc: 4, layout: {level: {at: 2, type: level}}}
+      night: {index: 2, layout: {night: {at: 2, raw: u1}}}
+commands:
+  read: {code: 1, table: things, reply: REPLY}
+  write: {code: 2, table: things, request: {layout: entry, dlc: 3}, reply: {of: done}}
+  done: {code: 3, request: none, reply: {layout: status, fields: {spare: {at: 3, raw: u8}}}}
+"""
+
+
+def table(reply: str) -> str:
+    text = MINIMAL.partition("commands:")[0] + "layouts:\n  status: {fields: {status: {at: 1, raw: u8}}}\n"
+    return text + TABLE.replace("REPLY", reply)
+
+
+def test_a_layout_with_further_fields_is_used(tmp_path: Path) -> None:
+    (tmp_path / "v1.yaml").write_text(table("entry"), "utf-8")
+    assert [finding.rule for finding in load(tmp_path / "v1.yaml").warnings] == ["missing-frame"]
+
+
+def test_an_entry_has_a_length_of_its_own(tmp_path: Path) -> None:
+    (tmp_path / "v1.yaml").write_text(table("entry"), "utf-8")
+    commands = {c.name: c for c in described(tmp_path / "v1.yaml").edition.commands}
+    lengths = {name: tuple(m and m.dlc for m in (command.request, command.reply)) for name, command in commands.items()}
+    assert lengths == {
+        "read_level": (8, 4),
+        "read_night": (8, 8),
+        "write_level": (4, 8),
+        "write_night": (3, 8),
+        "done": (None, 8),
+    }
+
+
+def test_a_reply_without_the_index_is_shown_the_way_out(tmp_path: Path) -> None:
+    found = findings(tmp_path, table("status"))
+    assert {d.message for d in found} == {"`status` shares bit 0 of byte 1 with the table's index"}
+    assert all("`reply: {of: COMMAND}` here" in d.hint for d in found)
+    (tmp_path / "v1.yaml").write_text(table("{of: done}"), "utf-8")
+    assert [finding.rule for finding in load(tmp_path / "v1.yaml").warnings] == ["missing-frame"]
+
+
+def test_show_names_the_forms_of_a_command_with_a_table(tmp_path: Path) -> None:
+    (tmp_path / "v1.yaml").write_text(table("entry"), "utf-8")
+    shown = CliRunner().invoke(main, ["show", "read", "--spec", str(tmp_path / "v1.yaml")])
+    assert "there is one for each entry of its table: `read_level`, `read_night`" in shown.output
+
+
+def test_every_unit_is_whole() -> None:
+    _, units = read_units()
+    assert all(unit.dbc.isascii() and '"' not in unit.dbc for unit in units.values())
+    assert all(set(unit.title) == {"en", "zh"} and all(unit.title.values()) for unit in units.values())
+    for texts in zip(*((u.dbc, u.symbol, u.title["en"], u.title["zh"]) for u in units.values()), strict=True):
+        assert len(set(texts)) == len(units), "two units would read alike"
