@@ -119,3 +119,38 @@ def test_show_takes_a_command_as_the_spec_has_it_and_one_edition() -> None:
     assert "\n\nset_torque  0xA1  Torque control\nmwd_motor v2.36-2025-03" in both
     result = run("show", "set_torque", "--edition", "v2.36-2025-04", *specs)
     assert (result.exit_code, "did you mean `v2.36-2025-03`?" in result.output) == (2, True)
+
+
+ARM = str(ROOT / "tests/specs/arm/v1.yaml")
+
+
+@pytest.mark.parametrize(
+    ("setting", "says"),
+    [
+        ("p_max=0", "`p_max` has to be above 0, since a scale is a multiple of it"),
+        ("p_max=-12.5", "`p_max` has to be above 0"),
+        ("p_max=0.01", "`p_max` is at least 0.1"),
+        ("p_max=100.5", "`p_max` is at most 100"),
+        ("p_max=", "`` is not a number"),
+        ("p_max=nan", "`nan` is not a number"),
+        ("p_max=1e1", "`1e1` is not a number"),
+        ("p_max=1/0", "`1/0` divides by zero"),
+        ("p_max=$(id)", "`$(id)` is not a number"),
+        ("winding=12.5", "there are: i_max=NUMBER; p_max=NUMBER; t_max=NUMBER; v_max=NUMBER; winding=delta|open|star"),
+        ("q_max=12.5", "--set q_max=12.5 is not a parameter and its value"),
+    ],
+)
+def test_what_a_number_cannot_be_set_to(setting: str, says: str, tmp_path: Path) -> None:
+    result = run("generate", "--spec", ARM, "--target", "dbc", "--set", setting, "--out", str(tmp_path / "out"))
+    assert (result.exit_code, says in result.output) == (2, True), result.output
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_number_is_set_in_dbc_files_alone(tmp_path: Path) -> None:
+    settings = ("--set", "winding=star", "--set", "p_max=25/2")
+    assert run("generate", "--spec", ARM, *settings, "--out", str(tmp_path / "out")).exit_code == 0
+    names = {path.name for path in (tmp_path / "out/dbc").glob("*-command.dbc")}
+    assert names == {"arm-v1-star-p_max_12.5-command.dbc"}
+    assert run("check", "--spec", ARM, *settings, "--out", str(tmp_path / "out")).exit_code == 0
+    header = (tmp_path / "out/c/include/arm/v1.h").read_text("utf-8")
+    assert "canwright_ratio_t p_max;" in header

@@ -31,7 +31,26 @@ def test_ranges_may_depend_on_a_parameter() -> None:
     assert words.span(notation.span("0..36000*gear_ratio-1")) == "0..36000*gear_ratio-1"
 
 
-@pytest.mark.parametrize("text", ["5", "9..3", "0..x", "1..2..3", "0..2*Gear"])
+def test_a_number_may_be_a_multiple_of_a_parameter() -> None:
+    assert notation.multiple("2/65535 * top") == notation.Multiple(Fraction(2, 65535), "top", "2/65535")
+    assert notation.multiple("-top") == notation.Multiple(Fraction(-1), "top", "-1")
+    assert notation.multiple("+top") == notation.multiple("top") == notation.Multiple(Fraction(1), "top", "1")
+    assert notation.multiple("360/16384") == notation.Multiple(Fraction(360, 16384), None, "360/16384")
+    assert notation.span("-1/2*top..top+1") == Range(
+        Bound(Fraction(0), Fraction(-1, 2), "top"), Bound(Fraction(1), Fraction(1), "top")
+    )
+    assert words.span(notation.span("-top..0.5*top")) == "-top..0.5*top"
+
+
+@pytest.mark.parametrize(
+    "text", ["top*2", "2*", "*top", "2*3*top", "1/0*top", "top+1", "none", "2top", "1e3*top", "--top"]
+)
+def test_what_is_no_multiple_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="`"):
+        notation.multiple(text)
+
+
+@pytest.mark.parametrize("text", ["5", "9..3", "0..X", "1..2..3", "0..2*Gear"])
 def test_what_is_no_range_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="range"):
         notation.span(text)

@@ -7,8 +7,10 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from canwright.diagnostics import SpecError
+from canwright.interpret import linear_of
 from canwright.load import described
-from canwright.model import Dependent, Direction, Edition, Linear, ReplyForm, Segment
+from canwright.model import Bound, Dependent, Direction, Edition, Linear, Range, ReplyForm, Segment
 
 from .spec_texts import MINIMAL, ROOT, edition, findings, marked, places
 
@@ -235,3 +237,85 @@ def test_a_copy_of_an_edition_knows_its_own_layouts(v2_35: Edition, copied: Call
     other = copied(v2_35)
     assert other == v2_35
     assert all(m in other.of_layout(m.layout) for m in other.all_messages())
+
+
+MULTIPLES = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
+selector: {at: 0, raw: u8}
+parameters: {top: {number: {}}, side: {number: {}}, size: {values: [small, large]}, bits: {values: [14, 15]}}
+types:
+  angle: {raw: u16, unit: deg, scale: 2/65535*top, offset: -top, range: -0.5*top..top}
+  width: {raw: u8, unit: mm, scale: {by: size, small: 1/255*top, large: 0.5}, raw_range: 0..2*side}
+  bare: {raw: u8, range: 0..bits}
+commands:
+  aim:
+    code: 1
+    manual: "1"
+    request: {angle: {at: 2, type: angle}, width: {at: 4, type: width}, bare: {at: 5, type: bare}}
+    reply: none
+"""
+
+
+def test_a_scale_may_be_a_multiple_of_a_number(tmp_path: Path) -> None:
+    text = MULTIPLES.replace("raw_range: 0..2*side", "raw_range: 0..200").replace("0..bits", "0..side")
+    angle, width, bare = edition(tmp_path, text).types
+    line = angle.linear.constant
+    assert line == Linear(Fraction(2, 65535), Fraction(-1), "top")
+    assert line and line.at({"top": Fraction(25, 2)}) == Linear(Fraction(5, 13107), Fraction(-25, 2))
+    assert line.at({"side": Fraction(1)}) is None
+    assert angle.raw_range == Dependent.always(Range(Bound(Fraction(16384)), Bound(Fraction(65535))))
+    assert (angle.numbers, width.numbers, bare.numbers, bare.times) == (("top",), ("top",), ("side",), ())
+    assert width.linear.at({"size": "large"}) == Linear(Fraction(1, 2), Fraction(0))
+    assert linear_of(angle, {"top": "12.5"}) == Linear(Fraction(5, 13107), Fraction(-25, 2))
+    assert [linear_of(angle, given) for given in ({}, {"top": "0"}, {"top": "-1"}, {"top": "x"})] == [None] * 4
+
+
+def test_what_is_no_multiple_of_a_number_is_found_where_it_stands(tmp_path: Path) -> None:
+    assert places(findings(tmp_path, MULTIPLES)) == ["9:90 two-parameters", "10:26 parameter-kind"]
+    right = MULTIPLES.replace("raw_range: 0..2*side", "raw_range: 0..200").replace("0..bits", "0..side")
+    for old, new, found in (
+        ("2/65535*top", "2/65535*tip", "8:39 unknown-reference"),
+        ("2/65535*top", "2/65535*size", "8:39 parameter-kind"),
+        ("small: 1/255*top", "small: 1/255*tip", "9:55 unknown-reference"),
+        ("offset: -top", "offset: -tip", "8:60 unknown-reference"),
+        ("offset: -top", "offset: -side", "8:60 two-parameters"),
+        ("offset: -top", "offset: -180", "8:60 two-parameters"),
+        ("2/65535*top", "2/65535", "8:56 two-parameters"),
+        ("-0.5*top..top", "-0.5*side..side", "8:73 two-parameters"),
+        ("-0.5*top..top", "-180..180", "8:73 two-parameters"),
+        ("-0.5*top..top", "-0.5*top+1..top", "8:73 two-parameters"),
+        ("-0.5*top..top", "top..-top", "8:73 value"),
+        ("-0.5*top..top", "-0.5*top..tip", "8:73 unknown-reference"),
+        ("raw: u16, unit", "raw: f32, unit", "8:39 parameter-kind"),
+        ("range: -0.5*top..top", "plausible: 1..2", "8:77 parameter-kind"),
+        ("0..side}", "0..side, plausible: 0..side}", "10:46 parameter-kind"),
+        ("2/65535*top", "0*top", "8:39 zero-scale"),
+        ("top: {number: {}}", "top: {number: {max: 0}}", "6:34 parameter-range"),
+        ("offset: -top, range: -0.5*top..top", "range: 0..3*top", "8:59 beyond-width"),
+    ):
+        assert old in right
+        assert found in places(findings(tmp_path, right.replace(old, new, 1))), new
+    assert findings(tmp_path, right) == []
+
+
+def test_a_golden_frame_gives_a_number_that_can_be(tmp_path: Path) -> None:
+    spec = ROOT / "tests/specs/arm/v1.yaml"
+    (tmp_path / "v1.yaml").write_text(spec.read_text("utf-8"), "utf-8")
+    golden = spec.with_name("v1.frames.yaml").read_text("utf-8")
+    for number, says in (
+        ("0", "`p_max` has to be above 0, since a scale is a multiple of it"),
+        ("101", "`p_max` is at most 100"),
+        ("much", "`much` is not a number"),
+        ("", "`` is not a number"),
+    ):
+        wrong = golden.replace("p_max: 95.5", f'p_max: "{number}"')
+        assert wrong != golden
+        (tmp_path / "v1.frames.yaml").write_text(wrong, "utf-8")
+        with pytest.raises(SpecError) as found:
+            described(tmp_path / "v1.yaml")
+        assert says in str(found.value)
+    (tmp_path / "v1.frames.yaml").write_text(golden.replace("p_max: 95.5", 'p_max: "191/2"'), "utf-8")
+    described(tmp_path / "v1.yaml")

@@ -6,6 +6,7 @@ by running this code.
 
 from __future__ import annotations
 
+from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
 from functools import cached_property
@@ -85,6 +86,11 @@ Value = Annotated[
     WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}, {"type": "array"}]}),
 ]
 RawValue = int | list[int]
+Given = Annotated[
+    int | str,
+    BeforeValidator(lambda value: str(value) if isinstance(value, Decimal) else value),
+    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}]}),
+]
 
 
 class Sourced(Concept):
@@ -93,7 +99,7 @@ class Sourced(Concept):
     source: Annotated[Name, Field(description="A name of `sources`.")]
     note: Annotated[str | None, Field(description="What a reader of this entry should know.")] = None
     parameters: Annotated[
-        dict[Name, int | str], Field(description="What is known of the node.", examples=[{"model": "A"}])
+        dict[Name, Given], Field(description="What is known of the node.", examples=[{"model": "A", "size": 12.5}])
     ] = {}
 
 

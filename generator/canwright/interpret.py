@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
-from . import words
-from .model import Assignment, Encoding, Field, IdRule, Key, Message, Segment, Space, Type, Variant
+from . import notation, words
+from .model import Assignment, Encoding, Field, IdRule, Key, Linear, Message, Segment, Space, Type, Variant
 
 Raw = int | list[int]
 Value = Fraction | str | list[str] | None
@@ -119,7 +119,7 @@ def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
         return next((member.name for member in type_.enum if member.value == raw), None)
     if type_.flags:
         return [flag.name for flag in type_.flags if raw >> flag.value & 1]
-    linear = type_.linear.at(assignment)
+    linear = linear_of(type_, assignment)
     if linear is None:
         return None
     if type_.encoding is Encoding.FLOAT:
@@ -130,6 +130,18 @@ def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
         return Fraction(number) * linear.scale + linear.offset
     number = raw * linear.scale
     return number + linear.offset if linear.offset else number
+
+
+def linear_of(type_: Type, assignment: Assignment) -> Linear | None:
+    """Scale and offset under parameters; None where there are none, or a number that they need is not above 0."""
+    linear = type_.linear.at(assignment)
+    if linear is None or linear.times is None:
+        return linear
+    try:
+        number = notation.rational(assignment.get(linear.times, ""))
+    except ValueError:
+        return None
+    return linear.at({linear.times: number}) if number > 0 else None
 
 
 def _key_holds(message: Message, index: int, frame: CanFrame) -> bool:

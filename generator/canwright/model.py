@@ -274,6 +274,10 @@ class Edition:
     def parameter(self, name: str) -> Parameter:
         return next(p for p in self.parameters if p.name == name)
 
+    def is_factor(self, parameter: Parameter) -> bool:
+        """Whether a scale is a multiple of a parameter, which then is above 0."""
+        return any(parameter.name in type_.times for type_ in self.types)
+
     def address(self, name: str) -> Address:
         return self._index.addresses[name]
 

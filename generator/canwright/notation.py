@@ -28,7 +28,9 @@ _NUMBER = rf"[+-]?(?:0x[0-9A-Fa-f]+|{_WHOLE}(?:\.[0-9]+)?)"
 NUMBER = re.compile(_NUMBER)
 RATIONAL_PATTERN = rf"^{_NUMBER}(/{_NUMBER})?$"
 _SUMMAND = rf"[+-]{_WHOLE}(?:\.[0-9]+)?"
-_BOUND = rf"{_NUMBER}(?:\*[a-z][a-z0-9_]*(?:{_SUMMAND})?)?"
+_MULTIPLE = rf"(?:{_NUMBER}(?:/{_NUMBER})?\*|(?!none\b)[+-]?)[a-z][a-z0-9_]*"
+MULTIPLE_PATTERN = rf"^(?:{_NUMBER}(?:/{_NUMBER})?|{_MULTIPLE})$"
+_BOUND = rf"(?:{_NUMBER}|{_MULTIPLE}(?:{_SUMMAND})?)"
 RANGE_PATTERN = rf"^{_BOUND}\.\.{_BOUND}$"
 NODES_PATTERN = rf"^{_WHOLE}\.\.{_WHOLE}$"
 RAW_PATTERN = r"^(?:[ui](?:[1-9]|[1-5][0-9]|6[0-4])|f32|f64)$"
@@ -62,20 +64,26 @@ def rational(text: str) -> Fraction:
 
 
 @dataclass(frozen=True)
-class Printed:
-    """A rational, exact, and the way it was written."""
+class Multiple:
+    """A rational, or so many times a number parameter; exact. `text` is the rational the way it was written."""
 
     value: Fraction
+    parameter: str | None
     text: str
 
 
-def printed(text: str) -> Printed:
-    """A rational that people read as it was written: `360/16384` and not 45/2048."""
-    return Printed(rational(text), text.replace(" ", ""))
+def multiple(text: str) -> Multiple:
+    """A rational that people read as it was written: `360/16384` and not 45/2048; also `2/65535*size` and `-size`."""
+    parts = re.fullmatch(r"(?:(.*)\*|(?!none\b)([+-]?))([a-z][a-z0-9_]*)", text.replace(" ", ""))
+    if parts is None:
+        return Multiple(rational(text), None, text.replace(" ", ""))
+    written, sign, parameter = parts.groups()
+    factor = f"{sign}1".lstrip("+") if written is None else written
+    return Multiple(rational(factor), parameter, factor)
 
 
 def span(text: str) -> Range:
-    """A range `low..high`, both ends included; an end may be `100*size-1`."""
+    """A range `low..high`, both ends included; an end may be `100*size-1` or `-size`."""
     low, dots, high = text.replace(" ", "").partition("..")
     if not dots:
         raise ValueError(f"`{text}` is not a range; write it as low..high, for example -850..850")
@@ -86,13 +94,14 @@ def span(text: str) -> Range:
 
 
 def _bound(text: str) -> Bound:
-    match = re.fullmatch(rf"({_NUMBER})(?:\*([a-z][a-z0-9_]*)({_SUMMAND})?)?", text)
+    match = re.fullmatch(rf"{_NUMBER}|({_MULTIPLE})({_SUMMAND})?", text)
     if match is None:
         raise ValueError(f"`{text}` is not an end of a range; write a number, or number*parameter+number")
-    value, parameter, constant = match.groups()
-    if parameter is None:
-        return Bound(number(value))
-    return Bound(number(constant or "0"), number(value), parameter)
+    written, constant = match.groups()
+    if written is None:
+        return Bound(number(text))
+    found = multiple(written)
+    return Bound(number(constant or "0"), found.value, found.parameter)
 
 
 def nodes(text: str) -> range:

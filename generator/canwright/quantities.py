@@ -119,15 +119,26 @@ class Dependent(Generic[T]):
 
 @dataclass(frozen=True)
 class Linear:
-    """value = raw * scale + offset, both exact. `printed` is the scale as the spec's writer took it from the manual."""
+    """value = raw * scale + offset, both exact, and both so many times the number parameter `times` where there is one.
+
+    `printed` is the scale as the spec's writer took it from the manual.
+    """
 
     scale: Fraction
     offset: Fraction
+    times: str | None = None
     printed: str = field(default="", compare=False)
 
     @property
     def is_identity(self) -> bool:
-        return self.scale == 1 and self.offset == 0
+        return self.scale == 1 and self.offset == 0 and self.times is None
+
+    def at(self, numbers: Mapping[str, Fraction]) -> Linear | None:
+        """The same with its number parameter given; None when that is not among them."""
+        if self.times is None:
+            return self
+        number = numbers.get(self.times)
+        return None if number is None else Linear(self.scale * number, self.offset * number)
 
     @property
     def as_quotient(self) -> tuple[int, int, int]:
@@ -223,6 +234,20 @@ class Type:
     def parameters(self) -> tuple[str, ...]:
         """Names of the choice parameters that scale and range depend on."""
         names = (self.linear.parameter, self.raw_range.parameter)
+        return tuple(dict.fromkeys(name for name in names if name is not None))
+
+    @property
+    def times(self) -> tuple[str, ...]:
+        """Names of the number parameters that scales are multiples of."""
+        found = (linear.times for _, linear in self.linear.distinct() if linear is not None)
+        return tuple(dict.fromkeys(name for name in found if name is not None))
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """Names of the number parameters that scale and range depend on."""
+        names: list[str | None] = list(self.times)
+        spans = [span for _, span in self.raw_range.distinct() if span is not None]
+        names += [end.parameter for span in spans for end in (span.low, span.high)]
         return tuple(dict.fromkeys(name for name in names if name is not None))
 
 

@@ -25,7 +25,8 @@ from .notation import IdExpression
 from .resolve_keys import keyed_by_constants, with_claims
 from .resolve_layouts import LayoutResolver
 from .resolve_messages import ENTRY, Form, MessageResolver
-from .resolve_types import Context, read_units, resolve_parameters, resolve_types
+from .resolve_parameters import resolve_parameters
+from .resolve_types import Context, read_units, resolve_types
 from .source import Document
 
 T = TypeVar("T")

@@ -1,4 +1,4 @@
-"""Types, units and parameters of a spec, resolved."""
+"""Types and units of a spec, resolved."""
 
 from __future__ import annotations
 
@@ -19,14 +19,13 @@ from .model import (
     Member,
     Order,
     Parameter,
-    ParameterValue,
     Path,
     Range,
     Text,
     Type,
     Unit,
 )
-from .notation import Printed
+from .notation import Multiple
 
 T = TypeVar("T")
 
@@ -94,42 +93,6 @@ def read_units() -> tuple[source.Document, dict[str, Unit]]:
     return document, units
 
 
-def resolve_parameters(context: Context, written: Mapping[str, schema.ParameterSpec]) -> dict[str, Parameter]:
-    result = {}
-    for name, spec in written.items():
-        path: Path = ("parameters", name)
-        if (spec.values is None) == (spec.number is None):
-            context.report(
-                path, "parameter-kind", f"`{name}` must have either `values` or `number`", "number: {}", key=True
-            )
-        values: tuple[ParameterValue, ...] = ()
-        if isinstance(spec.values, list):
-            values = tuple(
-                ParameterValue(
-                    str(n),
-                    n if isinstance(n, int) else None,
-                    context.title(path, None, str(n)),
-                    context.text(path, None),
-                )
-                for n in spec.values
-            )
-        elif spec.values is not None:
-            values = tuple(
-                ParameterValue(n, None, context.title(at, v.title, n), context.text((*at, "about"), v.about))
-                for n, v in spec.values.items()
-                for at in [(*path, "values", n)]
-            )
-        result[name] = Parameter(
-            name,
-            values,
-            spec.number.min if spec.number else None,
-            spec.number.max if spec.number else None,
-            context.title(path, spec.title, name),
-            context.text((*path, "about"), spec.about),
-        )
-    return result
-
-
 def resolve_types(
     context: Context, spec: schema.EditionSpec, units: Mapping[str, Unit], parameters: Mapping[str, Parameter]
 ) -> dict[str, Type]:
@@ -184,7 +147,7 @@ class _TypeResolver:
             self._raw_range(spec, linear),
             tuple(self._member(("enum", n), n, m) for n, m in (spec.enum or {}).items()),
             tuple(self._member(("flags", n), n, f) for n, f in (spec.flags or {}).items()),
-            self._spans("plausible", spec.plausible).constant,
+            self._plausible(spec, linear),
             self.context.title(self.path, spec.title, name),
             self.context.text((*self.path, "about"), spec.about),
             self.context.text((*self.path, "differs"), spec.differs),
@@ -206,7 +169,8 @@ class _TypeResolver:
         return Member(name, value, title, self.context.text((*path, "about"), written.about))
 
     def _linear(self, spec: schema.Type) -> Dependent[Linear]:
-        scale, offset = self._scale(spec.scale), self._offset(spec.offset)
+        scale = self._multiples("scale", 1 if spec.scale is None else spec.scale)
+        offset = self._multiples("offset", 0 if spec.offset is None else spec.offset)
         if scale.parameter and offset.parameter not in (None, scale.parameter):
             self.context.report(
                 (*self.path, "offset"),
@@ -214,22 +178,45 @@ class _TypeResolver:
                 "scale and offset depend on two parameters",
                 "let both name one parameter",
             )
-            offset = Dependent.always(Fraction(0))
+            offset = Dependent.always(_number(0))
         by = scale.parameter or offset.parameter
         if by is None:
-            return Dependent.always(_linear_of(scale.constant, offset.constant))
+            return Dependent.always(self._line(scale.constant, offset.constant))
         names = scale.cases if scale.parameter else offset.cases
-        return Dependent(by, None, {n: _linear_of(scale.at({by: n}), offset.at({by: n})) for n in names})
+        return Dependent(by, None, {n: self._line(scale.at({by: n}), offset.at({by: n})) for n in names})
 
-    def _scale(self, written: schema.Scale | None) -> Dependent[Printed]:
-        if isinstance(written, schema.ScaleBy):
-            return Dependent(written.by, None, self._cases("scale", written.by, written.__pydantic_extra__))
-        return Dependent.always(Printed(Fraction(1), "") if written is None else _none_or(written))
+    def _line(self, scale: Multiple | None, offset: Multiple | None) -> Linear | None:
+        """The two as one; None also where they do not belong together, or some of it is wrong already."""
+        known = {None, *(name for name, parameter in self.parameters.items() if not parameter.is_choice)}
+        if scale is None or offset is None or not {scale.parameter, offset.parameter} <= known:
+            return None
+        if (*self.path, "scale") in self.context.dropped:
+            return None
+        if offset.value and offset.parameter != scale.parameter:
+            text = "scale and offset are not multiples of one parameter"
+            by = scale.parameter or offset.parameter
+            self.context.report((*self.path, "offset"), "two-parameters", text, f"write both as number*{by}")
+            return None
+        return Linear(scale.value, offset.value, scale.parameter, scale.text)
 
-    def _offset(self, written: Fraction | schema.OffsetBy | None) -> Dependent[Fraction]:
-        if isinstance(written, schema.OffsetBy):
-            return Dependent(written.by, None, self._cases("offset", written.by, written.__pydantic_extra__))
-        return Dependent.always(written or Fraction(0))
+    def _multiples(
+        self, key: str, written: int | Literal["none"] | Multiple | schema.ScaleBy | schema.OffsetBy
+    ) -> Dependent[Multiple]:
+        if isinstance(written, (schema.ScaleBy, schema.OffsetBy)):
+            cases = self._cases(key, written.by, written.__pydantic_extra__)
+            for name, case in cases.items():
+                self._need_number((key, name), case.parameter if case else None)
+            return Dependent(written.by, None, cases)
+        if isinstance(written, Multiple):
+            self._need_number((key,), written.parameter)
+        return Dependent.always(_number(written) if isinstance(written, int) else _none_or(written))
+
+    def _need_number(self, at: Path, name: str | None) -> None:
+        """A finding where a parameter that is multiplied with is not there, or is no number."""
+        found = self.context.find((*self.path, *at), "parameter", name, self.parameters) if name is not None else None
+        if found is not None and found.is_choice:
+            text = f"`{name}` is a choice among values, and only a `number` can be multiplied"
+            self.context.report((*self.path, *at), "parameter-kind", text, f"write `by: {name}` with its values")
 
     def _cases(self, key: str, parameter_name: str, written: Mapping[str, Literal["none"] | T]) -> dict[str, T | None]:
         """One entry for every value of the parameter, in the parameter's order; findings for what is amiss."""
@@ -239,7 +226,9 @@ class _TypeResolver:
             return {}
         if not parameter.is_choice:
             text = f"`{parameter_name}` has no `values`, so `{key}` cannot depend on them"
-            self.context.report((*path, "by"), "parameter-kind", text, "give it `values`, or write a range like 0..2*N")
+            self.context.report(
+                (*path, "by"), "parameter-kind", text, f"give it `values`, or write a multiple like 2*{parameter_name}"
+            )
             return {}
         known = {value.name: value for value in parameter.values}
         for name in written:
@@ -256,6 +245,15 @@ class _TypeResolver:
                 (*self.path, "range"), "two-ranges", "both `range` and `raw_range` are given", "keep one"
             )
         raw = self._spans("raw_range", spec.raw_range)
+        times = any(line.times for _, line in linear.distinct() if line is not None)
+        if times and spec.raw[0] is Encoding.FLOAT:
+            text = "the scale of a float cannot be a multiple of a parameter"
+            self.context.report((*self.path, "scale"), "parameter-kind", text, "leave `scale` out, or write a number")
+        if times and any(not limits.is_constant for _, limits in raw.distinct() if limits is not None):
+            text = "scale and raw range depend on numbers both"
+            hint = "write `raw_range` in integers, or `range` in multiples as the scale is"
+            self.context.report((*self.path, "raw_range"), "two-parameters", text, hint)
+            return Dependent.always(None)
         if spec.range is None:
             return raw
         if spec.scale == "none":
@@ -274,33 +272,67 @@ class _TypeResolver:
             )
             return raw
         by = linear.parameter or span.parameter
-        if by is None:
-            return Dependent.always(_raw_of(span.constant, linear.constant))
         names = linear.cases if linear.parameter else span.cases
-        return Dependent(by, None, {n: _raw_of(span.at({by: n}), linear.at({by: n})) for n in names})
+        cases = {n: (span.at({by or "": n}), linear.at({by or "": n})) for n in names or [""]}
+        if not all(self._is_like_scale(limits, line) for limits, line in cases.values()):
+            return raw
+        found = {name: _raw_of(*pair) for name, pair in cases.items()}
+        return Dependent.always(found[""]) if by is None else Dependent(by, None, found)
+
+    def _is_like_scale(self, limits: Range | None, line: Linear | None) -> bool:
+        """Whether a range is in multiples of the parameter that the scale is; a finding where it is not."""
+        if limits is None or line is None or line.times is None:
+            return True
+        ends = (limits.low, limits.high)
+        if any(end.constant or end.parameter not in (None, line.times) for end in ends):
+            text = f"the scale is a multiple of `{line.times}` and this range is not"
+            hint = f"write it like -{line.times}..{line.times}, or write `raw_range`"
+            self.context.report((*self.path, "range"), "two-parameters", text, hint)
+        elif limits.low.coefficient > limits.high.coefficient:
+            text = f"the range is empty: its low end is above its high end, as `{line.times}` is above 0"
+            self.context.report((*self.path, "range"), "value", text, "check both ends")
+        else:
+            return True
+        return False
+
+    def _plausible(self, spec: schema.Type, linear: Dependent[Linear]) -> Range | None:
+        found = self._spans("plausible", spec.plausible).constant
+        times = any(line.times for _, line in linear.distinct() if line is not None)
+        if found is None or (found.is_constant and not times):
+            return found
+        text = "no frame tells what a number parameter is, so nothing can be plausible by it"
+        self.context.report((*self.path, "plausible"), "parameter-kind", text, "write numbers, or leave it out")
+        return None
 
     def _spans(self, key: str, written: Range | schema.RangeBy | None) -> Dependent[Range]:
         if isinstance(written, schema.RangeBy):
-            return Dependent(written.by, None, self._cases(key, written.by, written.__pydantic_extra__))
-        if written is not None:
-            for bound in (written.low, written.high):
-                if bound.parameter is not None:
-                    self.context.find((*self.path, key), "parameter", bound.parameter, self.parameters)
+            cases = self._cases(key, written.by, written.__pydantic_extra__)
+            for name, case in cases.items():
+                self._need_numbers((key, name), case)
+            return Dependent(written.by, None, cases)
+        self._need_numbers((key,), written)
         return Dependent.always(written)
+
+    def _need_numbers(self, at: Path, limits: Range | None) -> None:
+        for name in dict.fromkeys((limits.low.parameter, limits.high.parameter) if limits else ()):
+            self._need_number(at, name)
 
 
 def _none_or(value: Literal["none"] | T) -> T | None:
     return None if value == "none" else value
 
 
-def _linear_of(scale: Printed | None, offset: Fraction | None) -> Linear | None:
-    return None if scale is None or offset is None else Linear(scale.value, offset, scale.text)
+def _number(value: int) -> Multiple:
+    """What stands where nothing is written."""
+    return Multiple(Fraction(value), None, "")
 
 
 def _raw_of(span: Range | None, linear: Linear | None) -> Range | None:
-    """The raw integers whose values lie in a range of values."""
+    """The raw integers whose values lie in a range of values; a parameter that all of them are multiples of drops out."""
     if span is None or linear is None or linear.scale == 0:
         return None
+    if linear.times is not None:
+        span = Range(Bound(span.low.coefficient), Bound(span.high.coefficient))
 
     def raw(bound: Bound) -> Bound:
         return Bound((bound.constant - linear.offset) / linear.scale, bound.coefficient / linear.scale, bound.parameter)

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 from .model import Order
-from .written import Name, Printed, Rational, Raw, Span, Text, is_map
+from .written import Multiple, Name, Raw, Span, Text, is_map
 
 
 class Concept(BaseModel):
@@ -27,11 +27,8 @@ def _none_or_plain(value: object) -> str:
     return "none" if value == "none" else "plain"
 
 
-CaseScale = Annotated[
-    Annotated[Literal["none"], Tag("none")] | Annotated[Printed, Tag("plain")], Discriminator(_none_or_plain)
-]
-CaseOffset = Annotated[
-    Annotated[Literal["none"], Tag("none")] | Annotated[Rational, Tag("plain")], Discriminator(_none_or_plain)
+CaseMultiple = Annotated[
+    Annotated[Literal["none"], Tag("none")] | Annotated[Multiple, Tag("plain")], Discriminator(_none_or_plain)
 ]
 CaseSpan = Annotated[
     Annotated[Literal["none"], Tag("none")] | Annotated[Span, Tag("plain")], Discriminator(_none_or_plain)
@@ -42,7 +39,7 @@ class ScaleBy(Concept):
     """A scale for each value of a choice parameter; `none` where the manual gives none."""
 
     model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, CaseScale]
+    __pydantic_extra__: dict[str, CaseMultiple]
     by: Annotated[Name, Field(description="The parameter that decides.")]
 
 
@@ -50,7 +47,7 @@ class OffsetBy(Concept):
     """An offset for each value of a choice parameter; `none` where the manual gives none."""
 
     model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, CaseOffset]
+    __pydantic_extra__: dict[str, CaseMultiple]
     by: Annotated[Name, Field(description="The parameter that decides.")]
 
 
@@ -63,10 +60,10 @@ class RangeBy(Concept):
 
 
 Scale = Annotated[
-    Annotated[Literal["none"], Tag("none")] | Annotated[Printed, Tag("plain")] | Annotated[ScaleBy, Tag("map")],
+    Annotated[Literal["none"], Tag("none")] | Annotated[Multiple, Tag("plain")] | Annotated[ScaleBy, Tag("map")],
     Discriminator(lambda value: "none" if value == "none" else is_map(value)),
 ]
-OffsetChoice = Annotated[Annotated[Rational, Tag("plain")] | Annotated[OffsetBy, Tag("map")], Discriminator(is_map)]
+OffsetChoice = Annotated[Annotated[Multiple, Tag("plain")] | Annotated[OffsetBy, Tag("map")], Discriminator(is_map)]
 SpanChoice = Annotated[Annotated[Span, Tag("plain")] | Annotated[RangeBy, Tag("map")], Discriminator(is_map)]
 
 
@@ -99,9 +96,12 @@ class Type(Titled):
     unit: Annotated[str | None, Field(description="A unit of units.yaml; left out for a bare number.")] = None
     scale: Annotated[
         Scale | None,
-        Field(description="value = raw * scale + offset. As printed: 0.01, 1/64, 16.5/2048; `none` if none is known."),
+        Field(
+            description="value = raw * scale + offset. As printed: 0.01, 1/64, 16.5/2048; `none` if none is known. A "
+            "multiple of a number parameter, as 2/65535*size, makes offset and range multiples of the same one."
+        ),
     ] = None
-    offset: Annotated[OffsetChoice | None, Field(description="Added after scaling, in the unit.")] = None
+    offset: Annotated[OffsetChoice | None, Field(description="Added after scaling, in the unit: -40, or -size.")] = None
     raw_range: Annotated[SpanChoice | None, Field(description="Allowed raw integers, when the manual says so.")] = None
     range: Annotated[SpanChoice | None, Field(description="Allowed values in the unit, when the manual says so.")] = (
         None

@@ -11,7 +11,7 @@ from fractions import Fraction
 
 from . import notation, words
 from .golden import Refusal, Value
-from .interpret import Raw, data_bits, value_of
+from .interpret import Raw, data_bits, linear_of, value_of
 from .model import Bound, Encoding, Field, Message, Range, Type
 from .receiving import Refused
 
@@ -141,19 +141,21 @@ class Sender:
 
     def _end(self, bound: Bound) -> Fraction | int | None:
         """The end of a range; None where it depends on a parameter that is not given."""
-        end = bound.at({n: notation.number(text) for n, text in self.assignment.items() if n == bound.parameter})
+        end = bound.at({n: notation.rational(text) for n, text in self.assignment.items() if n == bound.parameter})
         return end.numerator if end is not None and end.denominator == 1 else end
 
     def _inverse(self, field: Field) -> Callable[[Fraction], int | Refused]:
         """How a number in the unit becomes a raw integer."""
-        type_, by = field.type, field.type.linear.parameter
+        type_ = field.type
         if type_.enum or type_.flags:
             nameless = Refused(Refusal.OUT_OF_RANGE, f"`{field.name}` holds whole numbers alone", field.name)
             return lambda value: value.numerator if value.denominator == 1 else nameless
-        linear = type_.linear.at(self.assignment)
+        linear = linear_of(type_, self.assignment)
         if linear is None or linear.scale == 0:
-            missing = by is not None and by not in self.assignment
-            text = f"depends on `{by}`, which is not given" if missing else "has no scale here"
+            line = type_.linear.at(self.assignment)
+            needed = (type_.linear.parameter, line.times if line else None)
+            missing = next((name for name in needed if name is not None and name not in self.assignment), None)
+            text = f"depends on `{missing}`, which is not given" if missing else "has no scale here"
             refused = Refused(
                 Refusal.MISSING_PARAMETER if missing else Refusal.NO_SCALE, f"`{field.name}` {text}", field.name
             )

@@ -31,12 +31,29 @@ def spoken(name: str) -> str:
     return name.replace("_", " ").capitalize()
 
 
+def multiple(number: str, parameter: str | None) -> str:
+    """`2048`; or `2/65535*size`, `-size`, so many times a parameter."""
+    if parameter is None:
+        return number
+    return {"1": parameter, "-1": f"-{parameter}"}.get(number, f"{number}*{parameter}")
+
+
 def bound(end: Bound) -> str:
     """`2048`, or `100*size-1`."""
     if end.parameter is None:
         return exact(end.constant)
     tail = f"{'+' if end.constant > 0 else ''}{exact(end.constant)}" if end.constant else ""
-    return f"{exact(end.coefficient)}*{end.parameter}{tail}"
+    return multiple(exact(end.coefficient), end.parameter) + tail
+
+
+def step(linear: Linear) -> str:
+    """What one raw step is worth, without its unit: `33/2048`, as it was written."""
+    return multiple(linear.printed or exact(linear.scale), linear.times)
+
+
+def offset(linear: Linear) -> str:
+    """What raw 0 is worth, without its unit."""
+    return multiple(exact(linear.offset), linear.times if linear.offset else None)
 
 
 def span(limits: Range) -> str:
@@ -48,7 +65,10 @@ def in_unit(limits: Range, linear: Linear) -> Range:
     """A range of raw integers as the range of their values."""
 
     def value(end: Bound) -> Bound:
-        return Bound(end.constant * linear.scale + linear.offset, end.coefficient * linear.scale, end.parameter)
+        worth = end.constant * linear.scale + linear.offset
+        if linear.times is not None and worth:
+            return Bound(Fraction(0), worth, linear.times)
+        return Bound(worth, end.coefficient * linear.scale, end.parameter)
 
     low, high = value(limits.low), value(limits.high)
     return Range(low, high) if linear.scale > 0 else Range(high, low)
@@ -95,8 +115,9 @@ def scale(type_: Type, among: tuple[str, ...] = ()) -> Sequence[tuple[str, str]]
     def worth(linear: Linear | None) -> str:
         if linear is None:
             return "not given"
-        offset = f" {'+' if linear.offset > 0 else '-'} {exact(abs(linear.offset))}{unit}" if linear.offset else ""
-        return f"{linear.printed or exact(linear.scale)}{unit}{offset}"
+        size = multiple(exact(abs(linear.offset)), linear.times)
+        added = f" {'+' if linear.offset > 0 else '-'} {size}{unit}" if linear.offset else ""
+        return f"{step(linear)}{unit}{added}"
 
     kept = [(_among(names, among), linear) for names, linear in type_.linear.distinct()]
     return [(", ".join(names), worth(linear)) for names, linear in kept if names is not None]

@@ -47,13 +47,15 @@ Rational = Annotated[
     _written(notation.rational, "0.01 or 1/64"),
     _number_or(notation.RATIONAL_PATTERN, 0.01, "1/64", "16.5/2048"),
 ]
-Printed = Annotated[
-    notation.Printed,
-    _written(notation.printed, "0.01 or 1/64"),
-    _number_or(notation.RATIONAL_PATTERN, 0.01, "1/64", "16.5/2048"),
+Multiple = Annotated[
+    notation.Multiple,
+    _written(notation.multiple, "0.01, 1/64 or 2/65535*size"),
+    _number_or(notation.MULTIPLE_PATTERN, 0.01, "1/64", "16.5/2048", "2/65535*size"),
 ]
 Span = Annotated[
-    Range, _written(notation.span, "-850..850"), _text_of(notation.RANGE_PATTERN, "-850..850", "0..100*size-1")
+    Range,
+    _written(notation.span, "-850..850"),
+    _text_of(notation.RANGE_PATTERN, "-850..850", "0..100*size-1", "-size..size"),
 ]
 Nodes = Annotated[range, _written(notation.nodes, "1..32"), _text_of(notation.NODES_PATTERN, "1..32")]
 Indices = Annotated[range, _written(notation.indices, "1..4"), _text_of(notation.NODES_PATTERN, "1..4")]

@@ -9,6 +9,7 @@ import pytest
 import yaml
 from canwright.cli import main
 from canwright.compare import CHANGES, compare
+from canwright.compare.change import Category
 from canwright.compare.report import Comparison, text
 from canwright.load import described, load
 from canwright.resources import CHANGE_EXAMPLES
@@ -80,3 +81,60 @@ def test_other_languages_have_every_sentence_with_the_same_facts() -> None:
         for rule, sentence in said.items():
             facts = [set(re.findall(r"{(\w+)}", text)) for text in (sentence, CHANGES[rule].says)]
             assert facts[0] == facts[1], rule
+
+
+USES_OTHER = (
+    MINIMAL.replace(
+        'level: {raw: u16, unit: "%", scale: 0.1, raw_range: 0..1000}',
+        "level: {raw: u16, unit: V, scale: 2/65535*top, offset: -top, range: -top..top}\n"
+        "  spare: {raw: u8, raw_range: 0..3*other}",
+    ).replace("reply: echo", "reply: {spare: {at: 4, type: spare}}")
+    + "parameters: {top: {number: {}}, other: {number: {}, title: Another}}\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        (
+            ("2/65535*top", "2/65534*top"),
+            [
+                "one step of `level` is 2/65534*top V, was 2/65535*top V",
+                "the raw range of `level` is 0..65534, was 0..65535",
+            ],
+        ),
+        (("offset: -top, range: -top..top", "offset: -2*top"), ["raw 0 of `level` is -2*top V, was -top V"]),
+        (
+            ("2/65535*top, offset: -top, range: -top..top", "2/65535, offset: -1, range: -1..1"),
+            [
+                "one step of `level` is 2/65535 V, was 2/65535*top V",
+                "raw 0 of `level` is -1 V, was -top V",
+                "`level` depends on nothing, did on top",
+            ],
+        ),
+        (
+            ("2/65535*top, offset: -top, range: -top..top", "2/65535*other, offset: -other, range: -other..other"),
+            [
+                "one step of `level` is 2/65535*other V, was 2/65535*top V",
+                "raw 0 of `level` is -other V, was -top V",
+                "`level` depends on other, did on top",
+            ],
+        ),
+        (("range: -top..top", "range: 0..top"), ["the raw range of `level` is 32768..65535, was 0..65535"]),
+        (("2/65535*top", "4/131070*top"), ["`level` is given as 4/131070*top V, was as 2/65535*top V"]),
+        (("top: {number: {}}", "top: {number: {max: 9}}"), ["`top` lies in ..9, was .."]),
+    ],
+)
+def test_a_multiple_of_a_parameter(written: tuple[str, str], said: list[str], tmp_path: Path) -> None:
+    old = edition(tmp_path, USES_OTHER)
+    changed = USES_OTHER.replace(*written)
+    assert changed != USES_OTHER
+    found = compare(old, edition(tmp_path, changed))
+    assert [change.says() for change in found] == said
+    kinds = {"scale-rewritten": Category.DOC, "parameters-of-type-changed": Category.API}
+    assert [c.rule.category for c in found] == [kinds.get(c.rule.id, Category.VALUE) for c in found]
+
+
+def test_a_parameter_with_another_name_is_no_other_scale(tmp_path: Path) -> None:
+    found = compare(edition(tmp_path, USES_OTHER), edition(tmp_path, USES_OTHER.replace("top", "uppermost")))
+    assert [change.rule.id for change in found] == ["parameter-renamed"]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Callable, Iterator, Sequence
+from fractions import Fraction
 from typing import Any
 
 Data = dict[Any, Any]
@@ -20,7 +22,9 @@ def mutants(data: Data) -> Iterator[Mutant]:
         yield from _address(("addresses", name), address)
     if "selector" in data:
         yield from _selector(("selector",), data["selector"])
+    numbers = [name for name, parameter in data.get("parameters", {}).items() if "number" in parameter]
     for name, type_ in data.get("types", {}).items():
+        yield from _multiples(("types", name), type_, numbers)
         only_in_id = all(str(field["at"]).startswith("id.") for field in _fields_of(data, name))
         yield from _type(("types", name), type_, "" if only_in_id else order)
     for name, layout in data.get("layouts", {}).items():
@@ -184,6 +188,39 @@ def _type(path: Path, type_: Data, order: str) -> Iterator[Mutant]:
             yield _set((*path, kind, member, *at), value + 2)
 
 
+def _multiples(path: Path, type_: Data, numbers: Sequence[str]) -> Iterator[Mutant]:
+    """Another parameter, none, and twice as much of it, wherever the scale is a multiple of one."""
+    keys = [key for key in ("scale", "offset", "range") if key in type_]
+    names = [name for name in numbers if re.search(rf"\b{name}\b", str(type_.get("scale")))]
+    for name in names:
+        for told, other in (*((n, n) for n in numbers if n != name), ("1", "1"), ("twice", f"2*{name}")):
+            written = {key: _replaced(type_[key], name, other) for key in keys}
+            yield f"{_dotted(path)} {name} as {told}", _change_all(path, written)
+        if "offset" in type_:
+            yield _drop((*path, "offset"))
+
+
+def _replaced(written: object, name: str, other: str) -> object:
+    """A number, or a number of each case, with something else for a parameter; what it is multiplied with is kept."""
+    if isinstance(written, dict):
+        return {case: one if case == "by" else _replaced(one, name, other) for case, one in written.items()}
+
+    def number(match: re.Match[str]) -> str:
+        factor = Fraction(match[1].rstrip("*") + ("" if match[1].endswith("*") else "1"))
+        parameter = other.removeprefix("2*")
+        factor *= 2 if parameter != other else 1
+        return str(factor) if parameter == "1" else f"{factor}*{parameter}"
+
+    return re.sub(rf"(-?[0-9][0-9.]*(?:/[0-9]+)?\*|-?)\b{name}\b", number, str(written))
+
+
+def _change_all(path: Path, written: Data) -> Change:
+    def change(data: Data) -> None:
+        _walk(data, path).update(written)
+
+    return change
+
+
 def _raw(path: Path, raw: str) -> Iterator[Mutant]:
     """Another sign, and another width; a float of another width."""
     width = int(raw[1:])
@@ -205,8 +242,12 @@ def _spans(limits: str) -> Iterator[str]:
     if high.lstrip("-").isdigit():
         yield f"{low}..{int(high) - 1}"
         yield f"{low}..{int(high) + 1}"
-    else:
+    elif high.lstrip("-")[0].isdigit() and "." not in high:
         yield f"{low}..{high.replace('*', '0*', 1)}"
+    elif "*" not in high:
+        yield f"{low}..1/2*{high}"
+    else:
+        yield f"{low}..2*{high.partition('*')[2]}"
 
 
 def _moved(at: object) -> Iterator[str]:

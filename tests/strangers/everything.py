@@ -43,6 +43,7 @@ types:
   colour: {raw: u8, enum: {red: {value: 1}, green: {value: 2}}}
   state: {raw: u8, flags: {hot: {bit: 0}, cold: {bit: 3}}}
   turns: {raw: u8, raw_range: 0..2*count+1}
+  share: {raw: u10, unit: A, scale: 1/512*count, offset: -count, range: -1/2*count..1/2*count}
 layouts:
   status: {fields: {state: {at: 1, type: state}, level: {at: 2, type: level}, turns: {at: 4, type: turns}}}
 tables:
@@ -63,7 +64,7 @@ commands:
     limited_by: [limit]
     notes: []
   read: {code: 0x11, request: {fixed: {at: 1, raw: u8, constant: 3}}, reply: status, not_limited_by: [limit]}
-  turn: {code: 0x12, request: {angle: {at: 1, type: angle}}, reply: {of: read}, implemented: false}
+  turn: {code: 0x12, request: {angle: {at: 1, type: angle}, share: {at: 4, type: share}}, reply: {of: read}, implemented: false}
   store: {code: 0x13, table: store, request: entry, reply: echo, only: {size: [big]}}
   all: {code: 0x14, address: all, mode: broadcast, reply: {layout: status, address: lamp, from_each: 1..3}}
   colours: {code: 0x15, reply: {colours: {at: 1, array: 1..3, type: colour}}}
@@ -77,10 +78,11 @@ family: lamp
 edition: v1
 sources: {manual: {}}
 frames:
-  - {request: turn, source: manual, id: 0x101, node: 1, data: 12 64 00 00 00 00 00 00, raw: {angle: 100}, values: {angle: 2}}
+  - {request: turn, source: manual, id: 0x101, node: 1, data: 12 64 00 00 00 02 00 00,
+     parameters: {count: 3}, raw: {angle: 100, share: 512}, values: {angle: 2, share: 0}}
 refused:
   - {decode: request, source: manual, id: 0x7FF, data: "", says: unknown_id}
-  - {encode: request, command: turn, source: manual, node: 1, values: {angle: 91}, says: out_of_range}
+  - {encode: request, command: turn, source: manual, node: 1, values: {angle: 91, share: 0}, says: out_of_range}
 exchanges:
   - source: manual
     request: {id: 0x101, data: 10 01 64 00 00 00 00 00}

@@ -9,6 +9,7 @@ from fractions import Fraction
 
 import pytest
 from canwright.golden import Refusal
+from canwright.interpret import linear_of
 from canwright.load import described
 from canwright.model import Command, Direction, Edition, Encoding, Field, Message, Space, Type
 
@@ -92,7 +93,7 @@ def test_thousandths_are_the_nearest(made: tuple[Edition, CAdapter]) -> None:
         if not type_.is_number or type_.is_plain or type_.encoding is Encoding.FLOAT:
             continue
         for parameters in _assignments(edition):
-            linear = type_.linear.at({name: str(value) for name, value in parameters.items()})
+            linear = linear_of(type_, {name: str(value) for name, value in parameters.items()})
             low, high = _limits(type_, parameters)
             for raw in [low, low + 1, 0, 1, -1, high - 1, high, *(chance.randint(low, high) for _ in range(ROUNDS))]:
                 if not low <= raw <= high:

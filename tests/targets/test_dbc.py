@@ -90,6 +90,31 @@ def test_set_numbers_make_a_variant_with_its_own_name_and_scale() -> None:
     assert '32|16@1+ (0.1,-10) [-10|24.9] "W"' in variant
 
 
+def test_a_multiple_of_a_number_that_is_not_set_stays_raw_and_says_so() -> None:
+    arm = next(spec for spec in SMALL if spec.parent.name == "arm")
+    plain = files(arm)["arm-v1-star-command.dbc"]
+    assert ' SG_ c_position : 7|16@0+ (1,0) [0|65535] "raw" Arm1' in plain
+    assert (
+        'CM_ SG_ 1 c_position "Move: Position. Raw: one step is 2/65535*p_max rad, counted from -p_max rad. Manual 2.";'
+        in plain
+    )
+    texts = files(arm, p_max="12.5", t_max="18")
+    made = texts["arm-v1-star-p_max_12.5-t_max_18-command.dbc"]
+    assert ' SG_ c_position : 7|16@0+ (0.00038147554741741054,-12.5) [-12.5|12.5] "rad" Arm1' in made
+    assert ' SG_ c_speed : 23|12@0+ (1,0) [0|4095] "raw" Arm1' in made
+    assert ' SG_ c_torque : 51|12@0+ (0.008791208791208791,-18) [-16.197802197802197|16.197802197802197] "Nm"' in made
+    assert 'c_position "Move: Position. Manual 2."' in made
+    reply = texts["arm-v1-star-p_max_12.5-t_max_18-reply.dbc"]
+    assert "Current. Raw: one step is 1/32767*i_max A." in reply
+    assert "Raw" not in texts["arm-v1-delta-p_max_12.5-t_max_18-reply.dbc"].split("r_current")[-1]
+
+
+def test_the_guide_says_how_to_set_numbers() -> None:
+    text = made(next(spec for spec in SMALL if spec.parent.name == "arm"))["README.md"]
+    assert "`p_max`, `v_max`, `t_max`, `i_max`: fields that are multiples of these are in counts" in text
+    assert "--set p_max=12.5 --set v_max=65 --set t_max=18 --set i_max=40 --out out" in text
+
+
 def test_commands_that_a_value_lacks_are_left_out_but_their_reply_stays_where_another_command_has_it() -> None:
     texts = files(CASES / "tiny.yaml")
     assert "c1A_" in texts["lamp-v1-small-command.dbc"]

@@ -148,6 +148,16 @@ def test_what_fixed_frames_leave_over_says_so() -> None:
     assert left_over == ["enable.md", "disable.md", "control.md"]  # the reply of all three is what `read_word` is not
 
 
+def test_a_multiple_of_a_number_is_shown_as_one() -> None:
+    pages = {output.path: output.text for output in docs.generate([described(ROOT / "tests/specs/arm/v1.yaml")], {})}
+    assert "| `u16 big-endian` | `rad` radian | `2/65535*p_max rad - p_max rad` |" in pages["en/v1/types.md"]
+    assert "| `0..1000` | `0..t_max N·m` |" in pages["en/v1/types.md"]
+    assert "star: `-i_max..i_max A`<br>delta: `-327.67..327.67 A`" in pages["en/v1/types.md"]
+    assert pages["en/v1/parameters.md"].count("A scale is a multiple of it, so it is above 0.") == 4
+    worked = "`p_max = 12.5`, `v_max = 65`, `t_max = 18` | `node = 2`<br>`position = 12.5 rad` (`raw 65535`)"
+    assert worked in pages["en/v1/commands/move.md"]
+
+
 def test_the_front_page_tells_editions_apart(tmp_path: Path) -> None:
     old = (
         MINIMAL.replace("edition: v1\n", "edition: v1\ndate: '2023-01'\n")

@@ -11,7 +11,6 @@ import click
 from ..diagnostics import Diagnostic, Position, Severity
 from ..folder import OutputError
 from ..generate import TARGETS, generate as make
-from ..model import Assignment
 from ..output import Content, difference, write
 from ..targets import Described
 from .common import (
@@ -27,6 +26,7 @@ from .common import (
     stop,
     target_option,
 )
+from .settings import assignment
 
 
 @click.command()
@@ -114,18 +114,4 @@ def _report(warnings: Sequence[Diagnostic], message: str, printer: str, strict: 
 
 
 def _content(described: Sequence[Described], targets: Sequence[str], settings: Sequence[str]) -> Content:
-    return make(described, targets or list(TARGETS), _assignment(described, settings))
-
-
-def _assignment(described: Sequence[Described], settings: Sequence[str]) -> Assignment:
-    """`--set` as an assignment, each name and value one that some edition knows."""
-    known = {p.name: {v.name for v in p.values} for d in described for p in d.edition.parameters if p.is_choice}
-    result = {}
-    for setting in settings:
-        name, _, value = setting.partition("=")
-        if value not in known.get(name, set()):
-            wanted = "; ".join(f"{n}={'|'.join(sorted(v))}" for n, v in sorted(known.items()))
-            there = f"there are: {wanted}" if wanted else "the spec has none"
-            stop(f"--set {setting} is not a parameter and its value; {there}")
-        result[name] = value
-    return result
+    return make(described, targets or list(TARGETS), assignment(described, settings))

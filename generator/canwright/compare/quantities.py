@@ -45,21 +45,26 @@ def compare(found: Found, pair: Pair) -> None:
     _ranges(found, pair)
     for key, before, after in (("enum", old.enum, new.enum), ("flags", old.flags, new.flags)):
         _members(found, pair, key, before, after)
-    if old.parameters != new.parameters:
-        facts = {key: ", ".join(t.parameters) or Said("nothing") for key, t in (("old", old), ("new", new))}
+    needed = [(*type_.parameters, *type_.numbers) for type_ in (old, new)]
+    if needed[0] != needed[1]:
+        facts = {key: ", ".join(names) or Said("nothing") for key, names in zip(("old", "new"), needed, strict=True)}
         pair.add(found, "parameters-of-type-changed", Impact.BUILD, "scale", **facts)
 
 
 def _scales(found: Found, pair: Pair) -> None:
-    def step(linear: Linear | None) -> tuple[Fraction | None, Fraction]:
-        return (linear.scale if linear else None, linear.offset if linear else Fraction(0))
+    def step(linear: Linear | None) -> tuple[object, object]:
+        """Scale and offset, each with what it is a multiple of."""
+        if linear is None:
+            return None, (Fraction(0), None)
+        return (linear.scale, linear.times), (linear.offset, linear.times if linear.offset else None)
 
     old, new = pair.old.linear, pair.new.linear
     for when, one, other in _cases(old, new, lambda a, b: step(a)[0] == step(b)[0]):
         facts = {"when": when, "old": _worth(one, pair.old), "new": _worth(other, pair.new)}
         pair.add(found, "scale-changed", Impact.SILENT, "scale", **facts)
     for when, one, other in _cases(old, new, lambda a, b: not a or not b or step(a)[1] == step(b)[1]):
-        told = [words.exact(step(linear)[1]) + _unit(type_) for linear, type_ in ((one, pair.old), (other, pair.new))]
+        sides = ((one, pair.old), (other, pair.new))
+        told = [(words.offset(linear) if linear else "0") + _unit(type_) for linear, type_ in sides]
         facts = {"when": when, "old": told[0], "new": told[1]}
         pair.add(found, "offset-changed", Impact.SILENT, "offset", **facts)
     for when, one, other in _cases(old, new, lambda a, b: a != b or not a or not b or a.printed == b.printed):
@@ -68,7 +73,7 @@ def _scales(found: Found, pair: Pair) -> None:
 
 
 def _worth(linear: Linear | None, type_: Type) -> str:
-    return Said("not given") if linear is None else f"{linear.printed or words.exact(linear.scale)}{_unit(type_)}"
+    return Said("not given") if linear is None else f"{words.step(linear)}{_unit(type_)}"
 
 
 def _unit(type_: Type) -> str:

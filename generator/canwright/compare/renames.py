@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from .. import words
-from ..model import Bound, Command, Dependent, Edition, Effect, Layout, Mode, Parameter, Path, Setting
+from ..model import Bound, Command, Dependent, Edition, Effect, Layout, Linear, Mode, Parameter, Path, Setting
 from . import api
 from .change import Item
 from .found import BOTH_SIDES, Found
@@ -134,6 +134,8 @@ def _own(names: _Names, part: Any) -> dict[str, Any]:
         return {"only": names.scope(part.only), "mode": part.mode and names.new(Mode, part.mode)}
     if isinstance(part, Bound):
         return {"parameter": part.parameter and names.new(Parameter, part.parameter)}
+    if isinstance(part, Linear):
+        return {"times": part.times and names.new(Parameter, part.times)}
     if isinstance(part, Dependent) and part.parameter is not None:
         cases = {names.value(part.parameter, name): _in(names, case) for name, case in part.cases.items()}
         return {"parameter": names.new(Parameter, part.parameter), "cases": cases}

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import TypeVar
 
-from .. import notation, words
+from .. import words
 from ..diagnostics import nearest
+from ..given import number
 from ..golden import Sourced
 from ..interpret import CanFrame, Raw, raw_of, value_of
 from ..model import Assignment, Edition, Field, Message, Parameter, Path, Variant
@@ -23,28 +24,23 @@ def judged(edition: Edition, key: str, entries: Sequence[E], judge: Callable[[E]
     """What is wrong with the entries of a list: with their parameters, or, where these are right, by `judge`."""
     known = {parameter.name: parameter for parameter in edition.parameters}
     for i, entry in enumerate(entries):
-        amiss = list(_parameters(known, entry.parameters)) if entry.parameters else []
+        amiss = list(_parameters(edition, known, entry.parameters)) if entry.parameters else []
         for path, text, hint in amiss or judge(entry):
             yield Finding((key, i, *path), text, hint, in_frames=True)
 
 
-def _parameters(known: Mapping[str, Parameter], given: Mapping[str, int | str]) -> Iterator[Problem]:
+def _parameters(edition: Edition, known: Mapping[str, Parameter], given: Mapping[str, int | str]) -> Iterator[Problem]:
     for name, value in given.items():
         path: Path = ("parameters", name)
         if name not in known:
             yield path, f"there is no parameter `{name}`", nearest(name, known) or "leave it out"
         elif known[name].is_choice and str(value) not in (names := [v.name for v in known[name].values]):
             yield path, f"`{name}` has no value `{value}`", nearest(str(value), names) or "check `parameters`"
-        elif not known[name].is_choice and not _is_number(str(value)):
-            yield path, f"`{name}` is a number", f"write {name}: 12"
-
-
-def _is_number(text: str) -> bool:
-    try:
-        notation.number(text)
-    except ValueError:
-        return False
-    return True
+        elif not known[name].is_choice:
+            try:
+                number(edition, known[name], str(value))
+            except ValueError as error:
+                yield path, str(error), f"write what the source gives, as {name}: 12.5"
 
 
 def told(message: Message, node: int | None, variant: Variant, frame: CanFrame, assignment: Assignment) -> str:

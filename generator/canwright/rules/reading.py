@@ -38,8 +38,10 @@ READING: tuple[Rule, ...] = (
         "two-ranges",
         "A range is given in raw integers or in the unit, not both; in the unit only where there is a scale.",
     ),
-    Rule("two-parameters", "The fields of a layout depend on one parameter, and so do scale and range of a type."),
+    Rule(
+        "two-parameters", "The fields of a layout depend on one parameter, and so do scale, offset and range of a type."
+    ),
     Rule("incomplete-choice", "What depends on a parameter says something for each of its values."),
     Rule("stale-output", "What is generated is what the specs say."),
-    Rule("parameter-kind", "A parameter is a choice among values or a number."),
+    Rule("parameter-kind", "A parameter is a choice among values or a number, and stands where such a one can."),
 )

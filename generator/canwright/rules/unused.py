@@ -53,7 +53,6 @@ def _parameters(edition: Edition, messages: Iterable[Message]) -> Iterator[str]:
     for message in messages:
         yield from message.layout.parameters
         for field in message.layout.fields:
-            spans = [span for _, span in field.type.raw_range.distinct() if span is not None]
-            yield from (end.parameter for span in spans for end in (span.low, span.high) if end.parameter)
+            yield from field.type.numbers
     for only in (*(c.only for c in edition.commands), *(s.only for s in edition.settings)):
         yield from only

@@ -57,12 +57,8 @@ class DbcAdapter:
         self._left_out = {m.name for m in self._edition.all_messages() if obstacle(m)}
         for direction in Direction:
             self._left_out |= set(overlaid(Scope(self._edition, direction, {}, {})))
-        self._limiting = {
-            bound.parameter
-            for message in self._edition.messages(Direction.REQUEST)
-            for field in message.layout.fields
-            for _, span in field.type.raw_range.distinct()
-            for bound in ((span.low, span.high) if span else ())
+        self._deciding = {
+            name for m in self._edition.all_messages() for f in m.layout.fields for name in f.type.numbers
         }
 
     def decode(
@@ -138,7 +134,7 @@ class DbcAdapter:
             given = parameters.get(parameter.name)
             if not parameter.is_numeric:
                 choices.append([str(given)] if given is not None else [value.name for value in parameter.values])
-            elif given is not None and (parameter.is_choice or parameter.name in self._limiting):
+            elif given is not None and (parameter.is_choice or parameter.name in self._deciding):
                 fixed[parameter.name] = str(given)
         words = [f"{name}_{value}" for name, value in fixed.items()]
         for combination in itertools.product(*choices):

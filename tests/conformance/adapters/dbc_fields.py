@@ -82,8 +82,9 @@ class Cell:
             known = {str(choice) for choice in (self.signal.choices or {}).values()}
             return None if value in known else Refused(Refusal.OUT_OF_RANGE, self.field.name)
         if self.signal.unit == RAW_UNIT:
-            by = type_.linear.parameter
-            missing = by is not None and by not in parameters
+            linear = type_.linear.at({name: str(value) for name, value in parameters.items()})
+            needed = {type_.linear.parameter, linear.times if linear else None} - {None}
+            missing = not needed.issubset(parameters)
             return Refused(Refusal.MISSING_PARAMETER if missing else Refusal.NO_SCALE, self.field.name)
         assert not isinstance(value, list)
         number = float(value)

@@ -124,7 +124,13 @@ class DocsAdapter:
         case = self._case(row.scales, parameters)
         if case is None:
             return Refused(Refusal.MISSING_PARAMETER, row.name)
-        return row.scales[case] or Refused(Refusal.NO_SCALE, row.name)
+        found = row.scales[case]
+        if found is None:
+            return Refused(Refusal.NO_SCALE, row.name)
+        if found.parameter and found.parameter not in parameters:
+            return Refused(Refusal.MISSING_PARAMETER, row.name)
+        times = Fraction(str(parameters[found.parameter])) if found.parameter else 1
+        return Scale(found.step * times, found.offset * times)
 
     def _case(self, cases: Mapping[str, object], parameters: Parameters) -> str | None:
         """The case that the parameters lead to."""

@@ -48,10 +48,19 @@ def rational(text: str) -> Fraction:
 
 @dataclass(frozen=True)
 class Scale:
-    """value = raw * step + offset."""
+    """value = raw * step + offset, both so many times a parameter where there is one."""
 
     step: Fraction
     offset: Fraction
+    parameter: str = ""
+
+
+def _multiple(text: str) -> tuple[Fraction, str]:
+    """`2/65535*size`, `-size`, or a number without a parameter."""
+    match = re.fullmatch(r"(?:(.+)\*|(-?))([a-z]\w*)", text)
+    if match is None:
+        return rational(text), ""
+    return rational(match[1] or f"{match[2]}1"), match[3]
 
 
 def scale(text: str | None) -> Scale | None:
@@ -60,8 +69,10 @@ def scale(text: str | None) -> Scale | None:
         return None
     match = re.fullmatch(r"(\S+?)(?: [^\s+-]\S*)?(?: ([+-]) (\S+)(?: \S+)?)?", text)
     assert match, text
-    offset = rational(match[3]) if match[3] else Fraction(0)
-    return Scale(rational(match[1]), -offset if match[2] == "-" else offset)
+    step, parameter = _multiple(match[1])
+    offset, same = _multiple(match[3]) if match[3] else (Fraction(0), parameter)
+    assert parameter == same, text
+    return Scale(step, -offset if match[2] == "-" else offset, parameter)
 
 
 @dataclass(frozen=True)
@@ -86,11 +97,11 @@ def ends(text: str) -> tuple[End, End]:
 
 
 def _end(text: str) -> End:
-    match = re.fullmatch(r"([^*]+)(?:\*([a-z]\w*)([+-].+)?)?", text)
-    assert match, text
-    if match[2] is None:
-        return End(rational(match[1]), Fraction(0), "")
-    return End(rational(match[3] or "0"), rational(match[1]), match[2])
+    match = re.fullmatch(r"(.*[a-z]\w*)([+-].+)?", text)
+    if match is None:
+        return End(rational(text), Fraction(0), "")
+    factor, parameter = _multiple(match[1])
+    return End(rational(match[2] or "0"), factor, parameter)
 
 
 @dataclass(frozen=True)

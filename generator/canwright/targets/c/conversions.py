@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from ...model import Edition, Encoding, Linear, Type
 from .choices import Choice, choose
+from .multiples import Thousandths, ratio, unless_above_zero
 from .names import Names, Problem
 from .numbers import INT64, UINT64, Integer, common, integer
 from .validity import constant_limits, has_constant_limits
@@ -42,11 +43,11 @@ class ConversionView(NamedTuple):
 
     @property
     def to_parameters(self) -> bool:
-        return not self.to.is_constant
+        return self.to.uses_parameters
 
     @property
     def from_parameters(self) -> bool:
-        return not self.from_.is_constant or (self.check is not None and self.check.uses_parameters)
+        return self.from_.uses_parameters or (self.check is not None and self.check.uses_parameters)
 
 
 def nearest(number: Fraction) -> int:
@@ -97,8 +98,8 @@ class _Milli(NamedTuple):
 
 def milli(names: Names, type_: Type, valid: Choice | None) -> ConversionView | None:
     """Conversions to thousandths of the unit; None where there is no scale, or 64 bits are too few."""
-    known = [_Milli.of(linear) for _, linear in type_.linear.distinct() if linear is not None]
-    if type_.encoding is Encoding.FLOAT or not type_.is_number or type_.is_plain or not known:
+    known = [_Milli.of(linear) for _, linear in type_.linear.distinct() if linear is not None and not linear.times]
+    if type_.encoding is Encoding.FLOAT or not type_.is_number or type_.is_plain or not (known or type_.times):
         return None
     for ends in (integer(type_).limits, type_.raw_limits):
         kind = _milli_kind(type_, known, ends)
@@ -109,7 +110,10 @@ def milli(names: Names, type_: Type, valid: Choice | None) -> ConversionView | N
 
 def _milli_kind(type_: Type, known: Sequence[_Milli], ends: tuple[int, int]) -> Integer | None:
     """What holds the thousandths of every raw integer, when all arithmetic on the way is within 64 bits."""
-    kind = common(*(m.thousandths(end) for m in known for end in ends))
+    of_numbers = [_of_number(linear) for _, linear in type_.linear.distinct() if linear is not None and linear.times]
+    if not all(one.fit(ends, constant_limits(type_)) for one in of_numbers):
+        return None
+    kind = INT64 if of_numbers else common(*(m.thousandths(end) for m in known for end in ends))
     if (
         kind is None
         or common(*ends, *itertools.chain.from_iterable(m.steps_from(e) for m in known for e in ends)) is None
@@ -121,17 +125,27 @@ def _milli_kind(type_: Type, known: Sequence[_Milli], ends: tuple[int, int]) -> 
 
 def _milli(names: Names, type_: Type, kind: Integer, ends: tuple[int, int], valid: Choice | None) -> ConversionView:
     guard = [] if ends == integer(type_).limits else _unless_between(integer(type_), "raw", *ends)
-    fails = bool(guard) or type_.linear.parameter is not None
+    fails = bool(guard) or type_.linear.parameter is not None or bool(type_.times)
     check = None if has_constant_limits(type_) else valid
 
     def to(linear: Linear | None) -> list[str]:
         if linear is None:
             return list(NO_SCALE)
-        number = _to_milli(_Milli.of(linear), kind, integer(type_), ends)
-        return [*guard, f"*milli = {number};", "return CANWRIGHT_OK;"] if fails else [f"return {number};"]
+        if linear.times is not None:
+            number = _of_number(linear).number(_cast(INT64, integer(type_), "raw"))
+        else:
+            number = _to_milli(_Milli.of(linear), kind, integer(type_), ends)
+        guards = [*guard, *unless_above_zero(linear)]
+        return [*guards, f"*milli = {number};", "return CANWRIGHT_OK;"] if fails else [f"return {number};"]
 
     def from_(linear: Linear | None) -> list[str]:
-        return list(NO_SCALE) if linear is None else _from_milli(_Milli.of(linear), kind, type_, bool(check))
+        if linear is None:
+            return list(NO_SCALE)
+        if linear.times is None:
+            return _from_milli(_Milli.of(linear), kind, type_, bool(check))
+        braced = type_.linear.parameter is not None
+        steps = _of_number(linear).steps(constant_limits(type_), integer(type_), checked=bool(check), braced=braced)
+        return [*unless_above_zero(linear), *steps]
 
     return ConversionView(
         kind.name,
@@ -142,6 +156,10 @@ def _milli(names: Names, type_: Type, kind: Integer, ends: tuple[int, int], vali
         integer(type_).name,
         check,
     )
+
+
+def _of_number(linear: Linear) -> Thousandths:
+    return Thousandths(linear, *_Milli.of(linear))
 
 
 def _to_milli(m: _Milli, kind: Integer, raw: Integer, ends: tuple[int, int]) -> str:
@@ -191,16 +209,20 @@ def double(names: Names, type_: Type, valid: Choice | None) -> ConversionView | 
         return None
     kind, is_float = integer(type_), type_.encoding is Encoding.FLOAT
     wide = kind if is_float else UINT64 if kind == UINT64 else INT64
-    fails = type_.linear.parameter is not None
+    fails = type_.linear.parameter is not None or bool(type_.times)
 
     def to(linear: Linear | None) -> list[str]:
         if linear is None:
             return list(NO_SCALE)
         number = _value(linear, type_)
-        return [f"*value = {number};", "return CANWRIGHT_OK;"] if fails else [f"return {number};"]
+        if not fails:
+            return [f"return {number};"]
+        return [*unless_above_zero(linear), f"*value = {number};", "return CANWRIGHT_OK;"]
 
     def from_(linear: Linear | None) -> list[str]:
-        return list(NO_SCALE) if linear is None else [f"steps = {_steps(linear)};", "break;"]
+        if linear is None:
+            return list(NO_SCALE)
+        return [*unless_above_zero(linear), f"steps = {_steps(linear)};", "break;"]
 
     if is_float:
         found = f"canwright_bits{type_.width}(&nearest, value, steps)"
@@ -218,8 +240,19 @@ def double(names: Names, type_: Type, valid: Choice | None) -> ConversionView | 
     )
 
 
+def _multiple(linear: Linear) -> str:
+    """The value where the scale is a multiple of a parameter: all there is to divide by comes last."""
+    factor, addend, divisor = linear.as_quotient
+    dividend = "(double)raw" + (f" * {_literal(factor)}" if factor != 1 else "")
+    if addend:
+        dividend += f" {'+' if addend > 0 else '-'} {_literal(abs(addend))}"
+    return f"canwright_multiple({ratio(linear)}, {dividend}, {_literal(divisor)})"
+
+
 def _value(linear: Linear, type_: Type) -> str:
     """The value, one operation a step; a factor of 1 and an offset of 0 are no step."""
+    if linear.times is not None:
+        return _multiple(linear)
     factor, divisor = linear.scale.numerator, linear.scale.denominator
     is_float = type_.encoding is Encoding.FLOAT
     if linear.offset and not is_float:
@@ -246,7 +279,8 @@ def _is_wide(type_: Type, factor: int, divisor: int) -> bool:
 def _steps(linear: Linear) -> str:
     """What `_value` does, backwards."""
     scale, offset = linear.scale, linear.offset
-    start = f"(value - {_literal(offset)})" if offset else "value"
+    start = "value" if linear.times is None else f"canwright_share(value, {ratio(linear)})"
+    start = f"({start} - {_literal(offset)})" if offset else start
     above = f" * {_literal(scale.denominator)}" if scale.denominator != 1 else ""
     return start + above + (f" / {_literal(scale.numerator)}" if scale.numerator != 1 else "")
 

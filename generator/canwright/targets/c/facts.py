@@ -72,9 +72,8 @@ def _range(type_: Type, among: Sequence[str]) -> str:
 
 
 def _worth(linear: Linear, unit: str) -> str:
-    step = linear.printed or words.exact(linear.scale)
-    offset = f", counted from {words.exact(linear.offset)}" if linear.offset else ""
-    return f"{step} {unit}".rstrip() + offset + (f" {unit}" if linear.offset and unit else "")
+    offset = f", counted from {words.offset(linear)}" if linear.offset else ""
+    return f"{words.step(linear)} {unit}".rstrip() + offset + (f" {unit}" if linear.offset and unit else "")
 
 
 def _case(parameter: str | None, names: Sequence[str]) -> str:

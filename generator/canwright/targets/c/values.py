@@ -39,11 +39,12 @@ class TypeView(NamedTuple):
     milli: ConversionView | None
     milli_unit: str
     double: ConversionView | None
+    only_double: bool
     unit: str
 
     @property
     def is_empty(self) -> bool:
-        return not (self.macros or self.valid or self.milli)
+        return not (self.macros or self.valid or self.milli or self.only_double)
 
 
 def types(names: Names, edition: Edition) -> list[TypeView]:
@@ -56,7 +57,9 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
     kind, check = integer(type_), valid(names, type_)
     unit = type_.unit.dbc if type_.unit else ""
     title = english(type_.title) or type_.name
-    facts = " ".join(text for text in (english(type_.about), *type_facts(type_)) if text)
+    thousandths = milli(names, type_, check)
+    lacking = "" if thousandths else _only_doubles(type_)
+    facts = " ".join(text for text in (english(type_.about), *type_facts(type_), lacking) if text)
     macros = [*_limits(names, type_, kind), *_members(names, type_, kind)]
     return TypeView(
         names.lower(type_.name),
@@ -66,11 +69,18 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
         tuple(macros),
         tuple(NameView(names.upper(type_.name, m.name), m.name) for m in type_.enum),
         check,
-        milli(names, type_, check),
+        thousandths,
         f"thousandths of {unit}" if unit else "thousandths",
         double(names, type_, check),
+        bool(lacking),
         unit,
     )
+
+
+def _only_doubles(type_: Type) -> str:
+    """Why there are no thousandths, where a parameter is a factor of theirs."""
+    by = ", ".join(type_.times)
+    return f"No thousandths: 64 bits are too few to multiply with {by}; there are conversions to double." if by else ""
 
 
 def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:

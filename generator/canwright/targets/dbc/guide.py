@@ -6,8 +6,9 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
+from ... import given
 from ...golden import Frame as GoldenFrame
-from ...model import Direction, Edition
+from ...model import Direction, Edition, Parameter
 from .. import Described, header
 from .files import KIND
 from .frames import MOST_NODES, Part, Scope, obstacle, overlaid
@@ -23,7 +24,8 @@ class Section(NamedTuple):
     """The files of one edition as a table: a row for each combination of parameter values.
 
     `joined` are what names say of joined selectors, with the commands of such a file.
-    `open_choices` are parameters that are not set, with their values; `lacking` is direction, command and reason.
+    `open_choices` are parameters that are not set, with their values; `open_numbers` those that scales are multiples of,
+    with an example; `lacking` is direction, command and reason.
     """
 
     edition: str
@@ -33,6 +35,7 @@ class Section(NamedTuple):
     rows: tuple[tuple[str, tuple[File, ...]], ...]
     joined: tuple[tuple[str, tuple[str, ...]], ...]
     open_choices: tuple[tuple[str, tuple[str, ...]], ...]
+    open_numbers: tuple[tuple[str, str], ...]
     lacking: tuple[tuple[str, str, str], ...]
 
 
@@ -74,7 +77,7 @@ class Guide(NamedTuple):
 
 
 def guide(made: Sequence[tuple[Described, Sequence[File]]]) -> Guide:
-    sections = tuple(_section(described.edition, files) for described, files in made)
+    sections = tuple(_section(described, files) for described, files in made)
     reading = [e for described, files in made for e in _examples(described, files, Direction.REPLY)]
     requests = (e for described, files in made for e in _examples(described, files, Direction.REQUEST))
     sending = next((e for e in requests if len(e.values) == len(e.frame.raw)), None)
@@ -83,7 +86,16 @@ def guide(made: Sequence[tuple[Described, Sequence[File]]]) -> Guide:
     return Guide(sections, best.file if best else first, best, sending)
 
 
-def _section(edition: Edition, files: Sequence[File]) -> Section:
+def _usual(described: Described, parameter: Parameter) -> str:
+    """A value of a number parameter: that of the first golden frame that has one."""
+    golden = described.frames.frames if described.frames else ()
+    texts = (str(f.parameters[parameter.name]) for f in golden if parameter.name in f.parameters)
+    found = (given.number(described.edition, parameter, text) for text in texts)
+    return number(next(found, parameter.maximum or Fraction(1)))
+
+
+def _section(described: Described, files: Sequence[File]) -> Section:
+    edition = described.edition
     rows: dict[tuple[str, ...], list[File]] = {}
     for file in files:
         rows.setdefault(file.known, []).append(file)
@@ -95,6 +107,7 @@ def _section(edition: Edition, files: Sequence[File]) -> Section:
         tuple((" ".join(known) or "all", tuple(row)) for known, row in rows.items()),
         tuple((name, tuple(dict.fromkeys(commands))) for name, commands in _joined(files).items()),
         tuple((p.name, tuple(v.name for v in p.values)) for p in edition.parameters if p.is_choice and p.is_numeric),
+        tuple((p.name, _usual(described, p)) for p in edition.parameters if edition.is_factor(p)),
         tuple(_lacking(edition)),
     )
 

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
+from ... import words
 from ...model import IDENTITY, Direction, Element, Encoding, Field, Key, Level, Linear, Order, Space, Type
 from .frames import Part, Scope
 from .selectors import bits, joined_span, joined_value, runs, selector_bits
@@ -123,7 +124,7 @@ class Signals:
             if title.lower() == which.lower() or title.lower().endswith(f": {which}".lower())
             else f"{title}: {which}"
         )
-        comment = f"{whole}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{about}"
+        comment = f"{whole}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{self._open(type_)}{about}"
         if field.constant is not None:
             always = f"{comment} Always {field.constant}."
             yield self._integer(place, always, type_, documented=(field.constant,) * 2, start=field.constant)
@@ -197,10 +198,20 @@ class Signals:
     def _scale(self, type_: Type | None) -> tuple[Linear, str]:
         if type_ is None:
             return IDENTITY, ""
-        linear = type_.linear.at(self._scope.assignment)
+        line = type_.linear.at(self._scope.assignment)
+        linear = line.at(self._scope.numbers) if line else None
         if linear is None:
             return IDENTITY, RAW_UNIT
         return linear, type_.unit.dbc if type_.unit else ""
+
+    def _open(self, type_: Type) -> str:
+        """The scale of a signal that stays raw since the number that it is a multiple of is not set."""
+        line = type_.linear.at(self._scope.assignment)
+        if line is None or line.at(self._scope.numbers) is not None:
+            return ""
+        unit = f" {type_.unit.dbc}" if type_.unit else ""
+        offset = f", counted from {words.offset(line)}{unit}" if line.offset else ""
+        return _sentence(f"Raw: one step is {words.step(line)}{unit}{offset}")
 
     def _signal(
         self,

@@ -307,14 +307,7 @@ class MessageViews:
 
 def depends(layout: Layout) -> bool:
     """Whether values or ranges of a layout need parameters."""
-    bounds = (
-        end
-        for field in layout.fields
-        for _, span in field.type.raw_range.distinct()
-        if span is not None
-        for end in (span.low, span.high)
-    )
-    return bool(layout.parameters) or any(end.parameter is not None for end in bounds)
+    return bool(layout.parameters) or any(field.type.numbers for field in layout.fields)
 
 
 def _message_doc(command: Command, message: Message) -> tuple[str, ...]:

@@ -95,6 +95,7 @@ def _number_arguments(type_: Type, parameters: Mapping[str, Parameter]) -> list[
         arguments += [f"scale={{{', '.join(cases)}}}", f"scale_by={text.literal(linear.parameter)}"]
     elif linear.constant is None or not linear.constant.is_identity:
         arguments.append(f"scale={_scale(linear.constant)}")
+    arguments += _times(type_, parameters)
     if span.parameter is not None:
         limits = (f"{parameter_key(parameters[span.parameter], n)}: {_limits(r)}" for n, r in span.cases.items())
         arguments += [f"limits={{{', '.join(limits)}}}", f"limits_by={text.literal(span.parameter)}"]
@@ -107,6 +108,18 @@ def _scale(linear: Linear | None) -> str:
     if linear is None:
         return "None"
     return f"({linear.scale.numerator}, {linear.scale.denominator}, {exact(linear.offset)})"
+
+
+def _times(type_: Type, parameters: Mapping[str, Parameter]) -> list[str]:
+    """The number parameter that the scale is a multiple of: one, or one for each case that has such a scale."""
+    linear = type_.linear
+    if linear.parameter is None:
+        times = linear.constant.times if linear.constant else None
+        return [f"times={text.literal(times)}"] if times else []
+    by = parameters[linear.parameter]
+    cases = [(name, case.times) for name, case in linear.cases.items() if case is not None and case.times is not None]
+    shown = ", ".join(f"{parameter_key(by, name)}: {text.literal(times)}" for name, times in cases)
+    return [f"times={{{shown}}}"] if cases else []
 
 
 def _limits(span: Range | None) -> str:
@@ -142,7 +155,7 @@ def meaning(type_: Type) -> str:
 def inline_value(type_: Type, raw: str) -> str | None:
     """The value as an expression of the raw integer, where the scale is constant; one rounded operation at the end."""
     linear = type_.linear.constant
-    if type_.linear.parameter is not None or linear is None or type_.encoding is Encoding.FLOAT:
+    if type_.linear.parameter is not None or linear is None or linear.times or type_.encoding is Encoding.FLOAT:
         return None
     if linear.is_identity:
         return raw
