@@ -108,9 +108,9 @@ def raw_of(field: Field, frame: CanFrame) -> Raw:
     return found if field.is_array else found[0]
 
 
-def wrong_constants(variant: Variant, frame: CanFrame) -> list[Field]:
+def wrong_constants(fields: Iterable[Field], frame: CanFrame) -> list[Field]:
     """The fields that should hold a constant and hold something else."""
-    return [f for f in variant.fields if f.constant is not None and raw_of(f, frame) != f.constant]
+    return [f for f in fields if f.constant is not None and raw_of(f, frame) != f.constant]
 
 
 def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:

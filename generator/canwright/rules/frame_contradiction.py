@@ -51,7 +51,8 @@ class _Judge:
             text = f"the fields depend on `{message.layout.parameter}`, which is not given"
             return [((), text, f"add parameters: {{{message.layout.parameter}: …}}")]
         wrong = [
-            (("data",), f"`{f.name}` should hold {f.constant}", "check `data`") for f in wrong_constants(variant, can)
+            (("data",), f"`{f.name}` should hold {f.constant}", "check `data`")
+            for f in wrong_constants(variant.fields, can)
         ]
         found = raws(variant, can)
         fields = {f.name: f for f in variant.fields}

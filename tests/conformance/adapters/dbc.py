@@ -15,7 +15,7 @@ from typing import TypeVar
 
 from canwright.golden import Refusal
 from canwright.interpret import CanFrame as ModelFrame, has_id, is_message, node, wrong_constants
-from canwright.model import Assignment, Direction, Message, Space, Variant
+from canwright.model import Assignment, Direction, Message, Space
 from canwright.targets import Described, dbc
 from canwright.targets.dbc.frames import Scope, obstacle, overlaid
 
@@ -105,8 +105,8 @@ class DbcAdapter:
     @staticmethod
     def _constant_in_id(message: Message, frame: CanFrame) -> bool:
         """Whether a constant in the id is another one."""
-        variant = Variant((), tuple(f for f in message.layout.fields if f.space is Space.ID))
-        return bool(wrong_constants(variant, ModelFrame(**vars(frame))))
+        in_id = (field for field in message.layout.fields if field.space is Space.ID)
+        return bool(wrong_constants(in_id, ModelFrame(**vars(frame))))
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters

@@ -83,11 +83,11 @@ class DocsAdapter:
         if len(frame.data) != page.dlc and not frame.remote:
             return Refused(Refusal.WRONG_LENGTH)
         rows = self._rows(page, parameters)
+        there = [row for row in page.rows if not row.only[0]] if isinstance(rows, Refused) else rows
+        if any(row.constant is not None and _raw(row, frame) != row.constant for row in there):
+            return Refused(Refusal.WRONG_CONSTANT)
         if isinstance(rows, Refused):
             return rows
-        for row in rows:
-            if row.constant is not None and _raw(row, frame) != row.constant:
-                return Refused(Refusal.WRONG_CONSTANT)
         return self._decoded(name, node[0], [r for r in rows if r.constant is None], frame, parameters)
 
     def _decoded(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -46,9 +46,13 @@ class CaseView(NamedTuple):
 
 
 class BodyView(NamedTuple):
-    """What a class with fields has; `has_node` and `depends` decide its keywords."""
+    """What a class with fields has; `has_node` and `depends` decide its keywords.
+
+    `constants` are those of every case, which are looked at before the case is.
+    """
 
     fields: tuple[FieldView, ...]
+    constants: tuple[tuple[str, str, str], ...]
     cases: tuple[CaseView, ...]
     parameter: str
     has_node: bool
@@ -179,7 +183,8 @@ class MessageViews:
     def _body(self, layout: Layout, dlc: int, has_node: bool) -> BodyView:
         fields = tuple(self._field(f, layout.manual) for f in layout.fields if f.constant is None)
         cases = tuple(self._case(layout, v, dlc) for v in layout.variants)
-        return BodyView(fields, cases, layout.parameter or "", has_node, depends(layout))
+        constants = tuple(_constants((f for f in layout.fields if not f.only), dlc))
+        return BodyView(fields, constants, cases, layout.parameter or "", has_node, depends(layout))
 
     def _condition(self, layout: Layout, variant: Variant) -> str:
         if layout.parameter is None or len(layout.variants) == 1:
@@ -190,11 +195,7 @@ class MessageViews:
     def _case(self, layout: Layout, variant: Variant, dlc: int) -> CaseView:
         places = self._places(variant.fields)
         names = tuple(text.attribute(f.name) for f in variant.fields if f.constant is None)
-        constants = tuple(
-            (bits.read(bits.place("", f, f.elements[0]), dlc), str(f.constant), text.literal(f.name))
-            for f in variant.fields
-            if f.constant is not None
-        )
+        constants = tuple(_constants((f for f in variant.fields if f.only), dlc))
         scalar = [p for f, p in places if not f.is_array and f.constant is None]
         only_scalars = all(not f.is_array and f.constant is None for f, _ in places)
         ordered = sorted(scalar, key=lambda p: p.first_byte) if only_scalars else []
@@ -303,6 +304,17 @@ class MessageViews:
             check,
             doc,
         )
+
+
+def _constants(fields: Iterable[Field], dlc: int) -> Iterator[tuple[str, str, str]]:
+    """How each constant is read, what it is, and its name."""
+    for field in fields:
+        if field.constant is not None:
+            yield (
+                bits.read(bits.place("", field, field.elements[0]), dlc),
+                str(field.constant),
+                text.literal(field.name),
+            )
 
 
 def depends(layout: Layout) -> bool:
