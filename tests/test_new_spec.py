@@ -126,6 +126,7 @@ def test_a_dbc_has_messages_that_nothing_tells_apart_once(tmp_path: Path) -> Non
     made = CliRunner().invoke(main, ["generate", "--spec", str(tmp_path / "v1.yaml"), "--out", str(tmp_path / "out")])
     assert made.exit_code == 0, made.output
     database = cantools.database.load_file(tmp_path / "out/dbc/lamp-v1-command-node1.dbc", strict=True)
+    assert isinstance(database, cantools.database.can.Database)
     assert [[signal.name for signal in message.signals] for message in database.messages] == [["c_level"]]
     guide = (tmp_path / "out/dbc/README.md").read_text("utf-8")
     assert "`other` (command): left out: nothing tells it from the other messages of its id" in guide
