@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import cantools
 import pytest
 from canwright.cli import main
 from canwright.diagnostics import SpecError
@@ -115,6 +116,20 @@ def test_a_reply_without_the_index_is_shown_the_way_out(tmp_path: Path) -> None:
     assert all("`reply: {of: COMMAND}` here" in d.hint for d in found)
     (tmp_path / "v1.yaml").write_text(table("{of: done}"), "utf-8")
     assert [finding.rule for finding in load(tmp_path / "v1.yaml").warnings] == ["missing-frame"]
+
+
+def test_a_dbc_has_messages_that_nothing_tells_apart_once(tmp_path: Path) -> None:
+    commands = "  one: {request: level, reply: none}\n  other: {request: level, reply: none}\n"
+    text = MINIMAL.replace("selector: {at: 0, raw: u8}\n", "").partition("commands:")[0]
+    text += "layouts: {level: {fields: {level: {at: 2, type: level}}}}\ncommands:\n" + commands
+    (tmp_path / "v1.yaml").write_text(text, "utf-8")
+    made = CliRunner().invoke(main, ["generate", "--spec", str(tmp_path / "v1.yaml"), "--out", str(tmp_path / "out")])
+    assert made.exit_code == 0, made.output
+    database = cantools.database.load_file(tmp_path / "out/dbc/lamp-v1-command-node1.dbc", strict=True)
+    assert isinstance(database, cantools.database.can.Database)
+    assert [[signal.name for signal in message.signals] for message in database.messages] == [["c_level"]]
+    guide = (tmp_path / "out/dbc/README.md").read_text("utf-8")
+    assert "`other` (command): left out: nothing tells it from the other messages of its id" in guide
 
 
 def test_show_names_the_forms_of_a_command_with_a_table(tmp_path: Path) -> None:

@@ -121,22 +121,19 @@ def messages(scope: Scope) -> Iterator[Message]:
 def _each(parts: Sequence[Part]) -> Iterator[tuple[Part, str]]:
     """The parts of an id, each with what alone tells it from those that are shown; nothing for one of these.
 
-    They are those without a selector, else those with it in one place; of those with one selector, those as long as the
-    first.
+    They are those without a selector, else those with it in one place; of those with one selector, the first.
     """
     places = [part.selectors[0][0].segments if part.selectors else () for part in parts]
     shown = () if () in places else places[0]
-    alike: dict[tuple[tuple[Key, int], ...], int] = {}
+    alike: dict[tuple[tuple[Key, int], ...], Message] = {}
     for part, place in zip(parts, places, strict=True):
-        length = alike.setdefault(part.selectors, part.message.dlc)
-        yield (
-            part,
-            "only its length"
-            if length != part.message.dlc
-            else "only what it holds elsewhere"
-            if place != shown
-            else "",
-        )
+        first = alike.setdefault(part.selectors, part.message)
+        if first.dlc != part.message.dlc:
+            yield part, "only its length"
+        elif place != shown:
+            yield part, "only what it holds elsewhere"
+        else:
+            yield part, "" if first is part.message else "nothing"
 
 
 def _by_id(scope: Scope) -> dict[tuple[IdRule, int], list[Part]]:
