@@ -17,7 +17,8 @@ Deciding = dict[str, frozenset[str]]
 def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
     """The commands with a key in place of each constant that tells a message from others of the same id and code.
 
-    The others are also those of its id that have no code, or no index: what is left when the message is not meant.
+    The others are also those of its id that have no code, or no index: what is left when the message is not meant. Where
+    messages of one code have a length each, that tells them apart, and their constants are only looked at.
 
     A layout with a name of its own keeps its constants: it is the same in all its messages.
     """
@@ -27,14 +28,17 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
         for message in _distinct(commands, direction):
             together.setdefault((message.id, message.remote), []).append(message)
         for messages in together.values():
-            holding: dict[frozenset[object], list[Constants]] = {}
+            alike: dict[frozenset[object], list[Message]] = {}
             for message in messages:
-                holding.setdefault(_selected(message), []).append(_constants(message))
+                alike.setdefault(_selected(message), []).append(message)
+            holding = {keys: [_constants(message) for message in same] for keys, same in alike.items()}
+            by_length = {keys for keys, same in alike.items() if _lengths_tell(same)}
             for message in messages:
                 mine = {} if message.layout.shared else _constants(message)
                 selected = _selected(message) if mine else frozenset()
                 less = (frozenset(c) for size in range(len(selected) + 1) for c in combinations(selected, size))
-                others = [constants for keys in less for constants in holding.get(keys, ())]
+                meant = (keys for keys in less if keys != selected or keys not in by_length)
+                others = [constants for keys in meant for constants in holding.get(keys, ())]
                 names = (f.name for at, f in mine.items() if any(_holds(o.get(at)) != f.constant for o in others))
                 deciding[message.name] = frozenset(names)
     for command in commands:
@@ -46,6 +50,11 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
         dataclasses.replace(c, request=_keyed(c.request, deciding, known), reply=_keyed(c.reply, deciding, known))
         for c in commands
     )
+
+
+def _lengths_tell(messages: Sequence[Message]) -> bool:
+    """Whether each message has a length of its own."""
+    return not messages[0].remote and len({message.dlc for message in messages}) == len(messages)
 
 
 def _distinct(commands: Sequence[Command], direction: Direction) -> Iterator[Message]:

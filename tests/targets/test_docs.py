@@ -56,6 +56,11 @@ def test_pictures_are_drawings_that_show_every_field(pages: dict[str, str]) -> N
         assert f">{label}<" in picture
 
 
+def test_few_members_are_told_where_they_stand(pages: dict[str, str]) -> None:
+    text = pages["en/v2.35/commands/read_status_1.md"]
+    assert "| Errors<br>bits `0` `low_voltage` · `3` `over_temperature` |" in text
+
+
 def test_effects_are_warnings_and_examples_are_golden_frames(pages: dict[str, str]) -> None:
     text = pages["en/v2.35/commands/write_position_as_zero_rom.md"]
     assert "> **Warning:** Takes effect after a power cycle" in text
@@ -92,7 +97,7 @@ def test_what_stands_in_the_id_is_in_table_and_picture(tmp_path: Path) -> None:
     text = pages["en/v1/commands/set.md"]
     assert "| `id bits 0..7` |  | `u8` |  | `0x21` |" in text
     assert "| `id bits 12..17` | `part` |" in text
-    assert "tells the command; Also accepted `0x23`" in text
+    assert "tells the command; also accepted `0x23`" in text
     picture = re.findall(r"<text[^>]*>([^<]*)</text>", pages["en/v1/pictures/set-request.svg"])
     assert picture[8:12] == ["id 28..24", "0", "0", "0"]
     assert {"0x21", "node", "part [3:0]", "part [5:4]", "level [3:0]", "level [7:4]"} <= set(picture)

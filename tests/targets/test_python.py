@@ -238,3 +238,10 @@ def test_the_programs_of_the_readme(spec: Path, tmp_path: Path) -> None:
         mypy = [sys.executable, "-m", "mypy", "--strict", "--no-incremental", "use.py"]
         result = subprocess.run(mypy, cwd=folder, capture_output=True, text=True, check=False)
         assert result.returncode == 0, result.stdout + result.stderr
+
+
+def test_facts_for_tools_stand_on_every_class(v2_35: ModuleType) -> None:
+    assert v2_35.SetTorqueRequest.ONLY == {"series": (v2_35.Series.MF, v2_35.Series.MH, v2_35.Series.MG)}
+    assert v2_35.SetTorqueRequest.EFFECTS == ("moves",)
+    for message in (v2_35.ReadEncoderRequest, v2_35.SetTorqueReply, v2_35.Message):
+        assert (message.ONLY, message.EFFECTS) == ({}, ())

@@ -7,6 +7,7 @@ import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from enum import Enum, IntEnum
 from fractions import Fraction
+from functools import lru_cache
 from operator import index
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, Union
 
@@ -78,6 +79,27 @@ def missing(name: str, what: str) -> CodecError:
     )
 
 
+@lru_cache(maxsize=64, typed=True)
+def _exact(value: Real) -> tuple[int, int]:
+    """A number as it is written, as numerator and denominator: 0.3 is 3/10."""
+    number = Fraction(str(value))
+    return number.numerator, number.denominator
+
+
+def above_zero(parameters: object, name: str, field: str) -> tuple[int, int]:
+    """Numerator and denominator of a number that a scale is a multiple of. Raises CodecError unless it is above 0."""
+    value = known(parameters, name, field)
+    try:
+        numerator, denominator = _exact(value)
+    except (ValueError, ZeroDivisionError):
+        text = f"{field} depends on {name}, and {value!r} is not a finite number"
+        raise CodecError(Refusal.NOT_FINITE, text, field) from None
+    if numerator <= 0:
+        text = f"{field} depends on {name}, which has to be above 0 and is {value!r}"
+        raise CodecError(Refusal.OUT_OF_RANGE, text, field)
+    return numerator, denominator
+
+
 def finite(value: Real, field: str) -> float:
     """A number as a float. Raises TypeError (no number), CodecError (not_finite), OverflowError (too large)."""
     try:
@@ -124,10 +146,11 @@ class Number:
     """How raw bits become a value.
 
     `scale` is the scale, or None where there is none to be had; with `scale_by` it is looked up by that parameter.
-    `limits` likewise holds the raw range that a specification sets within what the bits hold.
+    Scale and offset are multiples of the number parameter `times` where there is one, likewise looked up. `limits`
+    likewise holds the raw range that a specification sets within what the bits hold.
     """
 
-    __slots__ = ("high", "limits", "limits_by", "low", "scale", "scale_by", "unit")
+    __slots__ = ("high", "limits", "limits_by", "low", "scale", "scale_by", "times", "unit")
 
     def __init__(
         self,
@@ -137,6 +160,7 @@ class Number:
         *,
         scale: Scale | None | Mapping[Any, Scale | None] = (1, 1, 0),
         scale_by: str = "",
+        times: str | Mapping[Any, str] = "",
         limits: tuple[Bound, Bound] | None | Mapping[Any, tuple[Bound, Bound] | None] = None,
         limits_by: str = "",
     ) -> None:
@@ -145,6 +169,7 @@ class Number:
         self.unit = f" {unit}" if unit else ""
         self.scale: Any = scale
         self.scale_by = scale_by
+        self.times: Any = times
         self.limits: Any = limits
         self.limits_by = limits_by
 
@@ -157,18 +182,34 @@ class Number:
         numerator, denominator, offset = scale
         return numerator, denominator, offset
 
+    def _times(self, parameters: object, field: str) -> tuple[int, int] | None:
+        """What scale and offset are multiples of, as numerator and denominator; None when it is nothing."""
+        times = self.times.get(getattr(parameters, self.scale_by)) if self.scale_by else self.times
+        return above_zero(parameters, times, field) if times else None
+
     def value(self, raw: int, parameters: object, field: str) -> float:
         """The value of a raw integer."""
         numerator, denominator, offset = self._scale(parameters, field)
+        times = self._times(parameters, field) if self.times else None
+        if times is not None:
+            dividend = (raw * numerator + offset * denominator) * times[0]
+            try:
+                return float(dividend / (denominator * times[1]))
+            except OverflowError:
+                text = f"{field} is larger than any float under these parameters"
+                raise CodecError(Refusal.OUT_OF_RANGE, text, field) from None
         return float(Fraction(raw * numerator, denominator) + offset) if offset else raw * numerator / denominator
 
     def raw(self, value: Real, parameters: object, field: str) -> int:
         """The raw integer nearest to a value, ties away from zero. Raises CodecError when it is refused."""
         numerator, denominator, offset = self._scale(parameters, field)
+        times = self._times(parameters, field) if self.times else None
         try:
             if not isinstance(value, int):
                 value = finite(value, field)
-            quotient: Real = value - float(offset) if offset else value
+            quotient: Real = value if times is None else float(value) * times[1] / times[0]
+            if offset:
+                quotient = quotient - float(offset)
             if denominator != 1:
                 quotient = quotient * denominator
             if numerator != 1:
@@ -317,6 +358,16 @@ class Message:
     """First and last node."""
     CODE: ClassVar[int]
     """The selector's value."""
+    TITLE: ClassVar[str] = ""
+    """What the command is called; this and what follows stands on requests, and on replies without one."""
+    MANUAL: ClassVar[str] = ""
+    """The manual's section."""
+    EFFECTS: ClassVar[tuple[str, ...]] = ()
+    """What sending it does besides its reply."""
+    LIMITED_BY: ClassVar[tuple[str, ...]] = ()
+    """The settings of the host that limit it."""
+    ONLY: ClassVar[Mapping[str, tuple[object, ...]]] = {}
+    """The parameter values of the nodes that have it, by parameter; every node has it where that is empty."""
     NOTHING_KNOWN: ClassVar[Any] = None
     """The parameters of a message that was given none."""
     EXTENDED: ClassVar[bool] = False
@@ -418,7 +469,8 @@ class Route:
     """The messages behind one rule from node to id, told apart by a selector, or by `more` of them in other places.
 
     `single` is what is left. `of_length` are messages that only their length tells from the one they stand with.
-    `unused` are bits of the id that a message lacks and others of the rule have.
+    `unused` are bits of the id that a message lacks and others of the rule have. `answers` are what a frame is taken for
+    only where it answers a request: by itself it is another message of that code.
     """
 
     def __init__(
@@ -436,6 +488,7 @@ class Route:
         single: type[Message] | None = None,
         of_length: Mapping[type[Message], tuple[type[Message], ...]] | None = None,
         unused: Mapping[type[Message], int] | None = None,
+        answers: frozenset[type[Message]] = frozenset(),
     ) -> None:
         self.base = base
         self.shift = shift
@@ -451,7 +504,7 @@ class Route:
         self.selectors = (*([(selector, self.messages)] if selector else []), *more)
         found = {entry[0] for _, codes in self.selectors for entries in codes.values() for entry in entries}
         self.classes = found | {single} if single else found
-        self.classes |= {cls for others in self.of_length.values() for cls in others}
+        self.classes |= {cls for others in self.of_length.values() for cls in others} | answers
         self.lengths = frozenset(message.DLC for message in self.classes)
         self.length = next(iter(self.lengths)) if len(self.lengths) == 1 and not remote else -1
         alone = {code: entries[0] for code, entries in self.messages.items() if len(entries) == 1}

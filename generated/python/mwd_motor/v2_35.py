@@ -672,6 +672,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     TITLE = "Open-loop power"
     MANUAL = "2.4"
     EFFECTS = ("moves",)
+    ONLY = {"series": (Series.MS,)}
 
     __slots__ = ("power_raw",)
 
@@ -731,6 +732,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     TITLE = "Torque control"
     MANUAL = "2.5"
     EFFECTS = ("moves",)
+    ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
     __slots__ = ("iq_raw",)
 

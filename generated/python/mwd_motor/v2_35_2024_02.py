@@ -810,6 +810,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     TITLE = "Open-loop power"
     MANUAL = "2.9"
     EFFECTS = ("moves",)
+    ONLY = {"series": (Series.MS,)}
 
     __slots__ = ("power_raw",)
 
@@ -869,6 +870,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     TITLE = "Torque control"
     MANUAL = "2.10"
     EFFECTS = ("moves",)
+    ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
     __slots__ = ("iq_raw",)
 
@@ -1766,6 +1768,7 @@ class ReadStatus3Request(ToNode, Request["ReadStatus3Reply"]):
     NODES = (1, 32)
     TITLE = "Read status 3"
     MANUAL = "2.4"
+    ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
 
 class MotorOffReply(ToNode, Reply):

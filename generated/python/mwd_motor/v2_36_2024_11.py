@@ -927,6 +927,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     TITLE = "Open-loop power"
     MANUAL = "9"
     EFFECTS = ("moves",)
+    ONLY = {"series": (Series.MS,)}
 
     __slots__ = ("power_raw",)
 
@@ -986,6 +987,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     TITLE = "Torque control"
     MANUAL = "10"
     EFFECTS = ("moves",)
+    ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
     __slots__ = ("iq_raw",)
 
@@ -2023,6 +2025,7 @@ class ReadStatus3Request(ToNode, Request["ReadStatus3Reply"]):
     NODES = (1, 32)
     TITLE = "Read status 3"
     MANUAL = "4"
+    ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
 
 class MotorOffReply(ToNode, Reply):

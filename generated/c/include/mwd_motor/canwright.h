@@ -23,7 +23,7 @@
 #endif
 
 /** The version of this file. Headers that need another one do not compile. */
-#define CANWRIGHT_H_VERSION 1
+#define CANWRIGHT_H_VERSION 2
 
 /** Set in an id of 29 bits. */
 #define CANWRIGHT_EXTENDED 0x80000000u
@@ -165,6 +165,12 @@ static inline int64_t canwright_divide64(int64_t dividend, int64_t divisor)
     return (dividend < 0 ? dividend - divisor / 2 : dividend + divisor / 2) / divisor;
 }
 
+/** The integer nearest to `ratio * dividend / divisor`, ties away from zero; both products have room in 64 bits. */
+static inline int64_t canwright_multiple64(canwright_ratio_t ratio, int64_t dividend, int64_t divisor)
+{
+    return canwright_divide64(dividend * ratio.numerator, divisor * (int64_t)ratio.denominator);
+}
+
 /** The largest integer up to `(factor * ratio + addend) / divisor`; `ratio` is known and `divisor` positive. */
 static inline int64_t canwright_floor(canwright_ratio_t ratio, int64_t factor, int64_t addend, int64_t divisor)
 {
@@ -177,6 +183,22 @@ static inline int64_t canwright_floor(canwright_ratio_t ratio, int64_t factor, i
 static inline int64_t canwright_ceiling(canwright_ratio_t ratio, int64_t factor, int64_t addend, int64_t divisor)
 {
     return -canwright_floor(ratio, -factor, -addend, divisor);
+}
+
+/**
+ * The integer nearest to `(share / ratio * divisor - addend) / factor`, ties away from zero, if it is from `lowest` to
+ * `highest`; it is not where `share / ratio` is beyond `most`. `ratio` and `factor` are above 0.
+ */
+static inline bool canwright_share64(int64_t *nearest, canwright_ratio_t ratio, int64_t share, int64_t most,
+    int64_t divisor, int64_t addend, int64_t factor, int64_t lowest, int64_t highest)
+{
+    const int64_t limit = canwright_floor(ratio, most, 0, 1);
+    if (share < -limit || share > limit) {
+        return false;
+    }
+    *nearest = canwright_divide64(
+        share * divisor * (int64_t)ratio.denominator - addend * ratio.numerator, factor * ratio.numerator);
+    return *nearest >= lowest && *nearest <= highest;
 }
 
 /** Tells whether the bits of a 32-bit IEEE 754 number are neither infinity nor NaN. */

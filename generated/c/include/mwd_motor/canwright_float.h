@@ -87,6 +87,18 @@ static inline double canwright_quotient(int64_t raw, uint64_t factor, uint64_t d
                    : canwright_quotient_unsigned((uint64_t)raw, factor, divisor);
 }
 
+/** `ratio * dividend / divisor`, divided once; `ratio` is above 0. */
+static inline double canwright_multiple(canwright_ratio_t ratio, double dividend, double divisor)
+{
+    return dividend * (double)ratio.numerator / (divisor * (double)ratio.denominator);
+}
+
+/** `value / ratio`; `ratio` is above 0. */
+static inline double canwright_share(double value, canwright_ratio_t ratio)
+{
+    return value * (double)ratio.denominator / (double)ratio.numerator;
+}
+
 /** The bits of the 64-bit number for `steps`, which come of `value`. */
 static inline canwright_status_t canwright_bits64(uint64_t *bits, double value, double steps)
 {

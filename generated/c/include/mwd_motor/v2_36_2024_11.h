@@ -18,7 +18,7 @@
 
 #include "canwright.h"
 
-#if CANWRIGHT_H_VERSION != 1
+#if CANWRIGHT_H_VERSION != 2
 #error "This header and the canwright.h that is included before it come of different versions of canwright."
 #endif
 

@@ -5,7 +5,8 @@
  *
  * From raw to value is one correctly rounded operation wherever a double allows it. From value to raw is the
  * nearest, ties away from zero; what does not fit is refused, and so are NaN and infinity. -ffast-math takes both
- * promises back, since it tells the compiler that there is no NaN and that the last digit does not matter.
+ * promises back, since it tells the compiler that there is no NaN and that the last digit does not matter, and
+ * -fsingle-precision-constant takes the first, since it rounds the scales.
  */
 #ifndef MWD_MOTOR_V2_36_2025_03_FLOAT_H
 #define MWD_MOTOR_V2_36_2025_03_FLOAT_H

@@ -11,6 +11,8 @@ from ...model import Assignment, Command, Field, Layout, Message, Order, ReplyFo
 from .text import code, markdown
 
 Labels = Mapping[str, str]
+MOST_MEMBERS = 8
+"""How many members are told in a row of a byte table; the page of types has them all, with their titles."""
 
 
 class Titled(Protocol):
@@ -51,7 +53,7 @@ def rows(message: Message, command: Command, labels: Labels, language: str) -> I
     for i, key in enumerate(message.keys):
         accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept) if i == 0 else ""
         note = labels["selector_of_entry" if command.entry and key.is_index else "selector"]
-        note += f"; {labels['accepted']} {accepted}" if accepted else ""
+        note += f"{labels['and']}{labels['accepted']} {accepted}" if accepted else ""
         order = " big-endian" if key.order is Order.BIG and len(key.segments) > 1 else ""
         raw, value = code(f"u{key.width}{order}"), code(f"0x{key.value:02X}")
         yield Row(code(words.place(key.space, key.segments)), "", "", raw, "", value, "", "", note)
@@ -69,8 +71,9 @@ def rows(message: Message, command: Command, labels: Labels, language: str) -> I
                 *_numbers(field, message.layout, command, labels),
                 _only(message.layout, field),
                 said(field, labels, language)
-                + (f"; {labels['holds_node']}" if field.holds_node else "")
-                + _section(field, message, command, labels),
+                + (f"{labels['and']}{labels['holds_node']}" if field.holds_node else "")
+                + _section(field, message, command, labels)
+                + _members(field.type, labels),
             )
 
 
@@ -88,6 +91,15 @@ def said(thing: Titled, labels: Labels, language: str) -> str:
     """The title of a thing, and what else is said of it."""
     about = thing.about[language]
     return markdown(thing.title[language] + (labels["stop"] + about if about else ""))
+
+
+def _members(type_: Type, labels: Labels) -> str:
+    """The names of values or bits, where they are few: `0` `on` · `16` `off`."""
+    members = type_.enum or type_.flags
+    if not members or len(members) > MOST_MEMBERS:
+        return ""
+    told = " · ".join(f"{code(str(member.value))} {code(member.name)}" for member in members)
+    return f"<br>{labels['bits'] if type_.flags else ''}{told}"
 
 
 def _section(field: Field, message: Message, command: Command, labels: Labels) -> str:

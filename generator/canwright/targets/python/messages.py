@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ...model import Command, Edition, Field, Layout, Message, Order, Parameter, ReplyForm, Space, Variant
-from . import bits, text, types
+from . import bits, facts, text, types
 from .types import TypeView
 
 
@@ -171,7 +171,9 @@ class MessageViews:
             self._can_id(message),
             message.layout.parameter or "",
             self._encodes(message) if message.layout.fields and base_group not in self._alike else (),
-            _facts(command) if message.direction.value == "request" or command.request is None else (),
+            facts.of_class(command, self._parameters)
+            if message.direction.value == "request" or command.request is None
+            else (),
         )
 
     def _body(self, layout: Layout, dlc: int, has_node: bool) -> BodyView:
@@ -321,18 +323,3 @@ def _message_doc(command: Command, message: Message) -> tuple[str, ...]:
     only = " ".join(f"Only {name} {', '.join(values)}." for name, values in command.only.items())
     about = f"{text.english(command.about)} {only} {manual}"
     return (title, " ".join(about.split()), missing, f"Effects: {effects}" if effects else "", notes)
-
-
-def _facts(command: Command) -> tuple[tuple[str, str], ...]:
-    """Facts for tools, as class attributes."""
-
-    def names(items: Sequence[str]) -> str:
-        return f"({', '.join(map(text.literal, items))}{',' if len(items) == 1 else ''})"
-
-    facts = [
-        ("TITLE", text.literal(command.title.get("en") or next(iter(command.title.values())))),
-        ("MANUAL", text.literal(command.manual)),
-        ("EFFECTS", names([e.name for e in command.effects])),
-        ("LIMITED_BY", names([s.name for s in command.limited_by])),
-    ]
-    return tuple((name, value) for name, value in facts if value not in ("()", '""'))

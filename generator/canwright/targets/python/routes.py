@@ -56,13 +56,17 @@ def _route(messages: list[Message], readers: Readers) -> str:
         arguments += [f"selector={selectors[0][0]}", f"messages={selectors[0][1]}"]
     if len(selectors) > 1:
         arguments.append(f"more=({', '.join(f'({read}, {codes})' for read, codes in selectors[1:])},)")
-    arguments += [f"single={text.class_name(m.name)}" for m in first if not m.keys][:1]
+    single = [m for m in first if not m.keys][:1]
+    arguments += [f"single={text.class_name(m.name)}" for m in single]
     if of_length:
         listed = (f"{name}: ({', '.join(others)},)" for name, others in of_length.items())
         arguments.append(f"of_length={{{', '.join(listed)}}}")
     unused = {text.class_name(m.name): mask & ~m.id_mask for m in messages if mask & ~m.id_mask}
     if unused:
         arguments.append(f"unused={{{', '.join(f'{name}: 0x{bits_:X}' for name, bits_ in unused.items())}}}")
+    answers = [text.class_name(m.name) for m in first if not m.claims and m not in single]
+    if answers:
+        arguments.append(f"answers=frozenset({{{', '.join(answers)}}})")
     return f"Route({', '.join(arguments)})"
 
 
@@ -86,7 +90,7 @@ def _lines(begin: str, entries: Iterable[str], end: str, indent: int = 4) -> str
 def _entries(messages: list[Message], shortest: int, readers: Readers) -> Iterator[str]:
     found: dict[int, list[str]] = {}
     for message in sorted(messages, key=lambda m: -len(m.keys)):
-        more = _tuple(f"({readers.of(k, shortest)}, 0x{k.value:02X})" for k in message.keys[1:])
+        more = text.tuple_of(f"({readers.of(k, shortest)}, 0x{k.value:02X})" for k in message.keys[1:])
         for value in message.claims:
             found.setdefault(value, []).append(f"({text.class_name(message.name)}, {more})")
     for value, entries in found.items():
@@ -100,11 +104,11 @@ def answers(edition: Edition, readers: Readers) -> Iterator[str]:
             continue
         reply = command.reply
         length = 0 if reply.remote else reply.dlc
-        selectors = _tuple(
-            f"({readers.of(k, length)}, {_tuple(f'0x{v:02X}' for v in (k.value, *(reply.accept if i == 0 else ())))})"
+        selectors = text.tuple_of(
+            f"({readers.of(k, length)}, {text.tuple_of(f'0x{v:02X}' for v in (k.value, *(reply.accept if i == 0 else ())))})"
             for i, k in enumerate(reply.keys)
         )
-        nodes = _tuple(map(str, command.from_each))
+        nodes = text.tuple_of(map(str, command.from_each))
         echo = command.reply_form is ReplyForm.ECHO
         names = text.class_name(command.request.name), text.class_name(reply.name)
         held = "".join(
@@ -113,9 +117,3 @@ def answers(edition: Edition, readers: Readers) -> Iterator[str]:
             if (key := m.node_key) is not None
         )
         yield f"{names[0]}: _Answer({names[1]}, {selectors}, {nodes}, {echo}{held})"
-
-
-def _tuple(items: Iterable[str]) -> str:
-    """A tuple as it is written; a comma behind one item alone."""
-    listed = list(items)
-    return f"({', '.join(listed)}{',' if len(listed) == 1 else ''})"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import builtins
 import keyword
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from ...characters import visible
 from ...model import Text
@@ -21,6 +21,12 @@ def plain(text: str) -> str:
 def literal(text: str) -> str:
     """A text as a Python string literal in ASCII."""
     return '"' + ascii(text)[1:-1].replace("\\'", "'").replace('"', '\\"') + '"'
+
+
+def tuple_of(items: Iterable[str]) -> str:
+    """A tuple as it is written; a comma behind one item alone."""
+    listed = list(items)
+    return f"({', '.join(listed)}{',' if len(listed) == 1 else ''})"
 
 
 def english(text: Text) -> str:
