@@ -28,7 +28,7 @@ _NUMBER = rf"[+-]?(?:0x[0-9A-Fa-f]+|{_WHOLE}(?:\.[0-9]+)?)"
 NUMBER = re.compile(_NUMBER)
 RATIONAL_PATTERN = rf"^{_NUMBER}(/{_NUMBER})?$"
 _SUMMAND = rf"[+-]{_WHOLE}(?:\.[0-9]+)?"
-_MULTIPLE = rf"(?:{_NUMBER}(?:/{_NUMBER})?\*|(?!none\b)[+-]?)[a-z][a-z0-9_]*"
+_MULTIPLE = rf"(?:{_NUMBER}(?:/{_NUMBER})?\*|(?!(?:none|nan|inf)\b)[+-]?)[a-z][a-z0-9_]*"
 MULTIPLE_PATTERN = rf"^(?:{_NUMBER}(?:/{_NUMBER})?|{_MULTIPLE})$"
 _BOUND = rf"(?:{_NUMBER}|{_MULTIPLE}(?:{_SUMMAND})?)"
 RANGE_PATTERN = rf"^{_BOUND}\.\.{_BOUND}$"
@@ -74,7 +74,7 @@ class Multiple:
 
 def multiple(text: str) -> Multiple:
     """A rational that people read as it was written: `360/16384` and not 45/2048; also `2/65535*size` and `-size`."""
-    parts = re.fullmatch(r"(?:(.*)\*|(?!none\b)([+-]?))([a-z][a-z0-9_]*)", text.replace(" ", ""))
+    parts = re.fullmatch(r"(?:(.*)\*|(?!(?:none|nan|inf)\b)([+-]?))([a-z][a-z0-9_]*)", text.replace(" ", ""))
     if parts is None:
         return Multiple(rational(text), None, text.replace(" ", ""))
     written, sign, parameter = parts.groups()

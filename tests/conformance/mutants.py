@@ -195,7 +195,7 @@ def _multiples(path: Path, type_: Data, numbers: Sequence[str]) -> Iterator[Muta
     for name in names:
         for told, other in (*((n, n) for n in numbers if n != name), ("1", "1"), ("twice", f"2*{name}")):
             written = {key: _replaced(type_[key], name, other) for key in keys}
-            yield f"{_dotted(path)} {name} as {told}", _change_all(path, written)
+            yield f"{_dotted(path)}.scale {name} as {told}", _change_all(path, written)
         if "offset" in type_:
             yield _drop((*path, "offset"))
 

@@ -35,7 +35,11 @@ EVERYWHERE = {
         "layouts.status_1.fields.voltage.at 4",
     ),
     "blower/v1": ("types.speed.byte_order big", "commands.set_speed.request.trim.raw u16"),
-    "arm/v1": ("types.torque t_max as v_max", "types.position p_max as twice", "types.speed v_max as 1"),
+    "arm/v1": (
+        "types.torque.scale t_max as v_max",
+        "types.position.scale p_max as twice",
+        "types.speed.scale v_max as 1",
+    ),
     "joint/v1": ("types.torque.scale 1",),
     "mixer/v2-2024-02": ("types.tone.offset 1", "types.level.scale 1"),
     "press/v1": ("commands.identify.code 5",),
