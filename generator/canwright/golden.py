@@ -9,7 +9,7 @@ from __future__ import annotations
 from enum import Enum
 from fractions import Fraction
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
 
@@ -84,7 +84,14 @@ Value = Annotated[
     Discriminator(_special),
     WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}, {"type": "array"}]}),
 ]
-RawValue = int | list[int]
+RawValue = Annotated[
+    Annotated[list[int], Tag("list")] | Annotated[int, Tag("plain")],
+    Discriminator(lambda value: "list" if isinstance(value, list) else "plain"),
+]
+Choice = Annotated[
+    Annotated[int, Tag("number")] | Annotated[str, Tag("name")],
+    Discriminator(lambda value: "number" if isinstance(value, int) else "name"),
+]
 
 
 class Sourced(Concept):
@@ -93,7 +100,7 @@ class Sourced(Concept):
     source: Annotated[Name, Field(description="A name of `sources`.")]
     note: Annotated[str | None, Field(description="What a reader of this entry should know.")] = None
     parameters: Annotated[
-        dict[Name, int | str], Field(description="What is known of the node.", examples=[{"model": "A"}])
+        dict[Name, Choice], Field(description="What is known of the node.", examples=[{"model": "A"}])
     ] = {}
 
 
@@ -177,7 +184,9 @@ class Exchange(Sourced):
 
 
 def _refused_kind(value: object) -> str:
-    return "frame" if isinstance(value, dict) and "decode" in value else "values"
+    if not isinstance(value, dict) or "encode" in value:
+        return "values"
+    return "frame" if {"decode", "id", "data"} & set(value) else "values"
 
 
 Refused = Annotated[
@@ -188,6 +197,12 @@ Refused = Annotated[
 
 class GoldenFrames(Concept):
     """The golden frames of one edition."""
+
+    mistaken: ClassVar[tuple[str, str, str]] = (
+        "commands",
+        "this is a spec, not its golden frames",
+        "golden frames stand in a file of their own, EDITION.frames.yaml beside EDITION.yaml",
+    )
 
     canwright: Annotated[Literal[1], Field(description="Version of this language.")]
     family: Annotated[Name, Field(description="Family of the edition.")]

@@ -48,6 +48,10 @@ EMPTY_RAW: tuple[Encoding, int] = (Encoding.UNSIGNED, 1)
 
 
 Fields = Annotated[dict[Name, FieldSpec], Field(max_length=1000)]
+NameOrFields = Annotated[
+    Annotated[Name, Tag("name")] | Annotated[Fields, Tag("fields")],
+    Discriminator(lambda value: "fields" if isinstance(value, dict) else "name"),
+]
 
 
 class LayoutSpec(Titled):
@@ -67,7 +71,7 @@ class MessageSpec(Concept):
     """A request or reply that needs more said than its fields."""
 
     layout: Annotated[
-        Name | Fields | None,
+        NameOrFields | None,
         Field(description="A shared layout's name, fields, or `entry`, those of the table's entry."),
     ] = None
     fields: Annotated[Fields | None, Field(description="Further fields, besides those of `layout`.")] = None
@@ -124,7 +128,7 @@ class Entry(Titled):
         Discriminator(is_list),
         Field(description="Value of the index; a list where the index is one, and then it may be shorter."),
     ]
-    layout: Annotated[Name | Fields, Field(description="Fields, or a shared layout's name.")]
+    layout: Annotated[NameOrFields, Field(description="Fields, or a shared layout's name.")]
     kind: Annotated[
         Name | None, Field(description="A name of your own for entries alike, where a command's codes differ by it.")
     ] = None

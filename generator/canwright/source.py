@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, NoReturn
 
 import yaml
 
-from . import characters, hints
+from . import characters, hints, unreadable
 from .diagnostics import Diagnostic, Position, Severity, SpecError
 from .model import Path
 
@@ -119,9 +119,22 @@ class Document:
             self._refuse(mark, rule, message, f"{hint}; reading stops after so many findings")
         self.findings.append(Diagnostic(Severity.ERROR, rule, _line(message), self._at(mark), _line(hint)))
 
+    def _without_value(self, mark: Mark, path: Path | None) -> None:
+        span = self._keys.get(path) if path else None
+        at, line = (Mark.of(span), self.lines[span[0].line]) if span else (mark, "")
+        self._report(at, "yaml", "there is no value here", hints.empty(str(path[-1]) if path else "", line))
+        if path is not None:
+            self.spoilt.add(path)
+
     def _refuse(self, mark: Mark, rule: str, message: str, hint: str = "") -> NoReturn:
         found = Diagnostic(Severity.ERROR, rule, _line(message), self._at(mark), _line(hint))
-        raise SpecError([*self.findings, found])
+        is_told = any(other.position == found.position for other in self.findings)
+        raise SpecError(self.findings if is_told else [*self.findings, found])
+
+    def _not_yaml(self, error: yaml.MarkedYAMLError, event: Any) -> NoReturn:
+        """Refuses a text that is not YAML, as was found after an event."""
+        line, column, what, hint = unreadable.cause(error, self.lines, event)
+        self._refuse(Mark(line + 1, column + 1, 1), "yaml", f"this is not YAML: {what}", hint)
 
     def _unseen(self, mark: Mark, found: str) -> None:
         message = f"the character {characters.described(found)} cannot be seen, or changes how others are shown"
@@ -164,12 +177,7 @@ class _Builder:
         try:
             self._event = self._next_event()
         except yaml.MarkedYAMLError as error:
-            mark = error.problem_mark or error.context_mark
-            where = Mark(mark.line + 1, mark.column + 1, 1) if mark else Mark(1, 1, 1)
-            what = " ".join(part for part in (error.context, error.problem) if part)
-            self._document._refuse(
-                where, "yaml", f"this is not YAML: {what}", hints.yaml(what, self._document._at(where).text)
-            )
+            self._document._not_yaml(error, self._event)
         except (yaml.YAMLError, ValueError, OverflowError) as error:
             what = next(iter(str(error).splitlines()), "")
             self._document._refuse(Mark(1, 1, 1), "yaml", f"this is not YAML: {what}")
@@ -287,7 +295,7 @@ class _Builder:
         if self._event.style:
             return text
         if text == "":
-            self._report("yaml", "there is no value here", "write one, or remove the key", path)
+            self._document._without_value(self._mark(), path)
         elif _INTEGER.fullmatch(text):
             return int(text, 0)
         elif _DECIMAL.fullmatch(text):

@@ -18,6 +18,7 @@ from .common import (
     FINDINGS,
     OUT_FOLDER,
     FilePath,
+    OfSpecs,
     format_option,
     load,
     read,
@@ -29,7 +30,7 @@ from .common import (
 )
 
 
-@click.command()
+@click.command(cls=OfSpecs)
 @spec_option
 @target_option
 @set_option
@@ -63,7 +64,7 @@ def generate(
     )
 
 
-@click.command()
+@click.command(cls=OfSpecs)
 @spec_option
 @target_option
 @set_option
@@ -83,6 +84,7 @@ def check(
     described = [one.described for one in loaded]
     warnings = [warning for one in loaded for warning in one.warnings]
     names = ", ".join(f"{d.edition.family} {d.edition.name}" for d in described)
+    _assignment(described, settings)
     if specs and out is None:
         _report(warnings, f"{names}: right", printer, strict)
         return
@@ -124,7 +126,7 @@ def _assignment(described: Sequence[Described], settings: Sequence[str]) -> Assi
     for setting in settings:
         name, _, value = setting.partition("=")
         if value not in known.get(name, set()):
-            wanted = "; ".join(f"{n}={'|'.join(sorted(v))}" for n, v in sorted(known.items()))
+            wanted = "; ".join(f"{n}={'|'.join(sorted(v))}" for n, v in sorted(known.items())) or "none"
             stop(f"--set {setting} is not a parameter and its value; there are: {wanted}")
         result[name] = value
     return result

@@ -27,7 +27,7 @@ def _clashes(message: Message, variant: Variant) -> Iterator[tuple[Path, str]]:
             if clash is not None:
                 space, byte, bit = clash
                 where = f"bit {bit} of byte {byte}" if space is Space.DATA else f"bit {bit} of the id"
-                yield field.path, f"`{field.name}` shares {where} with {taken[clash]}"
+                yield (*field.path, "at"), f"`{field.name}` shares {where} with {taken[clash]}"
             taken.update(dict.fromkeys(bits, f"`{field.name}`"))
 
 

@@ -11,7 +11,7 @@ def check(subject: Subject) -> Found:
         low, high = parameter.minimum, parameter.maximum
         if low is not None and high is not None and low > high:
             text = f"no number is at least {words.exact(low)} and at most {words.exact(high)}"
-            yield Finding(("parameters", parameter.name, "number"), text, "check `min` and `max`")
+            yield Finding(("parameters", parameter.name, "number", "min"), text, "check `min` and `max`")
         names = [value.name for value in parameter.values]
         for i, name in enumerate(names):
             if name in names[:i]:

@@ -27,6 +27,7 @@ READING: tuple[Rule, ...] = (
     Rule("entry-of-nothing", "Only a command with a table can have an entry's layout."),
     Rule("circular-reference", "Replies are not taken from one another in a circle, nor in a long chain."),
     Rule("reply-of-table", "A reply is not taken from a command that has one for each entry of a table."),
+    Rule("reply-of-other", "A reply that is another command's has no keys of its own, and a request none of a reply."),
     Rule("too-many-values", "An entry has no more index values than its table has selectors."),
     Rule("no-selector", "Codes stand where `selector` says."),
     Rule("code-width", "Codes and index values fit the bits of their selector."),
