@@ -66,6 +66,21 @@ def test_what_cannot_run_exits_2(folder: Path) -> None:
     assert run("generate", "--spec", "my.yaml", "--out", "file").exit_code == 2
 
 
+def test_wrong_use_names_what_is_meant(folder: Path) -> None:
+    for arguments, told in (
+        (("check", "--spec", "me.yaml"), "File 'me.yaml' does not exist. Did you mean my.yaml?"),
+        (("check", "my.yaml"), "a spec is named like --spec my.yaml"),
+        (("chek",), "there is no command `chek`; did you mean `check`?"),
+        (("check", "--spec", "my.yaml", "--set", "size=big"), "--set size=big is not a parameter and its value"),
+    ):
+        result = run(*arguments)
+        assert (result.exit_code, told in result.output) == (2, True), result.output
+    (folder / "too.yaml").write_text((folder / "my.yaml").read_text("utf-8"), "utf-8")
+    assert run("check", "--spec", "my.yaml", "--spec", "./my.yaml").exit_code == 0
+    result = run("check", "--spec", "my.yaml", "--spec", "too.yaml")
+    assert (result.exit_code, "is lamp v1 as well [name-collision]" in result.output) == (1, True)
+
+
 def test_check_of_a_spec_alone(folder: Path) -> None:
     result = run("check", "--spec", "my.yaml")
     assert (result.exit_code, result.stdout) == (0, "lamp v1: right\n")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from canwright import hints
+from canwright import rewritten
 from canwright.load import described
 
 from .spec_texts import MINIMAL, findings
@@ -34,7 +34,7 @@ WRONG = [
         "write the id with `node`, like 0x100",
     ),
     ("id: 0x100", "reply: 0x200 + node, id: 0x100", "4:41 `id` is that of both directions", "keep `id`, or"),
-    ("id: 0x100", "request: 0x100", "4:19 `lamp` says nothing of the id of replies", "write `id`, or"),
+    ("id: 0x100", "request: 0x100", "4:13 `lamp` says nothing of the id of replies", "write `id`, or"),
     ("raw: u16", "raw: uint16_t", "7:16 `uint16_t` is not a raw format", "did you mean `u16`?"),
     ("raw: u16", "raw: float", "7:16 `float` is not a raw format", "did you mean `f32`?"),
     ("raw: u16", "raw: 16", "7:16 `16` is not a raw format", "did you mean `u16`?"),
@@ -61,11 +61,21 @@ WRONG = [
     ("  dim:", "  DimLamp:", "9:3 `DimLamp` is not a name", "small letters, digits and `_`: `dim_lamp`"),
     ("  dim:", "  dim-lamp:", "9:3 `dim-lamp` is not a name", "`dim_lamp`"),
     ("canwright: 1", "canwright: 2", "1:12 `2` is not 1", "write 1"),
-    ("canwright: 1", 'canwright: "1"', "1:12 `1` is not 1", "write 1, without quotes"),
+    ("canwright: 1", 'canwright: "1"', "1:12 the text `1` is not the number 1", "write 1, without quotes"),
     ("    code: 0x10", "\tcode: 0x10", "10:1 this is not YAML", "indent with spaces"),
-    ("    code: 0x10", "    code 0x10", "11:11 this is not YAML", "is there a colon, and a space after it"),
-    ("reply: echo", "reply: {layout: entry", "14:1 this is not YAML", "is a `{` before this left open"),
-    ("unit: ", "enum: [idle, busy], unit: ", "7:27 expected a mapping here", "Like {idle: 0, running: 1}"),
+    (
+        "    code: 0x10",
+        "    code 0x10",
+        "10:5 this is not YAML",
+        "a key has a colon and a space behind it: `code: 0x10`",
+    ),
+    ("reply: echo", "reply: {layout: entry", "13:12 this is not YAML", "this `{` is left open"),
+    (
+        "unit: ",
+        "enum: [idle, busy], unit: ",
+        "7:27 expected a mapping here",
+        "say the value of each: {idle: 0, busy: 1}",
+    ),
     ("commands:\n", "commands: {}\nold:\n", "8:11 this is empty; at least one is needed here", "Commands, by name."),
 ]
 
@@ -114,4 +124,4 @@ def test_short_values_and_mappings_mean_the_same(tmp_path: Path) -> None:
 
 def test_words_of_c_and_of_other_tools() -> None:
     formats = {"int8_t": "i8", "uint32_t": "u32", "s16": "i16", "double": "f64", "u0": "", "x": ""}
-    assert {word: hints.raw_format(word) for word in formats} == formats
+    assert {word: rewritten.raw_format(word) for word in formats} == formats

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from canwright.cli import main
 from canwright.compare import CHANGES
-from canwright.diagnostics import Diagnostic, SpecError
+from canwright.diagnostics import Diagnostic, Position, Severity, SpecError
 from canwright.load import load
 from canwright.resources import EXAMPLES, SCHEMA
 from canwright.rules import EVERY
@@ -92,7 +92,7 @@ MIXED = (
     MINIMAL.replace("selector:", "selecter:")
     .replace("u16", "u99")
     .replace("reply: echo", "repl: echo\n    effects: [glows]")
-    .replace("edition: v1", "edition: v1\ntitle: {en: 100% lamps, zh: 灯}")
+    .replace("edition: v1", "edition: v1\ntitle: 100% lamps")
     + "  glow: {code: 0x110, reply: {a: {at: 1, raw: u8}, b: {at: 1.4, raw: u8}}}\n"
 )
 
@@ -140,8 +140,8 @@ def test_github_annotations(tmp_path: Path) -> None:
     code, printed = machine(tmp_path, "github", MINIMAL.replace("at: 2", "at: 7"))
     assert code == 1
     assert printed == (
-        "::error file=folder/a%2C b.yaml,line=12,col=22,title=beyond-frame::"
-        "`level` reaches past the 8 data bytes of the frame%0Acheck `at`, the type and `dlc`\n"
+        "::error file=folder/a%2C b.yaml,line=12,col=27,title=beyond-frame::"
+        "`level` takes bytes 7 to 8, and the frame has bytes 0 to 7%0Acheck `at`, the type and `dlc`\n"
     )
 
 
@@ -152,6 +152,25 @@ def test_sarif(tmp_path: Path) -> None:
     assert {rule["id"] for rule in run["tool"]["driver"]["rules"]} == {result["ruleId"] for result in run["results"]}
     region = run["results"][0]["locations"][0]["physicalLocation"]["region"]
     assert region == {"startLine": 6, "startColumn": 1, "endColumn": 9}
+
+
+def test_the_caret_stands_under_what_is_meant_in_a_terminal() -> None:
+    """Wide characters take two columns there, and combining ones none; machines are told characters."""
+    text = "  灯e\u0301: {title: 调光, at: x}"
+    found = str(Diagnostic(Severity.ERROR, "value", "no", Position("a.yaml", 1, text.index("x") + 1, 1, text)))
+    assert found.split("\n")[2].index("^") - 2 == text.index("x") + 3 - 1
+    wide = str(Diagnostic(Severity.ERROR, "value", "no", Position("a.yaml", 1, text.index("调") + 1, 2, text)))
+    assert wide.endswith("^^^^")
+
+
+def test_a_layout_that_fields_are_added_to_is_used(tmp_path: Path) -> None:
+    (tmp_path / "my.yaml").write_text(
+        MINIMAL
+        + "  ask: {code: 0x11, manual: '1', reply: {layout: state, fields: {lamp: {at: 1, raw: u8}}}}\n"
+        + "layouts: {state: {fields: {level: {at: 2, type: level}}}}\n",
+        "utf-8",
+    )
+    assert [d.rule for d in load(tmp_path / "my.yaml").warnings] == ["missing-frame"]
 
 
 def test_machines_are_told_when_all_is_well(tmp_path: Path) -> None:

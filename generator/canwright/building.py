@@ -39,11 +39,7 @@ class Builder:
         try:
             return self._build()
         except yaml.MarkedYAMLError as error:
-            mark = error.problem_mark or error.context_mark
-            where = Mark(mark.line + 1, mark.column + 1, 1) if mark else Mark(1, 1, 1)
-            what = " ".join(part for part in (error.context, error.problem) if part)
-            hint = hints.yaml(what, self._document.at(where).text)
-            self._document.refuse(where, "yaml", f"this is not YAML: {what}", hint)
+            self._document.refuse_as_no_yaml(error, self._event)
         except (yaml.YAMLError, ValueError, OverflowError) as error:
             what = next(iter(str(error).splitlines()), "")
             self._document.refuse(Mark(1, 1, 1), "yaml", f"this is not YAML: {what}")
@@ -167,7 +163,7 @@ class Builder:
         if value is not None and not is_marked:
             self._plain[text] = value
         elif text == "":
-            self._report("yaml", "there is no value here", "write one, or remove the key", path)
+            self._document.report_without_value(Mark.of(event), path)
         elif value is None and (doubt := hints.doubt(text)):
             rule, message, hint = doubt
             self._report(rule, message, hint, path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
@@ -49,12 +50,20 @@ class Diagnostic:
         if at.text:
             first = max(0, at.column - WIDTH // 2) if len(at.text) > WIDTH else 0
             shown = at.text[first : first + WIDTH]
-            margin = "".join("\t" if c == "\t" else " " for c in shown[: at.column - 1 - first])
-            marked = max(1, min(at.length, len(shown) - len(margin)))
+            start = at.column - 1 - first
+            margin = "".join("\t" if c == "\t" else " " * _cells(c) for c in shown[:start])
+            marked = _cells(shown[start : start + at.length]) or 1
             lines += [f"  {shown}", f"  {margin}{'^' * marked}"]
         if self.hint:
             lines.append(f"  {self.hint}")
         return "\n".join(lines)
+
+
+def _cells(text: str) -> int:
+    """How many columns of a terminal a text takes: two for a wide character, none for one that is put on the last."""
+    if text.isascii():
+        return len(text)
+    return sum(0 if unicodedata.combining(c) else 2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text)
 
 
 class SpecError(Exception):
@@ -69,7 +78,24 @@ class SpecError(Exception):
 
 def near(name: str, known: Iterable[str]) -> str | None:
     """The one of `known` that `name` is probably a slip of the pen for."""
-    return next(iter(difflib.get_close_matches(name, sorted(set(known))[:MOST_FINDINGS], n=1, cutoff=0.6)), None)
+    names = (sorted(known) if isinstance(known, (set, frozenset)) else list(dict.fromkeys(known)))[:MOST_FINDINGS]
+    alike = next((n for n in names if n.casefold() == name.casefold()), None)
+    if alike is not None:
+        return alike
+    close = difflib.get_close_matches(name, names, n=len(names) or 1, cutoff=CUTOFF)
+    if close:
+        best = _likeness(name, close[0])
+        return next(n for n in names if n in close and _likeness(name, n) == best)
+    starts = [n for n in names if min(len(n), len(name)) > 2 and (n.startswith(name) or name.startswith(n))]
+    return starts[0] if len(starts) == 1 else None
+
+
+CUTOFF = 0.6
+"""How much alike a slip of the pen is, of 1."""
+
+
+def _likeness(name: str, other: str) -> float:
+    return difflib.SequenceMatcher(None, other, name).ratio()
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

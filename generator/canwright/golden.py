@@ -10,7 +10,7 @@ from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
 
@@ -85,9 +85,13 @@ Value = Annotated[
     Discriminator(_special),
     WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}, {"type": "array"}]}),
 ]
-RawValue = int | list[int]
+RawValue = Annotated[
+    Annotated[list[int], Tag("list")] | Annotated[int, Tag("plain")],
+    Discriminator(lambda value: "list" if isinstance(value, list) else "plain"),
+]
 Given = Annotated[
-    int | str,
+    Annotated[int, Tag("number")] | Annotated[str, Tag("name")],
+    Discriminator(lambda value: "number" if isinstance(value, int) else "name"),
     BeforeValidator(lambda value: str(value) if isinstance(value, Decimal) else value),
     WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}]}),
 ]
@@ -183,7 +187,9 @@ class Exchange(Sourced):
 
 
 def _refused_kind(value: object) -> str:
-    return "frame" if isinstance(value, dict) and "decode" in value else "values"
+    if not isinstance(value, dict) or "encode" in value:
+        return "values"
+    return "frame" if {"decode", "id", "data"} & set(value) else "values"
 
 
 Refused = Annotated[
@@ -194,6 +200,12 @@ Refused = Annotated[
 
 class GoldenFrames(Concept):
     """The golden frames of one edition."""
+
+    mistaken: ClassVar[tuple[str, str, str]] = (
+        "commands",
+        "this is a spec, not its golden frames",
+        "golden frames stand in a file of their own, EDITION.frames.yaml beside EDITION.yaml",
+    )
 
     canwright: Annotated[Literal[1], Field(description="Version of this language.")]
     family: Annotated[Name, Field(description="Family of the edition.")]

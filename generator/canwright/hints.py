@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
+from . import rewritten
 from .diagnostics import near
 from .model import Unit
 
@@ -15,8 +16,11 @@ _MEANT: Mapping[str, tuple[str, ...]] = {
     "accept": ("also", "alternatives"),
     "about": ("desc", "description", "doc", "details"),
     "addresses": ("ids", "nodes", "can_id"),
-    "at": ("byte", "position", "pos", "start", "start_bit", "start_byte"),
-    "bit_rates_kbps": ("baud", "baudrate", "bitrate", "bit_rate"),
+    "at": ("byte", "bytes", "position", "pos", "start", "start_bit", "start_byte", "startbit", "offset", "bit"),
+    "bit_rates_kbps": ("baud", "baudrate", "bitrate", "bit_rate", "speed"),
+    "bus": ("network", "can"),
+    "canwright": ("version", "schema"),
+    "commands": ("messages", "frames"),
     "byte_order": ("endian", "endianness", "endianess", "order"),
     "code": ("cmd", "command", "opcode", "command_id", "cmd_id"),
     "constant": ("const", "fixed", "value"),
@@ -36,27 +40,38 @@ _MEANT: Mapping[str, tuple[str, ...]] = {
     "unit": ("units",),
 }
 
-_FORMATS: Mapping[str, str] = {
-    "float": "f32",
-    "float32": "f32",
-    "real": "f32",
-    "single": "f32",
-    "double": "f64",
-    "float64": "f64",
-    "byte": "u8",
-    "char": "i8",
-    "bool": "u1",
-    "boolean": "u1",
-    "bit": "u1",
-    "word": "u16",
-    "dword": "u32",
-    "short": "i16",
-    "int": "i32",
-    "long": "i32",
+_ALL_MEANT = frozenset(word for words in _MEANT.values() for word in words)
+
+_REMEDIES: Mapping[str, str] = {
+    "a type": ": name one under `types`, and write `type: NAME` in place of `raw`",
+    "a request or a reply": ", which then has its fields in `layout`",
+    "a field": ", which stands in a request, a reply or a layout",
 }
 
 _STEPS = re.compile(r"\b(?:tick|pulse|step|increment|inc|lsb|cnt)s?\b")
 """What other manuals call a count."""
+
+EXAMPLES: Mapping[str, dict[str, object]] = {
+    "FieldSpec": {"at": 4, "raw": "u16"},
+    "Type": {"raw": "u16", "unit": "V", "scale": "0.1"},
+    "Address": {"id": "0x100 + node", "nodes": "1..32"},
+    "Command": {"code": "0x10", "reply": "none"},
+    "Selector": {"at": 0, "raw": "u8"},
+    "LayoutSpec": {"fields": {"level": {"at": 4, "raw": "u16"}}},
+    "Table": {
+        "index": {"at": 1, "raw": "u8"},
+        "entries": {"gain": {"index": 1, "layout": {"gain": {"at": 4, "raw": "u16"}}}},
+    },
+    "Entry": {"index": 1, "layout": {"gain": {"at": 4, "raw": "u16"}}},
+    "ParameterSpec": {"values": ["A", "B"]},
+    "NumberRange": {"min": 1, "max": 10},
+    "Bus": {"host": "Host", "dlc": 8},
+    "Mode": {"bit_rates_kbps": [500, 1000]},
+    "SettingSpec": {"title": "Limit of the current"},
+    "EffectSpec": {"title": "Moves", "level": "warning"},
+    "ErratumSpec": {"id": "unit_of_power", "where": ["types.power"], "printed": "…", "used": "…", "why": "…"},
+}
+"""Concepts as they are written, by the name of their class."""
 
 _LONG = re.compile(r"-?[1-9][0-9]{31,}|0x[0-9A-Fa-f]{17,}")
 _AMBIGUOUS = re.compile(
@@ -66,6 +81,9 @@ _AMBIGUOUS = re.compile(
 )
 """What some reader takes for something else than a text: all that is left of numbers, and other words for `true`."""
 
+DATE = r"^[0-9]{4}(-(0[1-9]|1[0-2])(-(0[1-9]|[12][0-9]|3[01]))?)?$"
+VISIBLE = r"\S"
+"""The pattern of a text in which there is something."""
 NAME = "a small letter, then small letters, digits and `_`"
 
 _SHAPES: Mapping[str, str] = {
@@ -73,29 +91,41 @@ _SHAPES: Mapping[str, str] = {
     r"^[A-Za-z0-9][A-Za-z0-9_]*$": "a letter or a digit, then letters, digits and `_`",
     r"^[A-Za-z][A-Za-z0-9_]*$": "a letter, then letters, digits and `_`",
     r"^[A-Za-z0-9]+([.-][A-Za-z0-9]+)*$": "letters and digits, with single dots and dashes between: v2.35-2024-02",
-    r"^[0-9]{4}(-[0-9]{2}){0,2}$": "a year, a month, or a day: 2023, 2023-03 or 2023-03-21",
 }
 
 
-def key(written: str, known: Iterable[str]) -> str:
-    """The key that an unknown one stands for; or those that there are."""
-    names = sorted(set(known))
+def meant(written: str, known: Iterable[str], there: Collection[str] = ()) -> str | None:
+    """The one of the known keys that an unknown one stands for, and that is not `there` yet."""
+    names = list(known)
     word = written.strip().lower().replace("-", "_").replace(" ", "_")
-    meant = near(word, names)
-    if meant is None or word not in (meant, f"{meant}s", meant.rstrip("s")):
-        meant = next((name for name, others in _MEANT.items() if name in names and word in others), meant)
-    if meant:
-        return f"did you mean `{meant}`?"
+    found = near(word, names)
+    if found is None or (found not in (word, f"{word}s", f"{word}es") and word != f"{found}s"):
+        said = there if not {"type", "raw"} & set(there) else {*there, "type", "raw"}
+        others = (name for name, words in _MEANT.items() if name in names and word in words and name not in said)
+        found = next(others, None if word in _ALL_MEANT else found)
+    return found
+
+
+def words_for(key: str) -> list[str]:
+    """A key, and those that it is other people's word for."""
+    return [key, *(name for name, words in _MEANT.items() if key.lower() in words)]
+
+
+def key(written: str, known: Sequence[str], there: Collection[str] = (), owners: Sequence[str] = ()) -> str:
+    """What an unknown key stands for: one of the known, one of other concepts, its `owners`; or those that there are."""
+    found = meant(written, known, there)
+    if found == "range":
+        return "did you mean `range`? it holds both ends: low..high"
+    if found:
+        return f"did you mean `{found}`?"
+    said = next((name for name in ("type", "raw") if name in there and name in known), None)
+    if said and written.lower() in _MEANT["raw"]:
+        return f"`{said}` says that: take it out"
+    if owners:
+        where = " or ".join(owners[:3])
+        return f"`{written}` belongs to {where}" + (_REMEDIES.get(owners[0], "") if len(owners) == 1 else "")
+    names = sorted(set(known))
     return "there are: " + ", ".join(f"`{n}`" for n in names) if 0 < len(names) <= LISTED_KEYS else ""
-
-
-def raw_format(written: str) -> str:
-    """The raw format that a type of C or of another tool stands for: `uint16_t` is u16."""
-    word = written.strip().lower()
-    found = re.fullmatch(r"(u|s|i|uint|int|sint|unsigned|signed)?[ _]?([1-9][0-9]?)(?:_t)?", word)
-    if found and int(found[2]) <= 64:
-        return ("u" if (found[1] or "u").startswith("u") else "i") + found[2]
-    return _FORMATS.get(word.removeprefix("unsigned "), "")
 
 
 def shape(pattern: str) -> str:
@@ -103,13 +133,49 @@ def shape(pattern: str) -> str:
     return _SHAPES.get(pattern, f"it has to match {pattern}")
 
 
+def plain(written: str) -> str:
+    """A name in small letters and `_`."""
+    parts = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", written)
+    return re.sub(r"[^A-Za-z0-9]+", "_", parts).strip("_").lower()
+
+
 def name(written: str, pattern: str) -> str:
     """What a name has to look like, and this one as it would."""
-    parts = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", written)
-    meant = re.sub(r"[^A-Za-z0-9]+", "_", parts).strip("_")
-    meant = meant.lower() if pattern.startswith("^[a-z]") else meant
+    kept = r"[^A-Za-z0-9.-]+" if "." in pattern else r"[^A-Za-z0-9]+"
+    meant = plain(written) if pattern.startswith("^[a-z]") else re.sub(kept, "_", written).strip("._-")
     wanted = shape(pattern)
     return f"{wanted}: `{meant}`" if meant != written and re.fullmatch(pattern, meant) else wanted
+
+
+def place(dotted: str, data: object) -> str:
+    """The path that one which leads to nothing was probably meant for."""
+    steps = dotted.split(".")
+    for i, step in enumerate(steps):
+        names = (
+            list(data)
+            if isinstance(data, dict)
+            else [str(n) for n in range(len(data))]
+            if isinstance(data, list)
+            else []
+        )
+        if step not in names:
+            found = near(step, names)
+            if found:
+                return f"did you mean `{'.'.join([*steps[:i], found, *steps[i + 1 :]])}`?"
+            where = f"below `{'.'.join(steps[:i])}`" if i else "at the top"
+            return f"{where} there is " + (
+                ", ".join(f"`{n}`" for n in names) if 0 < len(names) <= LISTED_KEYS else "no such thing"
+            )
+        data = data[int(step)] if isinstance(data, list) else data[step] if isinstance(data, dict) else None
+    return ""
+
+
+def date(written: str) -> str:
+    """How a date is written, and this one as it would be."""
+    parts = re.fullmatch(r"([0-9]{4})[-/. ]?([0-9]{1,2})?[-/. ]?([0-9]{1,2})?", written.strip())
+    found = "-".join(part.zfill(2) for part in parts.groups() if part) if parts else ""
+    wanted = "a year, a month, or a day: 2023, 2023-03 or 2023-03-21"
+    return f"{wanted}: `{found}`" if found != written and re.fullmatch(DATE, found) else wanted
 
 
 def integer(written: object) -> str:
@@ -117,6 +183,8 @@ def integer(written: object) -> str:
     text = str(written).strip()
     if re.fullmatch(r"0x[0-9A-Fa-f]+|0|[1-9][0-9]*", text):
         return f"write {text} without quotes"
+    if re.fullmatch(r"(?:0x[0-9A-Fa-f]+|0|[1-9][0-9]*)[;,]", text):
+        return f"write {text[:-1]}: there is nothing behind a value"
     digits = text[:-1] if text[-1:] in "hH" else text[1:] if text[:1] in "$#xX" else text
     return (
         f"did you mean 0x{digits.upper()}?"
@@ -127,13 +195,17 @@ def integer(written: object) -> str:
 
 def word(written: str, known: Iterable[str]) -> str:
     """Which of a few words is meant; or all of them."""
-    words = list(known)
-    inside = next((one for one in words if one in written.lower()), None)
-    return near(written, words) or inside or " or ".join(words)
+    words, lower = list(known), written.lower()
+    inside = next((one for one in words if one in lower), None)
+    other = next((one for one in words if lower.replace("_", "-") in _WORDS.get(one, ())), None)
+    every = f"{', '.join(words[:-1])} or {words[-1]}" if len(words) > 1 else "".join(words)
+    return other or near(lower, words) or inside or every
 
 
 def unit(written: str, units: Mapping[str, Unit]) -> str:
     """The unit that another spelling stands for; or all that there are."""
+    if written.strip().lower() in ("", "-", "none", "raw", "1", "n/a", "no unit", "unitless"):
+        return "leave `unit` out: without it, this is a bare number"
     spelt = {spelling.casefold(): u for u in units.values() for spelling in (u.symbol, u.title["en"], u.dbc)}
     spelt |= {f"{spelling}s": u for spelling, u in spelt.items()} | {"c": units["degC"]} if "degC" in units else {}
     word = written.strip().casefold()
@@ -153,8 +225,50 @@ def doubt(text: str) -> tuple[str, str, str] | None:
     if not _AMBIGUOUS.fullmatch(text):
         return None
     short = text if len(text) <= 40 else f"{text[:40]}…"
-    hint = f'for a text write "{short}" in quotes; a number is written like 12, 0x1F or 0.01'
-    return "ambiguous-scalar", f"`{short}` reads differently from one YAML reader to the next", hint
+    return "ambiguous-scalar", f"`{short}` reads differently from one YAML reader to the next", _clear(short)
+
+
+def _clear(text: str) -> str:
+    """How to write a scalar that reads in two ways."""
+    quoted = f'for a text write "{text}" in quotes'
+    if text.lower() in ("yes", "no", "on", "off", "true", "false"):
+        return f"{quoted}; for yes or no write `{'true' if text.lower() in ('yes', 'on', 'true') else 'false'}`"
+    if text.lower() in ("null", "~"):
+        return f"where nothing is meant leave the key out, or write `none` where that is a word for it; {quoted}"
+    number = rewritten.scalar(text)
+    return (
+        f"{quoted}; the number is written {number}"
+        if number
+        else f"{quoted}; a number is written like 12, 0x1F or 0.01"
+    )
+
+
+_WORDS: Mapping[str, tuple[str, ...]] = {
+    "little": ("le", "intel", "lsb", "lsb-first", "@1"),
+    "big": ("be", "motorola", "msb", "msb-first", "network", "@0"),
+    "zh": ("cn", "chinese", "zh-hans"),
+    "en": ("english", "eng", "en-us", "en-gb"),
+    "danger": ("high", "critical", "error"),
+    "warning": ("medium", "warn"),
+    "note": ("low", "info", "hint"),
+}
+"""What other people call the words of the language."""
+
+
+def empty(key: str, line: str) -> str:
+    """What is usually behind a key without a value."""
+    behind = line.partition(f"{key}:")[2].lstrip()
+    if "=" in key:
+        return f"a key has a colon and a space behind it: `{key.replace('=', ': ', 1)}`"
+    if ":" in key:
+        return f"a colon has a space behind it: `{key.replace(':', ': ', 1)}`"
+    if key.isdigit() and re.search(rf"[0-9],{key}\b", line):
+        return "within brackets a comma ends a value; a decimal is written with a dot: 0.1"
+    if behind.startswith("#"):
+        return "write one; `#` starts a comment, a text with it stands in quotes"
+    if f"{key}:" not in line:
+        return "write one; a text with a comma or a bracket in it stands in quotes"
+    return "write one, or remove the key; what belongs to it is indented further"
 
 
 def flow(example: object) -> str:
@@ -162,24 +276,3 @@ def flow(example: object) -> str:
     if isinstance(example, dict):
         return f"{{{', '.join(f'{name}: {flow(value)}' for name, value in example.items())}}}"
     return f"[{', '.join(map(flow, example))}]" if isinstance(example, list) else str(example)
-
-
-def yaml(problem: str, line: str) -> str:
-    """What is usually behind a complaint of the YAML reader about a line."""
-    if "\t" in line[: len(line) - len(line.lstrip())]:
-        return "indent with spaces; YAML takes no tabs there"
-    return next((hint for words, hint in _YAML.items() if words in problem), "")
-
-
-_YAML: Mapping[str, str] = {
-    "mapping values are not allowed": "is there a colon, and a space after it, on the line before? are lines that belong "
-    "together indented alike? a text with a colon in it needs quotes",
-    "did not find expected ',' or '}'": "is a `{` before this left open, or a comma missing?",
-    "did not find expected ',' or ']'": "is a `[` before this left open, or a comma missing?",
-    "did not find expected key": "lines that belong together are indented alike",
-    "could not find expected ':'": "is the colon behind the key missing, or the space after it?",
-    "cannot start any token": "put a text with such a character in quotes; is a quote before this left open?",
-    "quoted scalar": "is the closing quote missing?",
-    "unexpected end of stream": "is a quote or a bracket left open?",
-    "did not find expected node content": "is a value missing here?",
-}

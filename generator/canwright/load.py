@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from . import rules, source
-from .diagnostics import MOST_FINDINGS, Diagnostic, Severity, SpecError, nearest
-from .golden import GoldenFrames
-from .model import Edition, Path as ItemPath
+from .beside import Beside, read as read_frames
+from .diagnostics import MOST_FINDINGS, Diagnostic, Severity, SpecError
+from .doubts import Doubts, is_text, matters
+from .model import Path as ItemPath
 from .processes import for_each
 from .resolve import resolve
-from .rules import Subject
+from .rules import Finding, Rule, Subject
 from .rules.too_large import commands
 from .schema import EditionSpec
 from .source import Document
@@ -48,32 +49,51 @@ def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
         raise SpecError([*read.diagnostics, *too_many])
     digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
     edition, unresolved = resolve(document, read.spec, digest, read.dropped)
-    findings = [*read.diagnostics, *unresolved]
-    beside = frames_file(file)
-    frames, frames_document = None, document
-    if golden and beside.is_file():
-        try:
-            frames_document, _ = source.read(beside)
-            frames, amiss = _frames(frames_document, edition)
-            findings += amiss
-        except SpecError as error:
-            findings += error.diagnostics
+    beside = Beside()
+    if golden and frames_file(file).is_file():
+        said = {"family": edition.family, "edition": edition.name}
+        beside = read_frames(frames_file(file), {key: name for key, name in said.items() if (key,) not in read.dropped})
+    amiss, first = [*read.doubtful, *unresolved.paths], _first_address(document)
+    doubts = Doubts(read.spec, amiss, first)
+    findings = [*read.diagnostics, *unresolved.findings, *beside.findings]
+    partial = not all(map(is_text, (*read.dropped, *unresolved.paths)))
+    found = list(rules.check(Subject(edition, read.spec, beside.golden, partial), doubts))
+    errors = [finding for rule, finding in found if rule.severity is Severity.ERROR]
+    wrong = bool(findings or errors)
+    of_frames = Doubts(read.spec, [*amiss, *(f.path for f in errors if not f.in_frames)], first)
     known = {_place(d): d.rule for d in findings}
-    found = list(rules.check(Subject(edition, read.spec, frames), whole=not findings))
-    wrong = bool(findings) or any(rule.severity is Severity.ERROR for rule, _ in found)
     for rule, finding in itertools.islice(found, MOST_FINDINGS):
-        warning = rule.severity is Severity.WARNING
-        where = frames_document if finding.in_frames else document
-        diagnostic = where.finding(
-            finding.path, rule.id, finding.message, finding.hint, key=finding.key, warning=warning
-        )
-        spoilt = any(_related(finding.path, path) for path in read.dropped)
+        diagnostic = _diagnostic(document, beside, rule, finding)
         told = known.setdefault(_place(diagnostic), rule.id) != rule.id
-        if not (spoilt or told or (wrong and warning and rule.whole)):
+        if not (told or (wrong and finding.unless_wrong) or _follows(finding, read.dropped, beside, of_frames)):
             findings.append(diagnostic)
     if wrong:
         raise SpecError(findings)
-    return Loaded(Described(edition, frames), document, tuple(findings))
+    findings.sort(key=_place)
+    return Loaded(Described(edition, beside.golden), document, tuple(findings))
+
+
+def _diagnostic(document: Document, beside: Beside, rule: Rule, finding: Finding) -> Diagnostic:
+    path = finding.path
+    if finding.in_frames and beside.document is not None:
+        document, path = beside.document, beside.path(path)
+    warning = rule.severity is Severity.WARNING
+    return document.finding(path, rule.id, finding.message, finding.hint, key=finding.key, warning=warning)
+
+
+def _follows(finding: Finding, dropped: Collection[ItemPath], beside: Beside, doubts: Doubts) -> bool:
+    """Whether a finding may only be there because something else is amiss."""
+    path = finding.path
+    if finding.in_frames:
+        commands = beside.commands(path)
+        return doubts.any if commands is None else not all(map(doubts.knows, commands))
+    return any(path[: len(lost)] == lost or (lost[: len(path)] == path and matters(lost)) for lost in dropped)
+
+
+def _first_address(document: Document) -> str:
+    """The address of commands that name none, as it is written."""
+    addresses = document.data.get("addresses") if isinstance(document.data, dict) else None
+    return next(iter(addresses), "") if isinstance(addresses, dict) else ""
 
 
 def described(file: Path) -> Described:
@@ -89,6 +109,18 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
         raise SpecError(findings)
     result = [one for one in tried if isinstance(one, Loaded)]
     result.sort(key=lambda one: (one.described.edition.family, one.described.edition.name))
+    findings += [
+        later.document.finding(
+            ("edition",),
+            "name-collision",
+            f"{earlier.document.name} is {later.described.edition.family} {later.described.edition.name} as well",
+            "rename one of the editions",
+        )
+        for earlier, later in itertools.pairwise(result)
+        if _name(earlier) == _name(later)
+    ]
+    if findings:
+        raise SpecError(findings)
     documents = {id(one.described.edition): one.document for one in result}
     clashes = c.between([one.described.edition for one in result])
     findings = [
@@ -108,6 +140,10 @@ def _tried(file: Path) -> Loaded | Sequence[Diagnostic]:
         return error.diagnostics
 
 
+def _name(one: Loaded) -> tuple[str, str]:
+    return one.described.edition.family, one.described.edition.name
+
+
 def frames_file(file: Path) -> Path:
     """Where the golden frames of a spec stand."""
     return file.with_name(file.name.removesuffix(file.suffix) + FRAMES_SUFFIX)
@@ -118,35 +154,5 @@ def spec_files(folder: Path) -> list[Path]:
     return sorted(f for f in folder.glob("*/*.yaml") if not f.name.endswith(FRAMES_SUFFIX))
 
 
-def _frames(document: Document, edition: Edition) -> tuple[GoldenFrames | None, list[Diagnostic]]:
-    """Golden frames of an edition, and what is amiss with them: then they are None."""
-    read = validate_parts(document, GoldenFrames)
-    if read.spec is None or read.diagnostics:
-        return None, list(read.diagnostics)
-    others = [
-        document.finding((key,), "other-edition", f"these frames stand beside {key} `{wanted}`", f"{key}: {wanted}")
-        for key, wanted in (("family", edition.family), ("edition", edition.name))
-        if getattr(read.spec, key) != wanted
-    ]
-    known = read.spec.sources
-    others += [
-        document.finding((*path, "source"), "unknown-reference", f"there is no source `{name}`", nearest(name, known))
-        for path, name in _sources(read.spec)
-        if name not in known
-    ]
-    return (None if others else read.spec), others
-
-
-def _sources(golden: GoldenFrames) -> Iterator[tuple[ItemPath, str]]:
-    """Every entry of the golden frames, with the name of its source."""
-    for key, entries in (("frames", golden.frames), ("refused", golden.refused), ("exchanges", golden.exchanges)):
-        yield from (((key, i), entry.source) for i, entry in enumerate(entries))
-
-
 def _place(finding: Diagnostic) -> tuple[str, int, int]:
     return (finding.position.file, finding.position.line, finding.position.column)
-
-
-def _related(one: ItemPath, other: ItemPath) -> bool:
-    shorter = min(len(one), len(other))
-    return one[:shorter] == other[:shorter]

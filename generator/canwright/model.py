@@ -29,6 +29,7 @@ from .layouts import (
 )
 from .quantities import (
     IDENTITY as IDENTITY,
+    UNNAMED as UNNAMED,
     Assignment as Assignment,
     Bound as Bound,
     Dependent as Dependent,

@@ -21,6 +21,8 @@ MOST_ELEMENTS = 64
 """Elements of an array: no frame has more bits."""
 LAST_BYTE = 63
 LAST_ID_BIT = 28
+SHORT_ID = 0x7FF
+"""The last id of 11 bits."""
 LAST_ID = (1 << LAST_ID_BIT + 1) - 1
 
 _WHOLE = r"(?:0|[1-9][0-9]*)"
@@ -57,6 +59,8 @@ def rational(text: str) -> Fraction:
     above, slash, below = text.replace(" ", "").partition("/")
     if not slash:
         return number(above)
+    if not above or not below:
+        raise ValueError(f"`{text}` is not a number; a quotient has two, like 33/2048")
     divisor = number(below)
     if divisor == 0:
         raise ValueError(f"`{text}` divides by zero")
@@ -87,6 +91,8 @@ def span(text: str) -> Range:
     low, dots, high = text.replace(" ", "").partition("..")
     if not dots:
         raise ValueError(f"`{text}` is not a range; write it as low..high, for example -850..850")
+    if not low or not high:
+        raise ValueError(f"the range `{text}` has no {'high' if low else 'low'} end; write it as low..high")
     result = Range(_bound(low), _bound(high))
     if result.is_constant and result.low.constant > result.high.constant:
         raise ValueError(f"the range `{text}` is empty: its low end is above its high end")
@@ -122,7 +128,7 @@ def indices(text: str) -> range:
 
 def _numbers(text: str) -> range:
     if not re.fullmatch(NODES_PATTERN, text.replace(" ", "")):
-        number = re.fullmatch(r"(?:([0-9]{1,9})[ -]*)?([0-9]{1,9})", text)
+        number = re.fullmatch(r"(?:([0-9]{1,9}) *[ -] *)?([0-9]{1,9})", text)
         meant = f"{number[1] or 1}..{number[2]}" if number else "1..32"
         raise ValueError(f"`{text}` is not a range of whole numbers; write it as {meant}")
     first, last = (int(part) for part in text.replace(" ", "").split(".."))

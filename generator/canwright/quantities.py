@@ -16,6 +16,8 @@ T = TypeVar("T")
 
 Path = tuple[str | int, ...]
 """Where an item stands in its YAML document, as keys and indices from the top."""
+UNNAMED = ""
+"""In a path, in place of the name of what is left out because another has its name."""
 
 Text = Mapping[str, str]
 """One text in every language of the edition, by language code."""

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
-from . import schema
+from . import hints, schema
+from .context import Context
 from .diagnostics import Diagnostic
 from .model import (
     Address,
     Bus,
     Command,
+    Direction,
     Edition,
     Effect,
     Entry,
@@ -21,33 +24,40 @@ from .model import (
     Setting,
     Table,
 )
-from .notation import IdExpression
+from .notation import LAST_ID, SHORT_ID, IdExpression
 from .resolve_keys import keyed_by_constants, with_claims
 from .resolve_layouts import LayoutResolver
 from .resolve_messages import ENTRY, Form, MessageResolver
 from .resolve_parameters import resolve_parameters
-from .resolve_types import Context, read_units, resolve_types
+from .resolve_types import read_units, resolve_types
 from .source import Document
 
 T = TypeVar("T")
 
 
+class Unresolved(NamedTuple):
+    """What is amiss once a spec is resolved, and the paths of what is more than a text."""
+
+    findings: list[Diagnostic]
+    paths: list[Path]
+
+
 def resolve(
     document: Document, spec: schema.EditionSpec, digest: str, dropped: frozenset[Path] = frozenset()
-) -> tuple[Edition, list[Diagnostic]]:
+) -> tuple[Edition, Unresolved]:
     """The edition that a spec describes, and all findings; with any, the edition is only there to be checked further.
 
     `digest` is the hash of the document's text, `dropped` the parts of the document that `spec` lacks.
     """
     context = Context(document, tuple(spec.languages), [], dropped)
-    return _edition(context, spec, digest), context.diagnostics
+    return _edition(context, spec, digest), Unresolved(context.diagnostics, context.amiss)
 
 
 def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition:
     _, units = read_units()
     parameters = resolve_parameters(context, spec.parameters)
     types = resolve_types(context, spec, units, parameters)
-    addresses = {name: _address(context, name, written) for name, written in spec.addresses.items()}
+    addresses = {name: _address(context, i, name, written) for i, (name, written) in enumerate(spec.addresses.items())}
     settings = {
         name: Setting(
             name,
@@ -189,14 +199,17 @@ def _mode(context: Context, path: Path, written: schema.Command, modes: Mapping[
     return next(iter(modes), None)
 
 
-def _address(context: Context, name: str, written: schema.Address) -> Address:
+def _address(context: Context, number: int, name: str, written: schema.Address) -> Address:
     path: Path = ("addresses", name)
+    lost = IdRule(LAST_ID + 1 + number, 0, None, True)
+    """An id that no other address has, in place of one that could not be read."""
+    if context.is_partly_dropped(path, ("id", "request", "reply", "nodes", "extended")):
+        return Address(name, lost, lost, context.title(path, written.title, name), context.text(path, None), "", path)
     request, reply = written.request or written.id, written.reply or written.id
     if request is None or reply is None:
         lacking = "its id" if request is reply else "the id of requests" if request is None else "the id of replies"
-        context.report(
-            path, "missing-key", f"`{name}` says nothing of {lacking}", "write `id`, or `request` and `reply`"
-        )
+        text = f"`{name}` says nothing of {lacking}"
+        context.report(path, "missing-key", text, "write `id`, or `request` and `reply`", key=True)
     elif written.id is not None and (written.request or written.reply):
         hint = "keep `id`, or `request` and `reply`"
         context.report(
@@ -205,10 +218,14 @@ def _address(context: Context, name: str, written: schema.Address) -> Address:
     elif written.nodes is not None and request.node_shift is None and reply.node_shift is None:
         hint = f"write the id with `node`, like 0x{request.base:X} + node, or leave `nodes` out"
         context.report((*path, "nodes"), "address-id", "there are nodes, but no id depends on `node`", hint, key=True)
+    asked = _id_rule(context, _id_path(path, written, Direction.REQUEST), request, written, lost)
+    answered = _id_rule(context, _id_path(path, written, Direction.REPLY), reply, written, lost)
+    if max(_highest(asked), _highest(answered)) > SHORT_ID:
+        asked, answered = (dataclasses.replace(rule, extended=True) for rule in (asked, answered))
     return Address(
         name,
-        _id_rule(context, path, request or IdExpression(0, None), written),
-        _id_rule(context, path, reply or IdExpression(0, None), written),
+        asked,
+        answered,
         context.title(path, written.title, name),
         context.text((*path, "about"), written.about),
         written.manual or "",
@@ -216,24 +233,39 @@ def _address(context: Context, name: str, written: schema.Address) -> Address:
     )
 
 
-def _id_rule(context: Context, path: Path, id_: IdExpression, written: schema.Address) -> IdRule:
+def _id_path(address: Path, written: schema.Address, direction: Direction) -> Path:
+    """Where the id of one direction stands."""
+    return (*address, "id" if getattr(written, direction.value) is None else direction.value)
+
+
+def _id_rule(context: Context, path: Path, id_: IdExpression | None, written: schema.Address, lost: IdRule) -> IdRule:
+    if id_ is None:
+        return lost
     if id_.node_shift is not None and written.nodes is None:
-        context.report(path, "missing-key", "the id depends on `node`, but `nodes` is missing", "nodes: 1..32")
+        text = "the id depends on `node`, but `nodes` is missing"
+        context.report(path[:-1], "missing-key", text, "nodes: 1..32", key=True)
+        return lost
     nodes = written.nodes if id_.node_shift is not None else None
-    limit = 0x1FFFFFFF if written.extended else 0x7FF
-    highest = id_.base + ((nodes[-1] << (id_.node_shift or 0)) if nodes else 0)
+    limit = LAST_ID if written.extended else SHORT_ID
+    rule = IdRule(id_.base, id_.node_shift or 0, nodes, written.extended)
+    highest = _highest(rule)
     if highest > limit:
-        context.report(
-            path, "id-space", f"the id reaches 0x{highest:X}, past 0x{limit:X}", "extended: true has 29 bits"
-        )
-    return IdRule(id_.base, id_.node_shift or 0, nodes, written.extended)
+        longer = "" if written.extended or highest > LAST_ID else "; with `extended: true` there are 29 bits"
+        hint = f"check {'`id` and `nodes`' if nodes else 'the id'}{longer}"
+        context.report(path, "id-space", f"the id reaches 0x{highest:X}, past 0x{limit:X}", hint)
+    return rule
+
+
+def _highest(rule: IdRule) -> int:
+    return rule.base + ((rule.nodes[-1] << rule.node_shift) if rule.nodes else 0)
 
 
 def _erratum(context: Context, index: int, written: schema.ErratumSpec) -> Erratum:
     path: Path = ("errata", index)
     for i, where in enumerate(written.where):
-        if not context.document.holds(where):
-            context.report((*path, "where", i), "unknown-reference", f"there is nothing at `{where}` in this file")
+        if not context.document.holds(where) and not context.has_lost(where):
+            text = f"there is nothing at `{where}` in this file"
+            context.report((*path, "where", i), "unknown-reference", text, hints.place(where, context.document.data))
     return Erratum(
         written.id,
         tuple(written.where),

@@ -5,10 +5,11 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 
-from . import hints, schema
+from . import rewritten, schema
+from .context import Context
 from .model import Element, Field, Layout, Order, Parameter, Path, Segment, Space, Text, Type, Variant
 from .notation import At, frame_bits
-from .resolve_types import Context, bare_type
+from .resolve_types import bare_type
 
 
 class LayoutResolver:
@@ -31,8 +32,11 @@ class LayoutResolver:
         """A condition on parameters, checked."""
         for name, values in (written or {}).items():
             parameter = self._context.find((*path, "only", name), "parameter", name, self._parameters, key=True)
-            known = {value.name: value for value in parameter.values} if parameter else dict.fromkeys(values)
-            for i, value in enumerate(values):
+            if parameter and not parameter.values and not self._context.is_amiss(("parameters", name)):
+                text = f"`{name}` is a number, and `only` wants a choice"
+                self._context.report((*path, "only", name), "parameter-kind", text, "give it `values`", key=True)
+            known = {value.name: value for value in parameter.values} if parameter else {}
+            for i, value in enumerate(values if known else ()):
                 self._context.find((*path, "only", name, i), f"value of `{name}`:", value, known)
         return {name: tuple(values) for name, values in (written or {}).items()}
 
@@ -67,7 +71,7 @@ class LayoutResolver:
         shared: bool,
     ) -> Layout:
         resolved = tuple(self._field((*fields_at, n), n, f, manual) for n, f in fields.items())
-        conditions = dict.fromkeys(p for f in fields.values() for p in f.only or {})
+        conditions = dict.fromkeys(p for f in fields.values() for p in f.only or {} if p in self._parameters)
         if len(conditions) > 1:
             names = ", ".join(conditions)
             self._context.report(
@@ -115,7 +119,7 @@ class LayoutResolver:
             tuple(elements),
             written.array is not None,
             tuple(v for values in self.only(path, written.only).values() for v in values),
-            written.constant,
+            written.constant if written.raw is not None or written.type in self._types else None,
             written.holds == "node",
             title,
             self._context.text((*path, "about"), written.about),
@@ -125,9 +129,10 @@ class LayoutResolver:
 
     def _type(self, path: Path, written: schema.FieldSpec) -> Type:
         if (written.type is None) == (written.raw is None):
-            self._context.report(
-                path, "field-type", "a field must have either `type` or `raw`", "raw: u8 is a bare number", key=True
-            )
+            both = written.type is not None
+            text = f"`{path[-1]}` has both `type` and `raw`" if both else f"`{path[-1]}` has neither `type` nor `raw`"
+            hint = "keep one: `type` names a type, `raw` is a bare number" if both else "raw: u8 is a bare number"
+            self._context.report(path, "field-type", text, hint, key=True)
         if written.type is not None and written.byte_order is not None:
             hint = "move it into the type, or write `raw` in place of `type`"
             self._context.report(
@@ -140,7 +145,7 @@ class LayoutResolver:
             return self.bare_types.setdefault(bare.name, bare)
         if written.type is None:
             return bare_type(self._context, schema.EMPTY_RAW, self._order, path)
-        raw = hints.raw_format(written.type)
+        raw = rewritten.raw_format(written.type)
         hint = f"write `raw: {raw}`" if raw and written.type not in self._types else ""
         found = self._context.find((*path, "type"), "type", written.type, self._types, hint)
         return found or bare_type(self._context, schema.EMPTY_RAW, self._order, path)

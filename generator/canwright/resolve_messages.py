@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from . import schema
+from .context import Context
 from .diagnostics import near
 from .model import (
     Address,
@@ -18,7 +19,6 @@ from .model import (
     ReplyForm,
 )
 from .resolve_layouts import LayoutResolver, segments_at
-from .resolve_types import Context
 
 ENTRY = "entry"
 """In place of a layout's name: the layout of the table's entry."""
@@ -26,6 +26,8 @@ FORMS = (ENTRY, "echo", "none")
 """The words that stand in place of a layout's name."""
 OF_REPLIES = frozenset(("of", "from_each"))
 """What is said of replies alone, and all that is said of one that is another command's."""
+LONGEST_DATA = 8
+"""Data bytes of a frame whose `dlc` could not be read: nothing is beyond these for that reason."""
 LONGEST_CHAIN = 20
 """How many commands may take their reply one from the next."""
 
@@ -71,6 +73,7 @@ class MessageResolver:
         self._resolver = layouts
         self._addresses = addresses
         self._pending: list[str] = []
+        self._lacks_selector = False
         self._done: dict[tuple[str, str | None], tuple[Message | None, Reply]] = {}
         self._shared = {
             name: layouts.shared(("layouts", name), name, written, ("layouts", name, "fields"))
@@ -169,12 +172,12 @@ class MessageResolver:
         if self._context.find((*path, "of"), "command", of, self._spec.commands) is None:
             return Reply(None, ReplyForm.NONE)
         if of in self._pending:
-            self._context.report(
-                (*path, "of"),
-                "circular-reference",
-                f"`{of}` takes its reply from here in turn",
-                "give one of them a reply",
+            in_turn = of != self._pending[-1]
+            text = (
+                f"`{of}` takes its reply from here in turn" if in_turn else "a command has no reply of its own to take"
             )
+            hint = "give one of them a reply" if in_turn else "say what it replies"
+            self._context.report((*path, "of"), "circular-reference", text, hint)
             return Reply(None, ReplyForm.NONE)
         if len(self._pending) > LONGEST_CHAIN:
             text = f"this is the end of a chain of {LONGEST_CHAIN} commands that take their reply from the next"
@@ -200,7 +203,7 @@ class MessageResolver:
         layout = None
         if spec.layout == ENTRY and form.layout is not None:
             layout = form.layout
-        elif spec.layout == ENTRY:
+        elif spec.layout == ENTRY and not self._lacks_table(command):
             hint = "name the `table` of the command"
             self._context.report(path, "entry-of-nothing", f"`{command}` has no table with an entry", hint)
         elif isinstance(spec.layout, str):
@@ -223,11 +226,20 @@ class MessageResolver:
             (*self._keys(command, code, address.name, direction), *form.keys),
             tuple(spec.accept or ()),
             (),
-            next(dlc for dlc in (of_entry, spec.dlc, self._spec.bus.dlc) if dlc is not None),
+            self._dlc(path, spec, of_entry),
             bool(spec.remote),
             layout,
             path,
         )
+
+    def _dlc(self, path: Path, spec: schema.MessageSpec, of_entry: int | None) -> int:
+        if self._context.is_partly_dropped(path, ("dlc",)):
+            return LONGEST_DATA
+        return next(dlc for dlc in (of_entry, spec.dlc, self._spec.bus.dlc) if dlc is not None)
+
+    def _lacks_table(self, command: str) -> bool:
+        """Whether the table of a command could not be read."""
+        return self._context.is_partly_dropped(("commands", command), ("table",))
 
     def code_of(self, form: Form) -> int | None:
         """The code of a command, or of what an entry's kind makes of it."""
@@ -236,6 +248,8 @@ class MessageResolver:
     def _code(self, path: Path, form: Form, written: schema.Code | None) -> int | None:
         if not isinstance(written, dict):
             return written
+        if form.entry is None and self._lacks_table(form.command):
+            return None
         if form.entry is None:
             text = f"`{form.command}` has no table, so its code cannot depend on an entry"
             self._context.report(path, "entry-of-nothing", text, "write one code, or name the `table` of the command")
@@ -258,17 +272,18 @@ class MessageResolver:
             return ()
         path: Path = ("commands", command, "code")
         here = self._spec.addresses[address]
+        named = self._spec.commands[command].address
+        if named is not None and named not in self._spec.addresses:
+            return ()
         of_reply = here.reply_selector if direction is Direction.REPLY else None
         selector = of_reply or here.selector or self._spec.selector
         if selector is None and self._context.is_lost("selector"):
             return ()
         if selector is None:
-            self._context.report(
-                path,
-                "no-selector",
-                "there is a code, but no `selector` that says where it stands",
-                "selector: {at: 0, raw: u8}",
-            )
+            if not self._lacks_selector:
+                text = "there is a code, but no `selector` that says where it stands"
+                self._context.report(path, "no-selector", text, "selector: {at: 0, raw: u8}", about=("selector",))
+            self._lacks_selector = True
             return ()
         return (self._key("code", selector, code, path),)
 
@@ -289,8 +304,8 @@ class MessageResolver:
         entries = {}
         for name, entry in written.entries.items():
             path: Path = ("tables", table, "entries", name)
-            of_table = {n: c for n, c in self._spec.commands.items() if c.table == table}
-            for i, command in enumerate(entry.commands or ()):
+            of_table = {n: c for n, c in self._spec.commands.items() if self._may_have(n, c, table)}
+            for i, command in enumerate(() if self._context.is_lost("commands") else entry.commands or ()):
                 self._context.find((*path, "commands", i), f"command of the table `{table}`:", command, of_table)
             values = entry.index if isinstance(entry.index, list) else [entry.index]
             if len(values) > len(selectors):
@@ -310,6 +325,11 @@ class MessageResolver:
                 entry.dlc,
             )
         return entries
+
+    def _may_have(self, name: str, command: schema.Command, table: str) -> bool:
+        """Whether a command has a table, or names one that is not there."""
+        unknown = command.table is not None and command.table not in self._spec.tables
+        return command.table == table or unknown or self._lacks_table(name)
 
     def _entry_layout(self, path: Path, name: str, table: schema.Table, entry: schema.Entry) -> Layout | None:
         if isinstance(entry.layout, str):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from . import schema
+from .context import Context
 from .model import Parameter, ParameterValue, Path
-from .resolve_types import Context
 
 
 def resolve_parameters(context: Context, written: Mapping[str, schema.ParameterSpec]) -> dict[str, Parameter]:
@@ -14,9 +14,10 @@ def resolve_parameters(context: Context, written: Mapping[str, schema.ParameterS
     for name, spec in written.items():
         path: Path = ("parameters", name)
         if (spec.values is None) == (spec.number is None):
-            context.report(
-                path, "parameter-kind", f"`{name}` must have either `values` or `number`", "number: {}", key=True
-            )
+            both = spec.values is not None
+            text = f"`{name}` has both `values` and `number`" if both else f"`{name}` has neither `values` nor `number`"
+            hint = "keep one" if both else "values: [A, B] is a choice, number: {} a number"
+            context.report(path, "parameter-kind", text, hint, key=True)
         values: tuple[ParameterValue, ...] = ()
         if isinstance(spec.values, list):
             values = tuple(

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeVar
 
-from . import hints, resources, schema, source, words
-from .diagnostics import MOST_FINDINGS, Diagnostic, nearest
+from . import hints, resources, schema, source
+from .context import Context
 from .model import (
     IDENTITY,
     Bound,
@@ -21,67 +21,12 @@ from .model import (
     Parameter,
     Path,
     Range,
-    Text,
     Type,
     Unit,
 )
 from .notation import Multiple
 
 T = TypeVar("T")
-
-
-@dataclass
-class Context:
-    """What every step of resolving needs: the document for positions, the languages, and the findings so far.
-
-    `dropped` are the parts that could not be read; what is missing because of them is not a finding of its own.
-    """
-
-    document: source.Document
-    languages: tuple[schema.Language, ...]
-    diagnostics: list[Diagnostic]
-    dropped: frozenset[Path] = frozenset()
-
-    def __post_init__(self) -> None:
-        self._lacking = {path[:end] for path in self.dropped for end in range(len(path) + 1)}
-        self._lost = {path[-1] for path in self.dropped if path}
-
-    def report(self, path: Path, rule: str, message: str, hint: str = "", *, key: bool = False) -> None:
-        if path not in self._lacking and len(self.diagnostics) < MOST_FINDINGS:
-            self.diagnostics.append(self.document.finding(path, rule, message, hint, key=key))
-
-    def find(
-        self, path: Path, kind: str, name: str, known: Mapping[str, T], hint: str = "", *, key: bool = False
-    ) -> T | None:
-        """`known[name]`, or a finding that there is no such thing, at the value or at the `key` that names it."""
-        if name not in known and name not in self._lost and not self.is_lost(f"{kind}s"):
-            hint = hint or nearest(name, known)
-            self.report(path, "unknown-reference", f"there is no {kind} `{name}`", hint, key=key)
-        return known.get(name)
-
-    def is_lost(self, key: str) -> bool:
-        """Whether all that stands under a key of the edition could not be read."""
-        return (key,) in self.dropped
-
-    def text(self, path: Path, written: schema.Text | None) -> Text:
-        """A text in every language; a plain one stands for the only language."""
-        if written is None:
-            return dict.fromkeys(self.languages, "")
-        if isinstance(written, str):
-            if len(self.languages) > 1:
-                wanted = ", ".join(f"{language}: …" for language in self.languages)
-                self.report(path, "missing-language", "this text is in one language only", f"write {{{wanted}}}")
-            return dict.fromkeys(self.languages, written)
-        for language in self.languages:
-            if language not in written:
-                self.report(path, "missing-language", f"this text has no `{language}`", "the edition names it")
-        return {language: written.get(language, "") for language in self.languages}
-
-    def title(self, path: Path, written: schema.Text | None, name: str) -> Text:
-        """A title; a name in words where none is written."""
-        if written is None:
-            return dict.fromkeys(self.languages, words.spoken(name))
-        return self.text((*path, "title"), written)
 
 
 def read_units() -> tuple[source.Document, dict[str, Unit]]:
@@ -224,6 +169,8 @@ class _TypeResolver:
         parameter = self.context.find((*path, "by"), "parameter", parameter_name, self.parameters)
         if parameter is None:
             return {}
+        if not parameter.is_choice and self.context.is_amiss(("parameters", parameter_name)):
+            return {}
         if not parameter.is_choice:
             text = f"`{parameter_name}` has no `values`, so `{key}` cannot depend on them"
             self.context.report(
@@ -234,9 +181,10 @@ class _TypeResolver:
         for name in written:
             self.context.find((*path, name), f"value of `{parameter_name}`:", name, known, key=True)
         missing = [name for name in known if name not in written]
-        if missing:
+        if len(missing) > len(set(written) - set(known)):
             hint = "write `none` where the manual gives none"
-            self.context.report(path, "incomplete-choice", f"`{key}` says nothing for {', '.join(missing)}", hint)
+            text = f"`{key}` says nothing for {', '.join(missing)}"
+            self.context.report(path, "incomplete-choice", text, hint, key=True)
         return {name: _none_or(written[name]) for name in known if name in written}
 
     def _raw_range(self, spec: schema.Type, linear: Dependent[Linear]) -> Dependent[Range]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
+from .hints import DATE
 from .model import Level, Order
 from .schema_messages import (
     EMPTY_RAW as EMPTY_RAW,
@@ -67,7 +68,9 @@ class Address(Titled):
 class Mode(Titled):
     """A way to run the bus; commands of different modes exclude each other."""
 
-    bit_rates_kbps: Annotated[list[int], Field(description="Bit rates, in kbit/s.")]
+    bit_rates_kbps: Annotated[
+        list[Annotated[int, Field(ge=1, le=1000)]], Field(description="Bit rates, in kbit/s, up to 1000.")
+    ]
     default_kbps: Annotated[int | None, Field(description="The bit rate of a new node, in kbit/s.")] = None
 
 
@@ -106,8 +109,8 @@ class ParameterSpec(Titled):
 
     values: Annotated[
         Annotated[
-            Annotated[list[Choice], Field(max_length=256), Tag("plain")]
-            | Annotated[dict[ValueName, Titled], Field(max_length=256), Tag("map")],
+            Annotated[list[Choice], Field(min_length=1, max_length=256), Tag("plain")]
+            | Annotated[dict[ValueName, Titled], Field(min_length=1, max_length=256), Tag("map")],
             Discriminator(is_map),
         ]
         | None,
@@ -145,6 +148,19 @@ class ErratumSpec(Concept):
 class EditionSpec(Titled):
     """One exact protocol: a label and a date, and all there is to know of it."""
 
+    stand_ins: ClassVar[dict[str, object]] = {
+        "canwright": 1,
+        "family": "lost",
+        "edition": "lost",
+        "addresses": {"lost": {"id": 0}},
+        "commands": {"lost": {"reply": "none"}},
+    }
+    mistaken: ClassVar[tuple[str, str, str]] = (
+        "frames",
+        "these are golden frames, not a spec",
+        "name the spec that they stand beside; it is read together with them",
+    )
+
     canwright: Annotated[Literal[1], Field(description="Version of this language.")]
     family: Annotated[Name, Field(description="The protocols that grew from one another; prefix of generated names.")]
     edition: Annotated[
@@ -153,7 +169,7 @@ class EditionSpec(Titled):
     ]
     date: Annotated[
         str | None,
-        Field(pattern=r"^[0-9]{4}(-[0-9]{2}){0,2}$", description="Date of the manual: 2023-03 or 2023-03-21."),
+        Field(pattern=DATE, description="Date of the manual: 2023-03 or 2023-03-21."),
     ] = None
     languages: Annotated[list[Language], Field(min_length=1, description="Languages that every text is given in.")] = [
         "en"
@@ -176,6 +192,24 @@ class EditionSpec(Titled):
     commands: Annotated[dict[Name, Command], Field(min_length=1, description="Commands, by name.")]
     errata: Annotated[list[ErratumSpec], Field(description="Errata, in the order of the manual.")] = []
 
+
+CONCEPTS: dict[type[Concept], str] = {
+    EditionSpec: "the edition",
+    Type: "a type",
+    FieldSpec: "a field",
+    MessageSpec: "a request or a reply",
+    Command: "a command",
+    Address: "an address",
+    Bus: "`bus`",
+    Mode: "a mode of `bus`",
+    LayoutSpec: "a layout",
+    Table: "a table",
+    Entry: "an entry of a table",
+    ParameterSpec: "a parameter",
+    EffectSpec: "an effect",
+    ErratumSpec: "an erratum",
+}
+"""What the concepts are called."""
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic_core import PydanticCustomError
 
 from .model import Order
 from .written import Multiple, Name, Raw, Span, Text, is_map
 
 
 class Concept(BaseModel):
-    """What all concepts share: no unknown keys, nothing changes once it is read."""
+    """What all concepts share: no unknown keys, nothing changes once it is read.
+
+    `stand_ins` are read in place of keys that could not be, so that the rest is; `mistaken` is a key of the file that
+    this one may be mistaken for, and what is told then.
+    """
+
+    stand_ins: ClassVar[dict[str, object]] = {}
+    mistaken: ClassVar[tuple[str, str, str]] = ("", "", "")
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, strict=True, defer_build=True)
 
@@ -35,26 +43,36 @@ CaseSpan = Annotated[
 ]
 
 
-class ScaleBy(Concept):
+class _By(Concept):
+    """What there is for each value of a choice parameter."""
+
+    model_config = ConfigDict(extra="allow")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _names_its_parameter(cls, written: Any) -> Any:
+        if isinstance(written, dict) and "by" not in written:
+            raise PydanticCustomError("by_missing", "`by` is missing here")
+        return written
+
+
+class ScaleBy(_By):
     """A scale for each value of a choice parameter; `none` where the manual gives none."""
 
-    model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, CaseMultiple]
     by: Annotated[Name, Field(description="The parameter that decides.")]
 
 
-class OffsetBy(Concept):
+class OffsetBy(_By):
     """An offset for each value of a choice parameter; `none` where the manual gives none."""
 
-    model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, CaseMultiple]
     by: Annotated[Name, Field(description="The parameter that decides.")]
 
 
-class RangeBy(Concept):
+class RangeBy(_By):
     """A range for each value of a choice parameter; `none` where the manual gives none."""
 
-    model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, CaseSpan]
     by: Annotated[Name, Field(description="The parameter that decides.")]
 
@@ -80,6 +98,14 @@ class Flag(Titled):
     """A name for one bit."""
 
     bit: Annotated[BitNumber, Field(description="The bit, 0 is the least significant.")]
+
+
+def _names_first(written: Any) -> Any:
+    """Refuses `{0: idle}` at once, and not each of its keys and values."""
+    entries = written.items() if isinstance(written, dict) else ()
+    if entries and all(str(key).isdigit() and isinstance(value, str) for key, value in entries):
+        raise PydanticCustomError("names_first", "the names come first here, and what they stand for behind them")
+    return written
 
 
 Value = Annotated[Annotated[int, Tag("plain")] | Annotated[Member, Tag("map")], Discriminator(is_map)]
@@ -115,14 +141,16 @@ class Type(Titled):
         ),
     ] = None
     enum: Annotated[
-        dict[Name, Value] | None,
+        Annotated[dict[Name, Value], Field(min_length=1)] | None,
+        BeforeValidator(_names_first),
         Field(
             description="The raw values that have a name: the value, or a mapping where there is a title to it.",
             examples=[{"idle": 0, "running": 1}, {"idle": {"value": 0, "title": "Waits"}}],
         ),
     ] = None
     flags: Annotated[
-        dict[Name, Bit] | None,
+        Annotated[dict[Name, Bit], Field(min_length=1)] | None,
+        BeforeValidator(_names_first),
         Field(
             description="The bits that have a name, 0 is the least significant: the bit, or a mapping with a title.",
             examples=[{"hot": 0, "stuck": 7}, {"hot": {"bit": 0, "title": "Too hot"}}],

@@ -13,7 +13,9 @@ from functools import cached_property
 from pathlib import Path as FilePath
 from typing import Any, NoReturn
 
-from . import characters
+import yaml
+
+from . import characters, hints, unreadable
 from .building import Builder
 from .diagnostics import Diagnostic, Position, Severity, SpecError
 from .model import Path
@@ -99,10 +101,24 @@ class Document:
             self.refuse(mark, rule, message, f"{hint}; reading stops after so many findings")
         self.findings.append(Diagnostic(Severity.ERROR, rule, _line(message), self.at(mark), _line(hint)))
 
+    def report_without_value(self, mark: Mark, path: Path | None) -> None:
+        """Reports a value that is not there, at its key."""
+        at = (self.places.keys.get(path) if path else None) or mark
+        line = self.lines[at.line - 1] if at is not mark else ""
+        self.report(at, "yaml", "there is no value here", hints.empty(str(path[-1]) if path else "", line))
+        if path is not None:
+            self.spoilt.add(path)
+
     def refuse(self, mark: Mark, rule: str, message: str, hint: str = "") -> NoReturn:
         """Ends reading with a finding and all before it. Raises SpecError."""
         found = Diagnostic(Severity.ERROR, rule, _line(message), self.at(mark), _line(hint))
-        raise SpecError([*self.findings, found])
+        is_told = any(other.position == found.position for other in self.findings)
+        raise SpecError(self.findings if is_told else [*self.findings, found])
+
+    def refuse_as_no_yaml(self, error: yaml.MarkedYAMLError, event: Any) -> NoReturn:
+        """Refuses a text that is not YAML, as was found after an event. Raises SpecError."""
+        line, column, what, hint = unreadable.cause(error, self.lines, event)
+        self.refuse(Mark(line + 1, column + 1, 1), "yaml", f"this is not YAML: {what}", hint)
 
     def report_unseen(self, mark: Mark, found: str) -> None:
         """Reports a character that cannot be seen."""

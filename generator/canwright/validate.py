@@ -1,29 +1,25 @@
-"""A document against the language: pydantic's findings, put where they are and into words for the writer."""
+"""A document against the language: as much of it as is right, and pydantic's findings put where they are."""
 
 from __future__ import annotations
 
 import copy
-import functools
 import itertools
 import re
-import typing
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from types import UnionType
-from typing import Annotated, Any, Generic, TypeVar, Union
+from typing import Any, Generic, TypeVar
 
-from pydantic import BaseModel, Tag, ValidationError
+from pydantic import ValidationError
 
-from . import hints
+from . import hints, worded
 from .diagnostics import MOST_FINDINGS, Diagnostic, SpecError, near
-from .model import Path
+from .model import UNNAMED, Path
 from .scalars import MERGE
-from .schema_types import Type
+from .schema import Concept
 from .source import Document
+from .worded import Error, Location
 
-M = TypeVar("M", bound=BaseModel)
-
-Location = tuple[str | int, ...]
+M = TypeVar("M", bound=Concept)
 
 
 def validate(document: Document, concept: type[M]) -> M:
@@ -36,65 +32,209 @@ def validate(document: Document, concept: type[M]) -> M:
 
 @dataclass(frozen=True)
 class Validated(Generic[M]):
-    """What of a document could be read: without the parts at `dropped`; None when too little is left."""
+    """What of a document could be read: without the parts at `dropped`; None when too little is left.
+
+    `doubtful` are the paths of what the dropped parts were meant for.
+    """
 
     spec: M | None
     diagnostics: tuple[Diagnostic, ...]
     dropped: frozenset[Path]
+    doubtful: frozenset[Path]
 
 
 def validate_parts(document: Document, concept: type[M]) -> Validated[M]:
     """As much of the document as is right, and every structural finding, so that one run tells all."""
-    data: Any = document.data
-    diagnostics = tuple(document.findings)
-    dropped = {_entry(path) for path in document.spoilt}
-    if dropped:
-        data = copy.deepcopy(data)
-        for path in dropped:
-            _drop(data, path)
-    for attempt in range(0 if () in dropped else ROUNDS):
-        try:
-            return Validated(concept.model_validate(data), diagnostics, frozenset(dropped))
-        except ValidationError as error:
-            errors = [dict(e) for e in error.errors()]
-        data = copy.deepcopy(data) if data is document.data else data
-        meant = dict(_meant(document, concept, errors))
-        renamed = {(*path[:-1], name) for path, name in meant.items()}
-        wrong = [e for e in errors if e["type"] != "missing" or _missing(document, e) not in renamed]
-        if attempt == 0:
-            told = (e for e in wrong if not _follows(document, e, dropped))
-            diagnostics += tuple(_diagnostic(document, concept, e) for e in itertools.islice(told, MOST_FINDINGS))
-        for path, name in meant.items():
-            _rename(document, data, path, name)
-        culprits = {_culprit(document, e) for e in wrong} - set(meant)
+    other = _other_file(document, concept)
+    if other:
+        return Validated(None, (*document.findings, other), frozenset({()}), frozenset({()}))
+    return _Reading(document, concept).read()
+
+
+def _other_file(document: Document, concept: type[Concept]) -> Diagnostic | None:
+    """A finding when this is a file of another kind."""
+    data, (key, message, hint) = document.data, concept.mistaken
+    needed = [name for name, field in concept.model_fields.items() if field.is_required()]
+    if not isinstance(data, dict):
+        return None
+    if key in data and not {"commands", "frames"} - {key} & set(data):
+        return document.finding((key,), "missing-key", message, hint, key=True)
+    if not (set(data) | {path[0] for path in document.spoilt if path}) & set(needed):
+        keys = ", ".join(f"`{name}`" for name in needed)
+        return document.finding(
+            (), "missing-key", f"none of {keys} is here, so this is something else", "`canwright: 1` comes first"
+        )
+    return None
+
+
+class _Reading(Generic[M]):
+    """Reads a document, leaving out what is wrong until the rest is right."""
+
+    def __init__(self, document: Document, concept: type[M]) -> None:
+        self._document = document
+        self._concept = concept
+        self._data: Any = document.data
+        self._findings = list(document.findings)
+        self._dropped = {_entry(path) for path in document.spoilt}
+        self._dropped |= {before for path in document.spoilt if (before := _before(document, path))}
+        self._dropped |= set(_second_ones(document))
+        self._doubtful = set(self._dropped)
+
+    def read(self) -> Validated[M]:
+        if self._dropped:
+            self._leave_out(self._dropped)
+        spec = None
+        for attempt in range(0 if () in self._dropped else ROUNDS):
+            try:
+                spec = self._concept.model_validate(self._data)
+                break
+            except ValidationError as error:
+                errors = [dict(e) for e in error.errors()]
+            if not self._learn(errors, attempt == 0):
+                break
+        found = tuple(self._findings)
+        return Validated(spec, found, frozenset(self._dropped), frozenset(self._doubtful))
+
+    def _learn(self, errors: list[Error], is_first: bool) -> bool:
+        """Tells what is wrong, the first time, and leaves it out; false when too little would be left."""
+        slips = dict(self._slips(errors))
+        renamed = {(*path[:-1], name) for path, name in slips.items()}
+        wrong = [e for e in errors if e["type"] != "missing" or self._missing(e) not in renamed]
+        said = set(self._said(errors))
+        told = (e for e in wrong if (is_first or self._is_renamed(e)) and not self._follows(e, said))
+        for error in itertools.islice(told, MOST_FINDINGS):
+            self._findings.append(worded.diagnostic(self._document, self._concept, error, self._path(error["loc"])))
+        culprits = {self._culprit(e) for e in wrong} - set(slips)
+        self._doubtful |= {meant for e in wrong if (meant := self._meant_for(e)) is not None and meant not in renamed}
+        for path, name in slips.items():
+            self._rename(path, name)
+        for error in wrong:
+            if error["type"] == "extra_forbidden" and len(error["loc"]) == 1 and isinstance(error["input"], dict):
+                key = (self._meant_for(error) or ("",))[0]
+                self._dropped |= {(key,)} if key in _NAMED and key not in self._data else set()
         if () in culprits:
-            break
-        for path in culprits:
-            _drop(data, path)
-        dropped |= culprits
-    return Validated(None, diagnostics, frozenset(dropped))
+            return False
+        self._leave_out(culprits)
+        self._dropped |= culprits
+        return True
 
+    def _path(self, location: Location) -> Path:
+        """Pydantic's location without the steps that only it knows (the tags of unions)."""
+        path: Path = ()
+        data: object = self._data
+        for step in location:
+            if isinstance(data, dict) and str(step) in data:
+                data = data[str(step)]
+                path = (*path, str(step))
+            elif isinstance(data, list) and isinstance(step, int) and step < len(data):
+                data = data[step]
+                path = (*path, step)
+        return path
 
-def _follows(document: Document, error: dict[str, Any], dropped: Collection[Path]) -> bool:
-    """Whether an error is only there because something has been dropped."""
-    location: Location = error["loc"]
-    if error["type"] == "missing":
-        missing = _missing(document, error)
-        return missing in dropped or (*missing[:-1], MERGE) in dropped
-    return error["type"] == "too_short" and any(path[:-1] == _path(document, location) for path in dropped)
+    def _missing(self, error: Error) -> Path:
+        location: Location = error["loc"]
+        return (*self._path(location[:-1]), location[-1])
+
+    def _culprit(self, error: Error) -> Path:
+        """The entry of a mapping to drop for an error; empty when that would be everything."""
+        path = self._path(error["loc"])
+        if error["type"] == "missing":
+            missing = self._missing(error)
+            path = missing if len(missing) == 1 and missing[0] in self._concept.stand_ins else path
+            path = path if path == missing else self._path(error["loc"][:-1])
+        return _entry(path)
+
+    def _meant_for(self, error: Error) -> Path | None:
+        """Where something is amiss because of an error: for an unknown key, that which it was meant for, if any."""
+        path, location = self._path(error["loc"]), error["loc"]
+        if error["type"] != "extra_forbidden":
+            return self._culprit(error)
+        known, written = worded.keys(self._concept, location[:-1]), str(location[-1])
+        there = worded.others(self._document, path)
+        name = hints.meant(written, known, there)
+        if name is None or name in there:
+            name = next((key for key in self._by_value(error["input"]) if key in known and key not in there), None)
+        return (*path[:-1], name) if name else path if worded.elsewhere(written, known) else None
+
+    def _by_value(self, value: object) -> Iterator[str]:
+        """Keys that may be meant by one that says nothing, for what stands behind it."""
+        data = self._document.data
+        if isinstance(value, int):
+            yield "code"
+        elif isinstance(value, str):
+            yield from (
+                key
+                for key in ("address", "table", "type")
+                if isinstance(data, dict) and value in self._names(f"{key}s")
+            )
+            yield from ("byte_order",) if value in ("big", "little") else ()
+            yield from ("reply", "request") if value in (*self._names("layouts"), "echo", "none", "entry") else ()
+        elif isinstance(value, dict) and {"at", "raw"} <= set(value):
+            yield "selector"
+        elif isinstance(value, dict):
+            yield from ("request", "reply", "types", "layouts", "tables", "parameters", "addresses")
+
+    def _names(self, key: str) -> Collection[str]:
+        key = {"addresss": "addresses"}.get(key, key)
+        found = self._document.data.get(key) if isinstance(self._document.data, dict) else None
+        return found if isinstance(found, dict) else ()
+
+    def _said(self, errors: list[Error]) -> Iterator[Path]:
+        """The paths of the keys that unknown ones are words of other people for."""
+        for error in errors:
+            if error["type"] == "extra_forbidden" and (meant := self._meant_for(error)) is not None:
+                yield meant
+
+    def _slips(self, errors: list[Error]) -> Iterator[tuple[Path, str]]:
+        """The unknown keys that are a slip of the pen for a key that is not there: they are read as that one."""
+        for error in errors:
+            if error["type"] == "extra_forbidden":
+                path, written = self._path(error["loc"]), str(error["loc"][-1])
+                name = near(written, worded.keys(self._concept, error["loc"][:-1]))
+                if path and name and name == hints.meant(written, [name]) and (*path[:-1], name) not in self._document:
+                    yield path, name
+
+    def _follows(self, error: Error, said: Collection[Path]) -> bool:
+        """Whether an error is only there because of another, or because something has been dropped."""
+        if error["type"] == "missing":
+            missing = self._missing(error)
+            there = (str(path[-1]) for path in self._dropped if path[:-1] == missing[:-1])
+            return (
+                missing in self._dropped
+                or missing in said
+                or any(key == MERGE or key.startswith(f"{missing[-1]}:") for key in there)
+            )
+        path = self._path(error["loc"])
+        return error["type"] == "too_short" and any(lost[:-1] == path for lost in self._dropped)
+
+    def _is_renamed(self, error: Error) -> bool:
+        path = self._path(error["loc"])
+        return any(path[: len(meant)] == meant for meant in self._document.renamed)
+
+    def _leave_out(self, paths: Collection[Path]) -> None:
+        self._own()
+        for path in paths:
+            owner = _owner(self._data, path)
+            if len(path) == 1 and path[0] in self._concept.stand_ins and isinstance(owner, dict):
+                owner[str(path[0])] = self._concept.stand_ins[str(path[0])]
+            elif path and isinstance(owner, dict):
+                owner.pop(path[-1], None)
+
+    def _rename(self, path: Path, name: str) -> None:
+        self._own()
+        owner = _owner(self._data, path)
+        if isinstance(owner, dict) and path[-1] in owner:
+            owner[name] = owner.pop(path[-1])
+            meant: Path = (*path[:-1], name)
+            self._document.renamed[meant] = path
+
+    def _own(self) -> None:
+        if self._data is self._document.data:
+            self._data = copy.deepcopy(self._data)
 
 
 ROUNDS = 8
 """How often parts are dropped before giving up: a part without what it needs takes what holds it along."""
-
-
-def _culprit(document: Document, error: dict[str, Any]) -> Path:
-    """The entry of a mapping to drop for an error; empty when that would be everything."""
-    location: Location = error["loc"]
-    path = _path(document, location)
-    if error["type"] == "missing":
-        path = _path(document, location[:-1])
-    return _entry(path)
 
 
 def _entry(path: Path) -> Path:
@@ -104,34 +244,28 @@ def _entry(path: Path) -> Path:
     return path
 
 
-def _missing(document: Document, error: dict[str, Any]) -> Path:
-    location: Location = error["loc"]
-    return (*_path(document, location[:-1]), location[-1])
+def _second_ones(document: Document) -> Iterator[Path]:
+    """The places of what is left out because something before it has the same name: what it is called is not known."""
+    for finding in document.findings:
+        first = re.search("first on line ([0-9]+)", finding.message) if finding.rule == "duplicate-key" else None
+        at = finding.position
+        name = at.text[at.column - 1 :][: at.length].strip("'\"")
+        line = int(first[1]) if first else 0
+        for key in _NAMED:
+            if (key, name) in document and document.position((key, name), key=True).line == line:
+                yield key, UNNAMED
 
 
-def _meant(document: Document, concept: type[BaseModel], errors: list[dict[str, Any]]) -> Iterator[tuple[Path, str]]:
-    """The unknown keys that are a slip of the pen for a key that is not there: they are read as that one."""
-    for error in errors:
-        if error["type"] == "extra_forbidden":
-            location: Location = error["loc"]
-            path = _path(document, location)
-            name = near(str(location[-1]), _keys(concept, location[:-1]))
-            if path and name and (*path[:-1], name) not in document:
-                yield path, name
+_NAMED = ("addresses", "parameters", "settings", "effects", "types", "layouts", "tables", "commands")
 
 
-def _rename(document: Document, data: Any, path: Path, name: str) -> None:
-    owner = _owner(data, path)
-    if isinstance(owner, dict) and path[-1] in owner:
-        owner[name] = owner.pop(path[-1])
-        meant: Path = (*path[:-1], name)
-        document.renamed[meant] = path
-
-
-def _drop(data: Any, path: Path) -> None:
-    owner = _owner(data, path)
-    if path and isinstance(owner, dict):
-        owner.pop(path[-1], None)
+def _before(document: Document, path: Path) -> Path:
+    """The entry before a number without a value: `scale: 0,1` within braces is `scale: 0` and `1`."""
+    owner = _owner(document.data, path)
+    names = list(owner) if isinstance(owner, dict) else []
+    if not (path and str(path[-1]).isdigit() and path[-1] in names[1:]):
+        return ()
+    return (*path[:-1], names[names.index(path[-1]) - 1])
 
 
 def _owner(data: Any, path: Path) -> Any:
@@ -141,141 +275,3 @@ def _owner(data: Any, path: Path) -> Any:
             return None
         data = data[step]
     return data
-
-
-def _diagnostic(document: Document, concept: type[BaseModel], error: dict[str, Any]) -> Diagnostic:
-    location: Location = error["loc"]
-    kind: str = error["type"]
-    context: dict[str, Any] = error.get("ctx", {})
-    about_key = location[-1:] == ("[key]",)
-    path = _path(document, location)
-    last = str(location[-1]) if location else ""
-    if kind == "missing":
-        return document.finding(
-            path, "missing-key", f"`{last}` is missing here", _describe(concept, location), key=True
-        )
-    if kind == "extra_forbidden":
-        return document.finding(path, "unknown-key", f"unknown key `{last}`", _instead(concept, error), key=True)
-    if kind == "string_type":
-        hint = "put it in quotes" if not isinstance(error["input"], (dict, list)) else _describe(concept, location)
-        return document.finding(path, "type", "expected a text here", hint, key=about_key)
-    if kind in ("dict_type", "model_type"):
-        return document.finding(path, "type", "expected a mapping here", _describe(concept, location))
-    if kind == "list_type":
-        return document.finding(path, "type", "expected a list here", _describe(concept, location))
-    if kind in ("literal_error", "enum"):
-        return _not_one_of(document, path, error, about_key)
-    if kind == "string_pattern_mismatch":
-        message = f"`{error['input']}` is not a name that can be used here"
-        return document.finding(path, "name", message, hints.name(error["input"], context["pattern"]), key=about_key)
-    if kind in ("int_type", "int_parsing", "int_from_float"):
-        message, hint = f"`{error['input']}` is not a whole number", hints.integer(error["input"])
-        return document.finding(path, "value", message if _is_scalar(error) else "expected a whole number here", hint)
-    if kind in ("less_than_equal", "greater_than_equal"):
-        limit = f"more than {context['le']}, the most" if "le" in context else f"less than {context['ge']}, the least"
-        message = f"{error['input']} is {limit} that can be here"
-        return document.finding(path, "value", message, _describe(concept, location))
-    if kind == "too_short":
-        return document.finding(
-            path, "value", "this is empty; at least one is needed here", _describe(concept, location)
-        )
-    if kind == "string_too_long":
-        message = f"this has {len(str(error['input']))} characters, {context['max_length']} is the most"
-        return document.finding(path, "value", message, "write it shorter", key=about_key)
-    message = error["msg"].removeprefix("Value error, ")
-    return document.finding(path, "value", message[0].lower() + message[1:], _near_raw(error), key=about_key)
-
-
-def _instead(concept: type[BaseModel], error: dict[str, Any]) -> str:
-    """What to write in place of an unknown key."""
-    location: Location = error["loc"]
-    keys, last = _keys(concept, location[:-1]), str(location[-1])
-    if isinstance(error["input"], dict) and "at" in error["input"] and {"layout", "fields"} <= set(keys):
-        return f"a field stands in `layout` here: {{layout: {{{last}: …}}, dlc: …}}"
-    if {"at", "type"} <= set(keys) and last in Type.model_fields:
-        return f"`{last}` is said of a type: write a type with it under `types`, and `type: NAME` here"
-    return hints.key(last, keys)
-
-
-def _not_one_of(document: Document, path: Path, error: dict[str, Any], about_key: bool) -> Diagnostic:
-    expected: str = error["ctx"]["expected"]
-    known, written = re.findall(r"'([^']*)'", expected), str(error["input"])
-    if not _is_scalar(error):
-        message, hint = "expected one word here", f"one of {', '.join(known)}" if known else f"write {expected}"
-    elif known:
-        message, hint = f"`{written}` is not one of {expected}", f"write {hints.word(written, known)}"
-    else:
-        message = f"`{written}` is not {expected}"
-        hint = f"write {expected}, without quotes" if isinstance(error["input"], str) else f"write {expected}"
-    return document.finding(path, "value", message, hint, key=about_key)
-
-
-def _near_raw(error: dict[str, Any]) -> str:
-    meant = hints.raw_format(str(error["input"])) if "is not a raw format" in error["msg"] else ""
-    return f"did you mean `{meant}`?" if meant else ""
-
-
-def _is_scalar(error: dict[str, Any]) -> bool:
-    return not isinstance(error["input"], (dict, list))
-
-
-def _path(document: Document, location: Location) -> Path:
-    """Pydantic's location without the steps that only it knows (the tags of unions)."""
-    path: Path = ()
-    data: object = document.data
-    for step in location:
-        if isinstance(data, dict) and str(step) in data:
-            data = data[str(step)]
-            path = (*path, str(step))
-        elif isinstance(data, list) and isinstance(step, int) and step < len(data):
-            data = data[step]
-            path = (*path, step)
-    return path
-
-
-def _into(kind: Any, step: str | int) -> Any:
-    """The type that one step of a location leads to: a key, an index, or the tag of a union."""
-    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
-    if origin is Annotated:
-        return _into(arguments[0], step)
-    if origin in (Union, UnionType):
-        tagged = (a for a in arguments if any(isinstance(m, Tag) and m.tag == step for m in typing.get_args(a)[1:]))
-        plain = (_into(a, step) for a in arguments if a is not type(None))
-        return next(tagged, None) or next(plain, None)
-    if origin is dict:
-        return arguments[1]
-    if origin is list:
-        return arguments[0]
-    if isinstance(kind, type) and issubclass(kind, BaseModel) and step in kind.model_fields:
-        return kind.model_fields[str(step)].annotation
-    return None
-
-
-def _concept(kind: Any) -> type[BaseModel] | None:
-    """The concept that a type stands for, once optionals and annotations are off."""
-    if isinstance(kind, type) and issubclass(kind, BaseModel):
-        return kind
-    found = (_concept(a) for a in typing.get_args(kind))
-    return next((c for c in found if c is not None), None)
-
-
-def _at(concept: type[BaseModel], location: Location) -> type[BaseModel] | None:
-    return _concept(functools.reduce(_into, location, concept))
-
-
-def _keys(concept: type[BaseModel], location: Location) -> list[str]:
-    found = _at(concept, location)
-    return list(found.model_fields) if found else []
-
-
-def _describe(concept: type[BaseModel], location: Location) -> str:
-    """The description of the key that a location ends with, or nearest to its end."""
-    for end in range(len(location), 0, -1):
-        found = _at(concept, location[: end - 1])
-        key = str(location[end - 1])
-        if found and key in found.model_fields:
-            field = found.model_fields[key]
-            example = next(iter(field.examples or ()), None)
-            shown = f" Like {hints.flow(example)}" if isinstance(example, (dict, list)) else ""
-            return f"{field.description or ''}{shown}"
-    return ""

@@ -10,6 +10,7 @@ from typing import Annotated, Literal, TypeVar
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
 
 from . import notation
+from .hints import VISIBLE
 from .model import Encoding, Range
 from .notation import At, IdExpression
 
@@ -70,7 +71,7 @@ Raw = Annotated[
 ]
 Byte = Annotated[int, Field(ge=0)]
 Section = Annotated[str, Field(min_length=1, max_length=80)]
-Line = Annotated[str, Field(min_length=1, max_length=2000)]
+Line = Annotated[str, Field(min_length=1, max_length=2000, pattern=VISIBLE)]
 Language = Literal["en", "zh"]
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import yaml
 from canwright.golden import GoldenFrames
+from canwright.hints import VISIBLE
 from canwright.load import load
 from canwright.schema import EditionSpec
 from canwright.targets import Described
@@ -210,4 +211,5 @@ def _has_languages(schema: Schema) -> bool:
 
 
 def _is_any_string(schema: Schema) -> bool:
-    return schema.get("type") == "string" and not {"pattern", "enum", "const", "format"} & set(schema)
+    closed = {"pattern", "enum", "const", "format"} & set(schema)
+    return schema.get("type") == "string" and (not closed or schema.get("pattern") == VISIBLE)

@@ -7,6 +7,7 @@ from importlib import import_module
 import click
 
 from .. import __version__
+from ..diagnostics import nearest
 
 COMMANDS = {
     **{name: name for name in ("generate", "copy", "diff", "identify", "explain", "show", "site", "schema")},
@@ -25,6 +26,13 @@ class _Commands(click.Group):
             return None
         command: click.Command = getattr(import_module(f".{COMMANDS[cmd_name]}", __package__), cmd_name)
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            ctx.fail(f"there is no command `{args[0]}`; {nearest(args[0], COMMANDS)}")
+        return super().resolve_command(ctx, args)
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})

@@ -6,11 +6,11 @@ import sys
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import click
 
-from ..diagnostics import Diagnostic, SpecError
+from ..diagnostics import Diagnostic, SpecError, near
 from ..generate import TARGETS
 from ..load import Loaded, all_loaded, spec_files
 from ..printers import PRINTERS
@@ -27,6 +27,29 @@ COULD_NOT_RUN = 2
 class FilePath(click.Path):
     def __init__(self, **arguments: bool) -> None:
         super().__init__(path_type=Path, **arguments)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        try:
+            return super().convert(value, param, ctx)
+        except click.BadParameter as error:
+            file = Path(str(value))
+            beside = sorted(f.name for f in file.parent.glob("*")) if file.parent.is_dir() and not file.exists() else []
+            meant = near(file.name, beside)
+            self.fail(
+                f"{error.message}{f' Did you mean {(file.parent / meant).as_posix()}?' if meant else ''}", param, ctx
+            )
+
+
+class OfSpecs(click.Command):
+    """A command that has no arguments: specs are named by an option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        try:
+            return super().parse_args(ctx, args)
+        except click.UsageError as error:
+            if type(error) is not click.UsageError:
+                raise
+            raise click.UsageError(f"{error.message.rstrip('.')}; a spec is named like --spec my.yaml", ctx) from None
 
 
 spec_option = click.option(
@@ -67,7 +90,7 @@ def read(specs: Sequence[Path], printer: str = "text") -> list[Described]:
 
 def load(specs: Sequence[Path], printer: str = "text") -> list[Loaded]:
     """As `read`, with warnings and texts."""
-    files = list(specs) or spec_files(SPEC_FOLDER)
+    files = list({file.resolve(): file for file in specs}.values()) or spec_files(SPEC_FOLDER)
     if not files:
         stop(
             f"there is no spec in {SPEC_FOLDER}/ here; run it where {SPEC_FOLDER}/ is, or name one with --spec my.yaml"

@@ -17,6 +17,7 @@ from .common import (
     FINDINGS,
     OUT_FOLDER,
     FilePath,
+    OfSpecs,
     format_option,
     load,
     read,
@@ -29,7 +30,7 @@ from .common import (
 from .settings import assignment
 
 
-@click.command()
+@click.command(cls=OfSpecs)
 @spec_option
 @target_option
 @set_option
@@ -63,7 +64,7 @@ def generate(
     )
 
 
-@click.command()
+@click.command(cls=OfSpecs)
 @spec_option
 @target_option
 @set_option
@@ -83,6 +84,7 @@ def check(
     described = [one.described for one in loaded]
     warnings = [warning for one in loaded for warning in one.warnings]
     names = ", ".join(f"{d.edition.family} {d.edition.name}" for d in described)
+    assignment(described, settings)
     if specs and out is None:
         _report(warnings, f"{names}: right", printer, strict)
         return

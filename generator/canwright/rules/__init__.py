@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..diagnostics import Severity
+from ..doubts import Depth, Doubts
 from . import (
     ambiguous_message,
     beyond_frame,
@@ -20,11 +21,13 @@ from . import (
     member_value,
     missing_frame,
     missing_manual,
+    mixed_type,
     name_collision,
     node_field,
     overlap,
     parameter_range,
     refused_contradiction,
+    repeated_value,
     reserved_word,
     too_large,
     unknown_node,
@@ -38,31 +41,67 @@ WARNING = Severity.WARNING
 
 RULES: tuple[Rule, ...] = (
     Rule("too-large", "A spec has at most 5000 commands, 64 combinations of choices, 2500000 lines.", too_large.check),
-    Rule("overlap", "No two fields of one message share a bit, nor a field and a key.", overlap.check),
-    Rule("beyond-frame", "Every field lies within the data bytes, or the bits of the id.", beyond_frame.check),
+    Rule(
+        "overlap",
+        "No two fields of one message share a bit, nor a field and a key.",
+        overlap.check,
+        whole=True,
+        depth=Depth.FRAMES,
+    ),
+    Rule(
+        "beyond-frame",
+        "Every field lies within the data bytes, or the bits of the id.",
+        beyond_frame.check,
+        whole=True,
+        depth=Depth.FRAMES,
+    ),
     Rule("beyond-width", "A range and a constant lie within what the bits hold.", beyond_width.check),
     Rule("zero-scale", "A scale is not zero.", zero_scale.check),
     Rule("member-value", "The values of an enum and the bits of flags are distinct and fit.", member_value.check),
+    Rule("mixed-type", "A type is a number, an enum or flags: one of them.", mixed_type.check),
     Rule("parameter-range", "Limits leave room, and choices do not repeat.", parameter_range.check),
+    Rule("repeated-value", "A list of names or codes has each once.", repeated_value.check),
     Rule("reserved-word", "A word of the language is not used as a name.", reserved_word.check),
-    Rule("duplicate-code", "No two commands of one address have the same code.", duplicate_code.check, whole=True),
-    Rule("duplicate-name", "Commands, layouts and errata have names of their own.", duplicate_name.check, whole=True),
+    Rule(
+        "duplicate-code",
+        "No two commands of one address have the same code.",
+        duplicate_code.check,
+        whole=True,
+        depth=Depth.CODES,
+    ),
+    Rule(
+        "duplicate-name",
+        "Commands, layouts and errata have names of their own.",
+        duplicate_name.check,
+        whole=True,
+        depth=Depth.CODES,
+    ),
     Rule(
         "ambiguous-message",
         "Two messages that a receiver cannot tell apart have one layout.",
         ambiguous_message.check,
         whole=True,
+        depth=Depth.BITS,
     ),
     Rule(
         "id-collision",
         "No id belongs to two addresses of one direction, unless all their ids are the same.",
         id_collision.check,
         whole=True,
+        depth=Depth.CODES,
     ),
-    Rule("id-bits", "Fields and selectors in the id leave the bits of the address alone.", id_bits.check),
+    Rule(
+        "id-bits",
+        "Fields and selectors in the id leave the bits of the address alone.",
+        id_bits.check,
+        whole=True,
+        depth=Depth.FRAMES,
+    ),
     Rule("unknown-node", "The nodes that reply are nodes of their address.", unknown_node.check, whole=True),
     Rule("node-field", "The field that holds the node is one bare number, and always there.", node_field.check),
-    Rule("name-collision", "No two names become one in C or Python.", name_collision.check, whole=True),
+    Rule(
+        "name-collision", "No two names become one in C or Python.", name_collision.check, whole=True, depth=Depth.CODES
+    ),
     Rule("frame-contradiction", "Golden frames mean what the spec says.", frame_contradiction.check, whole=True),
     Rule(
         "refused-contradiction",
@@ -87,9 +126,10 @@ EVERY: dict[str, Rule] = {rule.id: rule for rule in (*READING, *RULES)}
 """All rules by id, those of reading first."""
 
 
-def check(subject: Subject, *, whole: bool) -> Iterator[tuple[Rule, Finding]]:
-    """Everything that the rules find; those that need the `whole` spec are left out where a part of it is missing."""
+def check(subject: Subject, doubts: Doubts) -> Iterator[tuple[Rule, Finding]]:
+    """Everything that the rules find; those that need the `whole` spec look at what is certain of it."""
+    certain = {depth: subject._replace(edition=doubts.certain(subject.edition, depth)) for depth in Depth}
     for rule in RULES:
-        if rule.check is not None and (whole or not rule.whole):
-            for finding in rule.check(subject):
+        if rule.check is not None:
+            for finding in rule.check(certain[rule.depth] if rule.whole else subject):
                 yield rule, finding

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from ..model import Direction, Message, Space
+from collections.abc import Iterator, Sequence
+
+from ..model import Direction, Edition, Message, Space
 from . import alike, ids
 from .duplicate_code import sends_the_same
 from .rule import Finding, Found, Subject
@@ -13,16 +15,52 @@ _ID_KEYS, _DATA = 32, 64
 
 def check(subject: Subject) -> Found:
     edition = subject.edition
+    without_code: set[str] = set()
+    """Commands that were told to lack a code: what is alike in their replies follows from that."""
     for direction in Direction:
-        messages = edition.messages(direction)
-        for i, j in alike.pairs([_known(message) for message in messages]):
-            message, other = messages[i], messages[j]
-            if message.layout is other.layout or not _same_frame(message, other):
-                continue
-            if not sends_the_same(edition.command(message.command), edition.command(other.command)):
-                text = f"nothing tells this {direction.value} from that of `{other.command}`, but their fields differ"
-                hint = "give one of them another code, id or dlc, a constant that the other has not, or let them share a layout"
-                yield Finding(message.path, text, hint)
+        messages = {m.command: m for m in edition.messages(direction)}
+        groups = {name: edition.command(name).group for name in messages}
+        others: dict[str, set[str]] = {}
+        first = dict(zip(reversed(groups.values()), reversed(messages.values()), strict=True))
+        for one, other in _alike(edition, direction):
+            pair = groups[one.command], groups[other.command]
+            if without_code.isdisjoint(pair):
+                for group, its in (pair, pair[::-1]):
+                    others.setdefault(group, set()).add(its)
+        order = list(first)[::-1]
+        while others:
+            most = max(others, key=lambda group: (len(others[group]), order.index(group)))
+            found = others.pop(most)
+            for group in found - {most}:
+                others[group].discard(most)
+            others = {group: left for group, left in others.items() if left}
+            yield _finding(first[most], sorted(found, key=order.index))
+            if edition.command(first[most].command).code is None:
+                without_code.add(most)
+
+
+def _alike(edition: Edition, direction: Direction) -> Iterator[tuple[Message, Message]]:
+    """Every two messages that nothing tells apart, though they should be."""
+    messages = edition.messages(direction)
+    for i, j in alike.pairs([_known(message) for message in messages]):
+        message, other = messages[i], messages[j]
+        if message.layout is other.layout or not _same_frame(message, other):
+            continue
+        if not sends_the_same(edition.command(message.command), edition.command(other.command)):
+            yield message, other
+
+
+def _finding(message: Message, others: Sequence[str]) -> Finding:
+    more = f" and {len(others) - SHOWN} more" if len(others) > SHOWN else ""
+    names = ", ".join(f"`{name}`" for name in others[:SHOWN]) + more
+    those = "that" if len(others) == 1 else "those"
+    text = f"nothing tells this {message.direction.value} from {those} of {names}, but their fields differ"
+    hint = "give it a code, an id or a dlc of its own, a constant that the other has not, or let them share a layout"
+    return Finding((*message.path, "code"), text, hint, key=True)
+
+
+SHOWN = 3
+"""Up to so many messages are named."""
 
 
 def _known(message: Message) -> alike.Known:

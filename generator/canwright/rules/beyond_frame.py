@@ -2,22 +2,57 @@
 
 from __future__ import annotations
 
-from ..model import Path, Space
+from ..model import Field, Message, Path, Space
 from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
-    seen: set[Path] = set()
+    seen: set[Path | str] = set()
     for message in subject.edition.all_messages():
-        limit = {Space.DATA: message.dlc * 8, Space.ID: 29 if message.id.extended else 11}
+        limit = {Space.DATA: 0 if message.remote else message.dlc * 8, Space.ID: 29 if message.id.extended else 11}
         for field in message.layout.fields:
             last = max(s.byte * 8 + s.low + s.width for e in field.elements for s in e.segments)
             if last > limit[field.space] and field.path not in seen:
                 seen.add(field.path)
-                there = f"{message.dlc} data bytes" if field.space is Space.DATA else f"{limit[Space.ID]} id bits"
-                text = f"`{field.name}` reaches past the {there} of the frame"
-                yield Finding(field.path, text, "check `at`, the type and `dlc`")
+                yield _beyond(message, field, limit[field.space])
         for key in message.keys:
-            if max(s.byte * 8 + s.low + s.width for s in key.segments) > limit[key.space]:
-                text = f"the frame has {message.dlc} data bytes, too few for its selector"
-                yield Finding(message.path, text, "check `dlc`")
+            last = max(s.byte * 8 + s.low + s.width for s in key.segments)
+            if last <= limit[key.space]:
+                continue
+            is_code, address = key.name == "code", subject.spec.addresses[message.address]
+            if is_code and not (address.selector or address.reply_selector) and last > MOST[key.space]:
+                if "selector" not in seen:
+                    yield Finding(
+                        ("selector", "at"), "no frame reaches to this selector", "`at` counts bytes, from 0 to 7"
+                    )
+                seen.add("selector")
+            else:
+                name = "selector" if is_code else key.name
+                of_id = key.space is Space.ID
+                there = f"the id has {limit[Space.ID]} bits" if of_id else f"the frame has {message.dlc} data bytes"
+                text = f"{there}, too few for its {name}"
+                if message.remote:
+                    text = f"a remote frame has no data, and so no {name}"
+                hint = "leave `code` out, or `remote`" if message.remote else "check `dlc`"
+                yield Finding((*message.path, "remote" if message.remote else "dlc"), text, hint)
+
+
+MOST_BYTES = 8
+MOST = {Space.DATA: 8 * MOST_BYTES, Space.ID: 29}
+"""The bits that a frame can have."""
+
+
+def _beyond(message: Message, field: Field, limit: int) -> Finding:
+    bits = [bit for e in field.elements for bit in e.bits]
+    at: Path = (*field.path, "at")
+    if field.space is Space.ID:
+        text = f"`{field.name}` has bits {min(bits)} to {max(bits)} of the id, and the id has {limit}"
+        return Finding(at, text, "check `at` and the type; `extended: true` of the address has 29 bits")
+    first, last = min(bits) // 8, max(bits) // 8
+    takes = f"byte {first}" if first == last else f"bytes {first} to {last}"
+    there = f"has bytes 0 to {message.dlc - 1}" if message.dlc else "has no data"
+    there = "is a remote one, without data" if message.remote else there
+    hint = "check `at`, the type and `dlc`"
+    if MOST_BYTES <= first < MOST_BYTES * 8:
+        hint = f"`at` counts bytes, from 0 to {MOST_BYTES - 1}: bit {first} is in byte {first // 8}"
+    return Finding(at, f"`{field.name}` takes {takes}, and the frame {there}", hint)

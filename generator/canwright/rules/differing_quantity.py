@@ -11,7 +11,7 @@ def check(subject: Subject) -> Found:
     first: dict[str, Type] = {}
     for type_ in subject.edition.types:
         written = subject.spec.types.get(type_.name)
-        if type_.unit is None or written is None or written.differs is not None:
+        if type_.unit is None or type_.enum or type_.flags or written is None or written.differs is not None:
             continue
         like = first.setdefault(type_.unit.quantity, type_)
         if (like.unit, like.linear) != (type_.unit, type_.linear):

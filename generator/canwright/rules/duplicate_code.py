@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from ..model import Command
+from ..model import Command, Path
 from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
     seen: set[tuple[str, str]] = set()
+    entries: set[Path] = set()
     earlier: dict[object, list[Command]] = {}
     for command in subject.edition.commands:
         same = earlier.setdefault(_sent(command), [])
@@ -15,7 +16,10 @@ def check(subject: Subject) -> Found:
             pair = (command.group, other.group)
             if pair not in seen and sends_the_same(command, other):
                 seen.add(pair)
-                yield _finding(command, other)
+                finding = _finding(command, other)
+                if finding.path not in entries:
+                    yield finding
+                entries |= {finding.path} if command.group == other.group else set()
         same.append(command)
 
 
@@ -36,9 +40,9 @@ def _sent(command: Command) -> object:
 
 
 def _finding(command: Command, other: Command) -> Finding:
-    if command.group == other.group:
-        text = f"two entries of its table have the same index, so `{command.name}` and `{other.name}` are one command"
-        return Finding((*command.path, "table"), text, "give each entry its own `index`")
+    if command.entry is not None and other.entry is not None and command.group == other.group:
+        text = f"`{other.entry.name}` has this index as well, so `{command.name}` and `{other.name}` are one command"
+        return Finding((*command.entry.path, "index"), text, "give each entry its own `index`")
     text = f"`{other.group}` has the code 0x{command.code:02X} as well"
     return Finding(
         (*command.path, "code"), text, "check both codes, or give one of them another `address`, or another `dlc`"

@@ -27,10 +27,10 @@ def _in_id(subject: Subject, message: Message) -> Iterator[tuple[str, Path, tupl
     for key in message.keys:
         if key.space is Space.ID:
             of_edition = key.name == "code" and not (address.selector or address.reply_selector)
-            yield "the selector", ("selector",) if of_edition else message.path, key.segments
+            yield "the selector", ("selector", "at") if of_edition else message.path, key.segments
     for field in message.layout.fields:
         for element in field.elements if field.space is Space.ID else ():
-            yield f"`{field.name}`", field.path, element.segments
+            yield f"`{field.name}`", (*field.path, "at"), element.segments
 
 
 def _bits(rule: IdRule) -> int:

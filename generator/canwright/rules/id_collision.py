@@ -4,24 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..model import Address, Direction, Edition, Space
+from ..model import Address, Direction, Edition, Path, Space
+from ..schema import EditionSpec
 from . import alike, ids
 from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
     edition = subject.edition
+    seen: set[tuple[Path, str]] = set()
     for direction in Direction:
-        for (address, other), shared in sorted(_shared(edition, direction).items()):
+        for (address, other), shared in sorted(_shared(subject, direction).items()):
             one, two = edition.addresses[address], edition.addresses[other]
-            if one.rule(direction) != two.rule(direction):
+            own = subject.spec.addresses[one.name].id is None
+            path: Path = (*one.path, direction.value if own else "id")
+            if one.rule(direction) != two.rule(direction) and (path, two.name) not in seen:
+                seen.add((path, two.name))
                 text = f"the {direction.value} id 0x{shared:X} belongs to `{two.name}` as well"
-                yield Finding(one.path, text, "check `id` and `nodes` of both")
+                yield Finding(path, text, "check `id` and `nodes` of both")
 
 
-def _shared(edition: Edition, direction: Direction) -> dict[tuple[int, int], int]:
+def _shared(subject: Subject, direction: Direction) -> dict[tuple[int, int], int]:
     """The places of every two addresses that share an id, the later one first, with the first id that they share."""
-    owned = [(place, its) for place, one in enumerate(edition.addresses) for its in _ids(edition, direction, one)]
+    edition = subject.edition
+    owned = [
+        (place, its)
+        for place, one in enumerate(edition.addresses)
+        if not (subject.partial and _is_selected_by_id(subject.spec, one.name))
+        for its in _ids(edition, direction, one)
+    ]
     found: dict[tuple[int, int], int] = {}
     for i, j in alike.pairs([ids.known(its) for _, its in owned]):
         (address, first), (other, second) = owned[i], owned[j]
@@ -30,6 +41,13 @@ def _shared(edition: Edition, direction: Direction) -> dict[tuple[int, int], int
         if shared is not None:
             found.setdefault((address, other), shared)
     return found
+
+
+def _is_selected_by_id(spec: EditionSpec, address: str) -> bool:
+    """Whether the ids of an address depend on its commands."""
+    written = spec.addresses[address]
+    selectors = (written.selector, written.reply_selector, spec.selector)
+    return any(selector is not None and selector.at.space is Space.ID for selector in selectors)
 
 
 def _ids(edition: Edition, direction: Direction, address: Address) -> Sequence[range]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .. import rewritten
 from ..model import Member, Path, Type
 from .rule import Finding, Found, Subject
 
@@ -21,6 +22,9 @@ def _members(type_: Type, key: str, members: tuple[Member, ...], low: int, high:
             text = f"`{member.name}` and `{first[member.value]}` are both {member.value}"
             yield Finding(path, text, "give each its own")
         elif not low <= member.value <= high:
-            text = f"{member.value} is not within {low}..{high}, all that {type_.width} bits hold"
-            yield Finding(path, text, "check the value, and sign and width in `raw`")
+            what = "bit " if key == "flags" else ""
+            text = f"{what}{member.value} is not within {low}..{high}, all that {type_.width} bits hold"
+            mask = rewritten.mask(member.value)
+            bits = f"bits count from 0{f'; {mask}' if mask else ''}" if key == "flags" else ""
+            yield Finding(path, text, bits or "check the value, and sign and width in `raw`")
         first.setdefault(member.value, member.name)

@@ -40,7 +40,7 @@ def _clashes(message: Message, variant: Variant) -> Iterator[tuple[Path, str, st
                 space, byte, bit = clash
                 where = f"bit {bit} of byte {byte}" if space is Space.DATA else f"bit {bit} of the id"
                 hint = WITHOUT_INDEX if taken[clash] == INDEX and message.direction is Direction.REPLY else APART
-                yield field.path, f"`{field.name}` shares {where} with {taken[clash]}", hint
+                yield (*field.path, "at"), f"`{field.name}` shares {where} with {taken[clash]}", hint
             taken.update(dict.fromkeys(bits, f"`{field.name}`"))
 
 

@@ -11,7 +11,7 @@ def check(subject: Subject) -> Found:
         low, high = parameter.minimum, parameter.maximum
         if low is not None and high is not None and low > high:
             text = f"no number is at least {words.exact(low)} and at most {words.exact(high)}"
-            yield Finding(("parameters", parameter.name, "number"), text, "check `min` and `max`")
+            yield Finding(("parameters", parameter.name, "number", "min"), text, "check `min` and `max`")
         if high is not None and high <= 0 and subject.edition.is_factor(parameter):
             text = f"a scale is a multiple of `{parameter.name}`, and no number above 0 is at most {words.exact(high)}"
             yield Finding(("parameters", parameter.name, "number", "max"), text, "check `max`")

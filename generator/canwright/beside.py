@@ -1,0 +1,110 @@
+"""The golden frames beside a spec: those that can be read, where they stand, and what is amiss with the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Any
+
+from pydantic import ValidationError
+
+from . import source
+from .diagnostics import Diagnostic, SpecError, nearest
+from .golden import GoldenFrames
+from .model import Path
+from .source import Document
+from .validate import validate_parts
+
+LISTS = ("frames", "refused", "exchanges")
+LOST = {"": ""}
+"""In place of sources that could not be read."""
+_LACKING: Mapping[str, object] = {"canwright": 1, "family": "lost", "edition": "", "sources": LOST, "frames": []}
+"""What stands in for what could not be read, so that the rest is judged."""
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Golden frames; None when there are none, or none that can be judged.
+
+    `places` are where their entries stand in the document, by list: some between them may not have been readable.
+    """
+
+    golden: GoldenFrames | None = None
+    document: Document | None = None
+    findings: tuple[Diagnostic, ...] = ()
+    places: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+
+    def path(self, path: Path) -> Path:
+        """Where something in `golden` stands in the document."""
+        key, *rest = path or ("",)
+        if not rest or not isinstance(rest[0], int) or key not in self.places:
+            return path
+        return (key, self.places[str(key)][rest[0]], *rest[1:])
+
+    def commands(self, path: Path) -> tuple[str, ...] | None:
+        """The commands that an entry is about; None when it is about all of them."""
+        key, *rest = path or ("",)
+        entries = getattr(self.golden, str(key), ()) if key in LISTS else ()
+        entry = entries[rest[0]] if rest and isinstance(rest[0], int) else None
+        name = getattr(entry, "command", "")
+        return (name,) if isinstance(name, str) and name else None
+
+
+def read(file: FilePath, expected: Mapping[str, str]) -> Beside:
+    """The golden frames in a file. `expected` is what they have to say that they stand beside. Raises OSError."""
+    try:
+        document, _ = source.read(file)
+    except SpecError as error:
+        return Beside(findings=error.diagnostics)
+    found = validate_parts(document, GoldenFrames)
+    golden = found.spec
+    places: dict[str, tuple[int, ...]] = {}
+    if golden is None or found.diagnostics:
+        golden, places = _readable(document)
+    if golden is None:
+        return Beside(None, document, found.diagnostics)
+    others = [
+        document.finding((key,), "other-edition", f"these frames stand beside {key} `{wanted}`", f"{key}: {wanted}")
+        for key, wanted in expected.items()
+        if getattr(golden, key) != wanted and not (found.spec is None and getattr(golden, key) == _LACKING[key])
+    ]
+    beside = Beside(golden, document, (), places)
+    unknown = [] if golden.sources == LOST else list(_unknown_sources(beside, golden, document))
+    return Beside(None if others else golden, document, (*found.diagnostics, *others, *unknown), places)
+
+
+def _unknown_sources(beside: Beside, golden: GoldenFrames, document: Document) -> Iterator[Diagnostic]:
+    """Each source that is not there, where it is named first."""
+    used: dict[str, list[Path]] = {}
+    for key in LISTS:
+        for i, entry in enumerate(getattr(golden, key)):
+            used.setdefault(entry.source, []).append(beside.path((key, i, "source")))
+    for name, paths in used.items():
+        if name not in golden.sources:
+            more = f", which {len(paths)} entries name" if len(paths) > 1 else ""
+            hint = nearest(name, golden.sources) or f"say under `sources` what it is: {{{name}: …}}"
+            yield document.finding(paths[0], "unknown-reference", f"there is no source `{name}`{more}", hint)
+
+
+def _readable(document: Document) -> tuple[GoldenFrames | None, dict[str, tuple[int, ...]]]:
+    """As many golden frames of a document as are right, and where they stand."""
+    if not isinstance(document.data, dict):
+        return None, {}
+    spoilt = {path[:2] for path in document.spoilt}
+    try:
+        GoldenFrames.model_validate(document.data)
+    except ValidationError as error:
+        spoilt |= {tuple(found["loc"][:2]) for found in error.errors()}
+    heads = {path[0] for path in spoilt if path and path[0] not in LISTS}
+    data: dict[str, Any] = {k: v for k, v in document.data.items() if k in GoldenFrames.model_fields}
+    data |= {key: value for key, value in _LACKING.items() if key not in data or key in heads}
+    places = {}
+    for key in LISTS:
+        items = data.pop(key, [])
+        places[key] = tuple(i for i in range(len(items)) if (key, i) not in spoilt) if isinstance(items, list) else ()
+        data[key] = [items[i] for i in places[key]]
+    try:
+        return GoldenFrames.model_validate(data), places
+    except ValidationError:
+        return None, {}

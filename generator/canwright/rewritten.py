@@ -1,0 +1,238 @@
+"""What was written in another notation, written in that of the language: `[0, 10]` is 0..10, `0b101` is 0x5."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+
+from . import notation as language
+
+_FORMATS: Mapping[str, str] = {
+    "float": "f32",
+    "float32": "f32",
+    "real": "f32",
+    "single": "f32",
+    "double": "f64",
+    "float64": "f64",
+    "byte": "u8",
+    "char": "i8",
+    "bool": "u1",
+    "boolean": "u1",
+    "bit": "u1",
+    "word": "u16",
+    "dword": "u32",
+    "short": "i16",
+    "int": "i32",
+    "long": "i32",
+}
+
+_NUMBER = r"[+-]?[0-9]+(?:\.[0-9]+)?"
+_UNIT = "[A-Za-zµ°/%]+"
+_LOW = ("min", "low", "from", "minimum", "lower")
+_HIGH = ("max", "high", "to", "maximum", "upper")
+_TRUE, _FALSE = frozenset({"true", "yes", "on", "y", "1"}), frozenset({"false", "no", "off", "n", "0"})
+_NODE = r"(?i)\b(?:(?:node|motor|device|slave|can)?_?id|node_?id|motor|device|n|i)\b"
+
+
+def notation(written: object, message: str, key: str) -> str:
+    """What to write for what a notation could not read; empty when that is not clear."""
+    if "is not a raw format" in message:
+        meant: str = raw_format(str(written))
+    elif "data" in message and "hex" in message:
+        meant = data(written)
+    else:
+        meant = next(
+            (found for words, parse in _NOTATIONS.items() if words in message and (found := parse(written))), ""
+        )
+        meant = meant or (_LISTED[key](written) if key in _LISTED and not isinstance(written, str) else "")
+    return f"did you mean `{meant}`?" if meant else ""
+
+
+def raw_format(written: str) -> str:
+    """The raw format that a type of C or of another tool stands for: `uint16_t` is u16."""
+    word = written.strip().lower()
+    found = re.fullmatch(r"(u|s|i|uint|int|sint|unsigned|signed)?[ _]?([1-9][0-9]?)(?:_t)?", word)
+    if found and int(found[2]) <= 64:
+        return ("u" if (found[1] or "u").startswith("u") else "i") + found[2]
+    return _FORMATS.get(word.removeprefix("unsigned "), "")
+
+
+def span(written: object) -> str:
+    """A range: `[0, 10]`, `0 to 10`, `0-10`, `{min: 0, max: 10}` are 0..10."""
+    if isinstance(written, list) and len(written) == 2:
+        low, high = map(str, written)
+    elif isinstance(written, dict) and set(written) <= {*_LOW, *_HIGH} and len(written) == 2:
+        low, high = (next((str(written[k]) for k in words if k in written), "") for words in (_LOW, _HIGH))
+    else:
+        between = r"\.\.\.?|-|–|—|~|～|:|,|to"
+        found = re.fullmatch(
+            rf"[\[(]?\s*({_NUMBER})\s*(?:{between})\s*({_NUMBER})\s*(?:[\])]|{_UNIT})?", _plain(written)
+        )
+        low, high = found.groups() if found else ("", "")
+    return _if_read(f"{low}..{high}".replace("+", ""), language.span)
+
+
+def nodes(written: object) -> str:
+    """A range of whole numbers; one number is that of the last."""
+    text = str(written)
+    return _if_read(f"1..{text}" if re.fullmatch("[1-9][0-9]{0,4}", text) else span(written), language.nodes)
+
+
+def id_(written: object) -> str:
+    """A rule for ids: `(0x100 | node)`, `0x100 + ID`, `node * 32`."""
+    text = str(written).replace("(", "").replace(")", "").replace("|", "+").replace("_ID", "_id")
+    text = re.sub(_NODE, "node", text)
+    found = re.search(r"node *\* *([0-9]{1,9})", text)
+    if found and int(found[1]).bit_count() == 1:
+        text = text.replace(found[0], f"node << {int(found[1]).bit_length() - 1}")
+    return _if_read(text, language.id_expression)
+
+
+def rational(written: object) -> str:
+    """A number: `0,1` is 0.1, `/10` is 1/10, `10%` is 0.1."""
+    text = _plain(written)
+    with_unit = re.fullmatch(rf"({_NUMBER}) ?{_UNIT}", text)
+    if with_unit and not text.endswith("%"):
+        text = with_unit[1]
+    elif re.fullmatch(r"[+-]?[0-9]+,[0-9]+", text):
+        text = text.replace(",", ".")
+    elif text.startswith("/"):
+        text = f"1{text}"
+    elif text.endswith("%"):
+        text = scalar(f"{text[:-1].strip()}e-2")
+    else:
+        return scalar(text)
+    return _if_read(text, language.rational)
+
+
+def at(written: object) -> str:
+    """A position: `16|16@1-` of a DBC file is bit 0 of byte 2, `2:3` bit 3 of byte 2."""
+    text = str(written)
+    found = re.fullmatch(r"([0-9]{1,3})\|([0-9]{1,2})@([01])[+-]", text)
+    if found:
+        bit = int(found[1])
+        return _if_read(f"{bit // 8}.{bit % 8}" if bit % 8 or found[3] == "0" else str(bit // 8), language.at)
+    found = re.fullmatch(r"(?:byte|DATA)? *\[?([0-9])\]?(?: *(?:\.\.|-|:) *[0-9])?", text) if ":" not in text else None
+    return found[1] if found else ""
+
+
+def data(written: object) -> str:
+    """Data bytes: a list of numbers, or digits with `0x` or commas."""
+    if isinstance(written, list) and written and all(isinstance(b, int) and 0 <= b <= 255 for b in written):
+        return '"' + " ".join(f"{b:02X}" for b in written) + '"'
+    parts = re.split(r"[\s,:-]+", str(written).strip())
+    bytes_ = [part[2:] if part[:2] in ("0x", "0X") else part for part in parts]
+    if all(re.fullmatch("[0-9A-Fa-f]{1,2}", b) for b in bytes_) and len(bytes_) <= 8:
+        return '"' + " ".join(b.zfill(2).upper() for b in bytes_) + '"'
+    return ""
+
+
+def scalar(text: str) -> str:
+    """A number as the language writes it: `0b101` is 0x5, `1e-2` is 0.01, `.5` is 0.5; empty for what is none."""
+    word = text.replace("_", "").lower()
+    found = re.fullmatch(r"([+-]?)0b([01]{1,64})|([+-]?)0o([0-7]{1,21})", word)
+    if found:
+        number = int(found[2], 2) if found[2] else int(found[4], 8)
+        return f"{(found[1] or found[3] or '').replace('+', '')}0x{number:X}"
+    if not re.fullmatch(r"[+-]?(?:[1-9][0-9]{0,20}|0)?(?:\.[0-9]{0,20})?(?:e[+-]?[0-9]{1,2})?", word) or not re.search(
+        "[0-9]", word
+    ):
+        return ""
+    number_ = Fraction(word) if not word.startswith(("e", ".e")) else Fraction(0)
+    return _decimal(number_)
+
+
+def truth(written: object) -> str:
+    """`true` or `false`, of a word for one of them."""
+    word = str(written).lower()
+    return "true" if word in _TRUE else "false" if word in _FALSE else ""
+
+
+def mask(written: object) -> str:
+    """The bit that a mask stands for."""
+    if isinstance(written, int) and written > 0 and written.bit_count() == 1:
+        return f"flags are numbers of bits, not masks: 0x{written:X} is bit {written.bit_length() - 1}"
+    return ""
+
+
+def by(written: object) -> str:
+    """A choice by a parameter: `{model: {A: 1}}` names the parameter first."""
+    if meant := span(written) if isinstance(written, dict) else "":
+        return f"did you mean `{meant}`?"
+    if isinstance(written, dict) and len(written) == 1:
+        ((name, cases),) = written.items()
+        if isinstance(cases, dict):
+            return f"write {{by: {name}, {', '.join(f'{value}: {_shown(case)}' for value, case in cases.items())}}}"
+    return ""
+
+
+def names_first(written: Mapping[str, object]) -> str:
+    """`{0: idle}` as `{idle: 0}`."""
+    return f"{{{', '.join(f'{name}: {number}' for number, name in written.items())}}}"
+
+
+def named(written: object) -> str:
+    """For a list of mappings with a name: the names as keys."""
+    if not isinstance(written, list) or not all(isinstance(item, dict) for item in written) or not written:
+        return ""
+    key = next((k for k in ("name", "id", "title") if isinstance(written[0].get(k), str)), None)
+    if key is None:
+        return ""
+    rest = ", ".join(f"{k}: …" for k in written[0] if k != key)
+    return f"a mapping has no dashes, and each name is a key: {{{written[0][key]}: {{{rest}}}}}"
+
+
+def listed(written: object, key: str) -> str:
+    """For a list of words: the words with numbers, where a key wants these."""
+    if key not in ("enum", "flags") or not isinstance(written, list) or not all(isinstance(w, str) for w in written):
+        return ""
+    numbered = ", ".join(f"{name}: {i}" for i, name in enumerate(written[:8])) + ", …" * (len(written) > 8)
+    return f"say the {'bit' if key == 'flags' else 'value'} of each: {{{numbered}}}"
+
+
+def _plain(written: object) -> str:
+    """A text with the minus sign of a keyboard in place of others."""
+    return re.sub("^[−–－]|(?<=[^0-9 ])[−–－]", "-", str(written).strip())
+
+
+def _if_read(text: str, read: Callable[[str], object]) -> str:
+    try:
+        read(text)
+    except ValueError:
+        return ""
+    return text
+
+
+def _decimal(number: Fraction) -> str:
+    for digits in range(31):
+        scaled = abs(number) * 10**digits
+        if scaled.denominator == 1:
+            text = str(scaled.numerator).zfill(digits + 1)
+            sign = "-" if number < 0 else ""
+            return sign + (text if not digits else f"{text[:-digits]}.{text[-digits:]}")
+    return ""
+
+
+def _shown(value: object) -> str:
+    return "…" if isinstance(value, (dict, list)) else str(value)
+
+
+_NOTATIONS: Mapping[str, Callable[[object], str]] = {
+    "is not a range of whole": nodes,
+    "range": span,
+    "not a number": rational,
+    "not a position": at,
+    "belong in an id": id_,
+}
+"""What a notation says that it expected, and how to find what was meant."""
+
+_LISTED: Mapping[str, Callable[[object], str]] = {
+    "range": span,
+    "raw_range": span,
+    "plausible": span,
+    "nodes": span,
+    "array": span,
+    "from_each": span,
+}
+"""How to find what a list or a mapping stands for, by the key that it is the value of."""

@@ -1,0 +1,41 @@
+"""A list that names things, or codes, names each of them once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ..model import Path
+from ..schema import EditionSpec, MessageSpec
+from .rule import Finding, Found, Subject
+
+
+def check(subject: Subject) -> Found:
+    for path, values in _lists(subject.spec):
+        for i, value in enumerate(values):
+            if value in values[:i]:
+                yield Finding((*path, i), f"{value} is there twice", "remove one")
+
+
+def _lists(spec: EditionSpec) -> Iterator[tuple[Path, Sequence[object]]]:
+    yield ("languages",), spec.languages
+    for name, mode in spec.bus.modes.items():
+        yield ("bus", "modes", name, "bit_rates_kbps"), mode.bit_rates_kbps
+    for name, setting in spec.settings.items():
+        yield from ((("settings", name, "only", p), v) for p, v in (setting.only or {}).items())
+    for name, command in spec.commands.items():
+        path: Path = ("commands", name)
+        yield (*path, "effects"), command.effects
+        yield (*path, "limited_by"), command.limited_by
+        yield (*path, "not_limited_by"), command.not_limited_by
+        yield from (((*path, "only", p), v) for p, v in (command.only or {}).items())
+        for key, message in (("request", command.request), ("reply", command.reply)):
+            if isinstance(message, MessageSpec):
+                yield (*path, key, "accept"), message.accept or ()
+    for name, table in spec.tables.items():
+        for entry_name, entry in table.entries.items():
+            at: Path = ("tables", name, "entries", entry_name)
+            yield (*at, "commands"), entry.commands or ()
+            yield (*at, "effects"), entry.effects
+            yield from (((*at, "only", p), v) for p, v in (entry.only or {}).items())
+    for i, erratum in enumerate(spec.errata):
+        yield ("errata", i, "where"), erratum.where
