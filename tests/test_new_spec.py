@@ -22,9 +22,9 @@ LONG = "a_name_of_more_than_forty_eight_characters_is_too_long"
     ("old", "new", "says"),
     [
         (LEVEL, "{layout: {level: {at: 2, raw: u8, enum: {low: 0}}}}", "unknown key `enum`"),
-        (LEVEL, f"{{layout: {{level: {{at: 2, type: {LONG}}}}}}}", "this has 54 characters, 48 is the most"),
-        ("level:", f"{LONG}:", "this has 54 characters, 48 is the most"),
-        (LEVEL, "{layout: [2]}", "expected a text here"),
+        (LEVEL, f"{{layout: {{level: {{at: 2, type: {LONG}}}}}}}", "there are 54 characters here, more than 48"),
+        ("level:", f"{LONG}:", "there are 54 characters here, more than 48"),
+        (LEVEL, "{layout: [2]}", "a list cannot stand here"),
     ],
 )
 def test_one_mistake_is_one_finding(tmp_path: Path, old: str, new: str, says: str) -> None:
@@ -34,7 +34,7 @@ def test_one_mistake_is_one_finding(tmp_path: Path, old: str, new: str, says: st
 
 def test_what_belongs_to_a_type_is_sent_there(tmp_path: Path) -> None:
     (found,) = findings(tmp_path, MINIMAL.replace("type: level}", "raw: u8, unit: V}"))
-    assert found.hint == "`unit` is said of a type: write a type with it under `types`, and `type: NAME` here"
+    assert found.hint == "`unit` belongs to a type: name one under `types`, and write `type: NAME` in place of `raw`"
 
 
 @pytest.mark.parametrize(
@@ -132,10 +132,10 @@ def test_a_dbc_has_messages_that_nothing_tells_apart_once(tmp_path: Path) -> Non
     assert "`other` (command): left out: nothing tells it from the other messages of its id" in guide
 
 
-def test_show_names_the_forms_of_a_command_with_a_table(tmp_path: Path) -> None:
+def test_show_shows_the_forms_of_a_command_with_a_table(tmp_path: Path) -> None:
     (tmp_path / "v1.yaml").write_text(table("entry"), "utf-8")
     shown = CliRunner().invoke(main, ["show", "read", "--spec", str(tmp_path / "v1.yaml")])
-    assert "there is one for each entry of its table: `read_level`, `read_night`" in shown.output
+    assert [line.split()[0] for line in shown.output.split("\n") if "  0x01  " in line] == ["read_level", "read_night"]
 
 
 def test_every_unit_is_whole() -> None:

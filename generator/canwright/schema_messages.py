@@ -53,7 +53,10 @@ EMPTY_RAW: tuple[Encoding, int] = (Encoding.UNSIGNED, 1)
 Fields = Annotated[dict[Name, FieldSpec], Field(max_length=1000)]
 
 
-LayoutOrName = Annotated[Annotated[Name, Tag("plain")] | Annotated[Fields, Tag("map")], Discriminator(is_map)]
+LayoutOrName = Annotated[
+    Annotated[Name, Tag("name")] | Annotated[Fields, Tag("fields")],
+    Discriminator(lambda value: "fields" if isinstance(value, dict) else "name"),
+]
 """A shared layout's name, or fields."""
 
 

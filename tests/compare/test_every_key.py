@@ -137,7 +137,10 @@ CHANGES: dict[str, dict[str, Any]] = {
     "MessageSpec.accept": {"commands.all.reply.accept": [0x71]},
     "MessageSpec.address": {"commands.read.request": {"address": "all"}},
     "MessageSpec.dlc": {"commands.all.reply.dlc": 7},
-    "MessageSpec.remote": {"commands.read.request": {"remote": True}},
+    "MessageSpec.remote": {
+        "addresses.calls": {"id": 0x700, "selector": {"at": "id.0", "raw": "u8"}},
+        "commands.read.request": {"remote": True, "address": "calls"},
+    },
     "Mode.title": {"bus.modes.usual.title": TEXT},
     "Mode.about": {"bus.modes.usual.about": TEXT},
     "Mode.bit_rates_kbps": {"bus.modes.usual.bit_rates_kbps": [500, 250]},
