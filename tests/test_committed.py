@@ -17,7 +17,7 @@ from click.testing import CliRunner
 
 from .spec_texts import ROOT
 
-FOREIGN = re.compile(r"motor|\biq\b|mwd|0x140|torque", re.IGNORECASE)
+FOREIGN = re.compile(r"motor(?!ola\b)|\biq\b|mwd|0x140|torque", re.IGNORECASE)
 MACHINE = re.compile(r"(^|[^A-Za-z0-9_.])/(home|root|work|tmp|Users)/")
 
 

@@ -100,9 +100,9 @@ def meant(written: str, known: Iterable[str], there: Collection[str] = ()) -> st
     word = written.strip().lower().replace("-", "_").replace(" ", "_")
     found = near(word, names)
     if found is None or (found not in (word, f"{word}s", f"{word}es") and word != f"{found}s"):
-        said = there if not {"type", "raw"} & set(there) else {*there, "type", "raw"}
-        others = (name for name, words in _MEANT.items() if name in names and word in words and name not in said)
-        found = next(others, None if word in _ALL_MEANT else found)
+        said = {"type", "raw"} if "type" in there or "raw" in there else set()
+        free = (name for name in _MEANT if name in names and name not in there and name not in said)
+        found = next((name for name in free if word in _MEANT[name]), None if word in _ALL_MEANT else found)
     return found
 
 

@@ -150,7 +150,7 @@ class _Reading(Generic[M]):
         if error["type"] != "extra_forbidden":
             return self._culprit(error)
         known, written = worded.keys(self._concept, location[:-1]), str(location[-1])
-        there = worded.others(self._document, path)
+        there = worded.beside(self._document, path)
         name = hints.meant(written, known, there)
         if name is None or name in there:
             name = next((key for key in self._by_value(error["input"]) if key in known and key not in there), None)

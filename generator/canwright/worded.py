@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import re
 import typing
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from decimal import Decimal
 from types import UnionType
 from typing import Annotated, Any, Union
@@ -127,16 +127,16 @@ def _instead(document: Document, concept: type[BaseModel], error: Error, path: P
         return "a field stands in `request` or `reply`; indent it further"
     if isinstance(value, dict) and {"code", "reply"} & set(value) and within in ("a command", "the edition"):
         return f"a command stands in `commands`; indent it {'less' if within == 'a command' else 'further'}"
-    return hints.key(last, keys, others(document, path), elsewhere(last, keys))
+    return hints.key(last, keys, beside(document, path), elsewhere(last, keys))
 
 
-def others(document: Document, path: Path) -> set[str]:
-    """The keys that stand beside one."""
+def beside(document: Document, path: Path) -> Collection[str]:
+    """A key, and those that stand beside it."""
     owner: Any = document.data
     for step in path[:-1]:
         there = isinstance(owner, list) or (isinstance(owner, dict) and step in owner)
         owner = owner[step] if there else None
-    return set(owner) - set(path[-1:]) if isinstance(owner, dict) else set()
+    return owner.keys() if isinstance(owner, dict) else ()
 
 
 def elsewhere(key: str, known: Sequence[str]) -> list[str]:
