@@ -32,7 +32,7 @@ _UNIT = "[A-Za-zµ°/%]+"
 _LOW = ("min", "low", "from", "minimum", "lower")
 _HIGH = ("max", "high", "to", "maximum", "upper")
 _TRUE, _FALSE = frozenset({"true", "yes", "on", "y", "1"}), frozenset({"false", "no", "off", "n", "0"})
-_NODE = r"(?i)\b(?:(?:node|motor|device|slave|can)?_?id|node_?id|motor|device|n|i)\b"
+_NODE = r"(?i)\b(?:[a-z]*_?id|device|n|i)\b"
 
 
 def notation(written: object, message: str, key: str) -> str:

@@ -254,27 +254,51 @@ class Number:
         return CodecError(Refusal.OUT_OF_RANGE, f"{field}={given} is out of range {text}", field)
 
 
-class Float:
-    """An IEEE float; its raw integer is its bits. `limits` bound the value."""
+class Float(Number):
+    """An IEEE float; its raw integer is its bits, what they are is scaled. `limits` bound the value."""
 
-    __slots__ = ("bits", "high", "limits", "number", "unit")
+    __slots__ = ("bits", "number")
 
-    def __init__(self, width: int, unit: str = "", *, limits: tuple[Bound, Bound] | None = None) -> None:
+    def __init__(
+        self,
+        width: int,
+        unit: str = "",
+        *,
+        scale: Scale | None | Mapping[Any, Scale | None] = (1, 1, 0),
+        scale_by: str = "",
+        limits: tuple[Bound, Bound] | None | Mapping[Any, tuple[Bound, Bound] | None] = None,
+        limits_by: str = "",
+    ) -> None:
+        super().__init__(
+            0, (1 << width) - 1, unit, scale=scale, scale_by=scale_by, limits=limits, limits_by=limits_by
+        )
         self.bits = struct.Struct("<I" if width == 32 else "<Q")
         self.number = struct.Struct("<f" if width == 32 else "<d")
-        self.high = (1 << width) - 1
-        self.unit = f" {unit}" if unit else ""
-        self.limits = limits
 
     def value(self, raw: int, parameters: object, field: str) -> float:
-        """The number that the bits are."""
+        """The number that the bits are, scaled."""
+        numerator, denominator, offset = self._scale(parameters, field)
         value: float = self.number.unpack(self.bits.pack(raw))[0]
-        return value
+        if numerator != 1:
+            value *= numerator
+        if denominator != 1:
+            value /= denominator
+        return value + float(offset) if offset else value
 
     def raw(self, value: Real, parameters: object, field: str) -> int:
         """The bits of the nearest float. Raises CodecError when it is refused."""
+        numerator, denominator, offset = self._scale(parameters, field)
         try:
-            bits: int = self.bits.unpack(self.number.pack(finite(value, field)))[0]
+            number = float(finite(value, field))
+            if offset:
+                number -= float(offset)
+            if denominator != 1:
+                number *= denominator
+            if numerator != 1:
+                number /= numerator
+            if math.isinf(number):
+                raise OverflowError
+            bits: int = self.bits.unpack(self.number.pack(number))[0]
         except OverflowError:
             raise CodecError(Refusal.OUT_OF_RANGE, f"{field}={value!r} is too large for its float", field) from None
         return self.check(bits, parameters, field)
@@ -283,9 +307,10 @@ class Float:
         """The bits themselves. Raises CodecError when their value is out of range."""
         if not 0 <= raw <= self.high:
             raise CodecError(Refusal.OUT_OF_RANGE, f"{field}=raw {raw} is out of range 0..{self.high}", field)
-        if self.limits is not None:
+        limits = self.limits.get(getattr(parameters, self.limits_by)) if self.limits_by else self.limits
+        if limits is not None:
             value = self.value(raw, parameters, field)
-            low, high = self.limits[0].at(parameters), self.limits[1].at(parameters)
+            low, high = limits[0].at(parameters), limits[1].at(parameters)
             if not ((low is None or value >= low) and (high is None or value <= high)):
                 text = f"{field}={value!r}{self.unit} is out of range {low and float(low)}..{high and float(high)}"
                 raise CodecError(Refusal.OUT_OF_RANGE, text, field)

@@ -113,11 +113,12 @@ class DocsAdapter:
             if row.type in self._flags:
                 return [name for name, bit in names.items() if raw >> bit & 1]
             return next((name for name, value in names.items() if value == raw), None)
-        if row.raw.startswith("f"):
-            return _float(row, raw)
         found = self._scale(row, parameters)
         if isinstance(found, Refused):
             return None if found.says is Refusal.NO_SCALE else found
+        if row.raw.startswith("f"):
+            number = _float(row, raw)
+            return float(Fraction(number) * found.step + found.offset) if math.isfinite(number) else number
         return float(raw * found.step + found.offset)
 
     def _scale(self, row: FieldRow, parameters: Parameters) -> Scale | Refused:
@@ -194,7 +195,12 @@ class DocsAdapter:
         case = self._case(row.ranges, parameters)
         if case is None:
             return True
-        value = Fraction(_float(row, raw)) if row.raw[0] == "f" else Fraction(raw)
+        value = Fraction(raw)
+        if row.raw[0] == "f":
+            found = self._scale(row, parameters)
+            if isinstance(found, Refused):
+                return True
+            value = Fraction(_float(row, raw)) * found.step + found.offset
         bottom, top = (end.at(parameters) for end in row.ranges[case])
         return (bottom is None or value >= bottom) and (top is None or value <= top)
 
@@ -229,11 +235,11 @@ class DocsAdapter:
         if value in ("nan", "inf", "-inf"):
             return Refused(Refusal.NOT_FINITE, row.name)
         assert isinstance(value, Fraction)
-        if row.raw[0] == "f":
-            return _float_bits(row, float(value))
         found = self._scale(row, parameters)
         if isinstance(found, Refused):
             return found
+        if row.raw[0] == "f":
+            return _float_bits(row, float((value - found.offset) / found.step))
         exact = (value - found.offset) / found.step
         size = math.floor(abs(exact) + Fraction(1, 2))
         return size if exact >= 0 else -size

@@ -221,7 +221,8 @@ def _field(line: Mapping[str, str]) -> FieldRow:
     match = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", plain(line["Field"]))
     assert match, line["Field"]
     parameter, _, values = plain(line.get("Only", "")).partition(" ")
-    limits = line.get("Raw range", "")
+    is_float = plain(line["Raw"]).startswith("f")
+    limits = line.get("Value range" if is_float else "Raw range", "")
     constant = int(plain(limits)) if limits and ".." not in limits else None
     return FieldRow(
         match[1],
@@ -230,7 +231,9 @@ def _field(line: Mapping[str, str]) -> FieldRow:
         plain(line["Raw"]),
         bits(plain(line["Place"]), plain(line["Raw"])),
         {name: scale(text) for name, text in cases(line.get("One raw step", "")).items()},
-        {} if constant is not None else {name: ends(text) for name, text in cases(limits).items() if text},
+        {}
+        if constant is not None
+        else {name: ends(text.partition(" ")[0] if is_float else text) for name, text in cases(limits).items() if text},
         constant,
         (parameter, tuple(values.split(", "))),
         "the node: an answer comes from" in line["What it is"],

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 from ... import words
-from ...model import Assignment, Command, Field, Layout, Message, Order, ReplyForm, Text, Type
+from ...model import Assignment, Command, Encoding, Field, Layout, Message, Order, ReplyForm, Text, Type
 from .text import code, markdown
 
 Labels = Mapping[str, str]
@@ -133,14 +133,16 @@ def scale(type_: Type, labels: Labels, among: tuple[str, ...] = ()) -> str:
 
 
 def raw_range(type_: Type) -> str:
-    """The raw range, exact."""
-    return cases(words.ranges(type_))
+    """The raw range, exact; a float has none, for its range is that of its value."""
+    return "" if type_.encoding is Encoding.FLOAT else cases(words.ranges(type_))
 
 
 @functools.lru_cache(maxsize=1 << 12)
 def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
     """The range in the unit, where scale and range allow to say it."""
     unit = f" {type_.unit.symbol}" if type_.unit else ""
+    if type_.encoding is Encoding.FLOAT:
+        return cases([(names, limits + unit) for names, limits in words.ranges(type_)])
     linear, limits = type_.linear, type_.raw_range
     by = linear.parameter or limits.parameter
     pairs: list[tuple[str, Assignment]] = [("", {})]

@@ -58,10 +58,8 @@ def _view(type_: Type, parameters: Mapping[str, Parameter]) -> TypeView:
         )
         for m in (*type_.enum, *type_.flags)
     )
-    if type_.encoding is Encoding.FLOAT:
-        declaration = f"Float({', '.join(_float_arguments(type_))})"
-    else:
-        declaration = f"Number({', '.join(_number_arguments(type_, parameters))})"
+    arguments = ", ".join(_arguments(type_, parameters))
+    declaration = f"Float({arguments})" if type_.encoding is Encoding.FLOAT else f"Number({arguments})"
     python = f"{enum} | int" if type_.enum else enum or ("int" if type_.is_plain else "float")
     return TypeView(
         constant,
@@ -76,17 +74,9 @@ def _view(type_: Type, parameters: Mapping[str, Parameter]) -> TypeView:
     )
 
 
-def _float_arguments(type_: Type) -> list[str]:
-    arguments = [str(type_.width)]
-    if type_.unit:
-        arguments.append(text.literal(type_.unit.name))
-    if type_.raw_range.constant is not None:
-        arguments.append(f"limits={_limits(type_.raw_range.constant)}")
-    return arguments
-
-
-def _number_arguments(type_: Type, parameters: Mapping[str, Parameter]) -> list[str]:
-    arguments = [str(limit) for limit in type_.raw_limits]
+def _arguments(type_: Type, parameters: Mapping[str, Parameter]) -> list[str]:
+    is_float = type_.encoding is Encoding.FLOAT
+    arguments = [str(type_.width)] if is_float else [str(limit) for limit in type_.raw_limits]
     if type_.unit:
         arguments.append(text.literal(type_.unit.name))
     linear, span = type_.linear, type_.raw_range
