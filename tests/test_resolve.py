@@ -319,3 +319,11 @@ def test_a_golden_frame_gives_a_number_that_can_be(tmp_path: Path) -> None:
         assert says in str(found.value)
     (tmp_path / "v1.frames.yaml").write_text(golden.replace("p_max: 95.5", 'p_max: "191/2"'), "utf-8")
     described(tmp_path / "v1.yaml")
+
+
+def test_a_constant_that_shares_its_bits_with_the_selector_is_told(tmp_path: Path) -> None:
+    """It stays a field, though it would tell its message from another."""
+    text = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
+    assert findings(tmp_path, text) == []
+    text = text.replace("zero: {at: 1, raw: u8, constant: 0}", "zero: {at: 2, raw: u8, constant: 0}", 1)
+    assert marked(findings(tmp_path, text)) == ["overlap: 2"]

@@ -34,7 +34,7 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
             holding = {keys: [_constants(message) for message in same] for keys, same in alike.items()}
             by_length = {keys for keys, same in alike.items() if _lengths_tell(same)}
             for message in messages:
-                mine = {} if message.layout.shared else _constants(message)
+                mine = {} if message.layout.shared else _by_themselves(message)
                 selected = _selected(message) if mine else frozenset()
                 less = (frozenset(c) for size in range(len(selected) + 1) for c in combinations(selected, size))
                 meant = (keys for keys in less if keys != selected or keys not in by_length)
@@ -67,6 +67,21 @@ def _distinct(commands: Sequence[Command], direction: Direction) -> Iterator[Mes
 def _selected(message: Message) -> frozenset[object]:
     """What the selectors of a message have to hold."""
     return frozenset((key.space, key.segments, key.value) for key in message.keys)
+
+
+def _by_themselves(message: Message) -> Constants:
+    """Its constants, but for those that share a bit with something: that is a mistake, and told of the field."""
+    fields = [(field, e.segments) for field in message.layout.fields for e in field.elements]
+    places = [(None, key.space, key.segments) for key in message.keys] + [(f, f.space, s) for f, s in fields]
+    taken = [
+        (owner, {(space, s.byte, s.low + i) for s in parts for i in range(s.width)}) for owner, space, parts in places
+    ]
+
+    def is_apart(field: Field) -> bool:
+        mine = next(bits for owner, bits in taken if owner is field)
+        return all(owner is field or mine.isdisjoint(bits) for owner, bits in taken)
+
+    return {place: field for place, field in _constants(message).items() if is_apart(field)}
 
 
 def _constants(message: Message) -> Constants:

@@ -139,10 +139,12 @@ def _refuse_unchecked(direction: Direction, field: Field, raw: int, parameters: 
     bits = sum(1 << flag.value for flag in field.type.flags)
     if (named and raw not in named) or (bits and raw & ~bits):
         raise Cannot("unnamed")
-    span = field.type.raw_range.at({name: str(value) for name, value in parameters.items()})
+    assignment = {name: str(value) for name, value in parameters.items()}
+    span, linear = field.type.raw_range.at(assignment), field.type.linear.at(assignment)
     if direction is Direction.REPLY and span:
-        is_float = field.type.encoding is Encoding.FLOAT
-        number = Fraction(float_of(field.type.width, raw)) if is_float else Fraction(raw)
+        number = Fraction(raw)
+        if field.type.encoding is Encoding.FLOAT and linear:
+            number = Fraction(float_of(field.type.width, raw)) * linear.scale + linear.offset
         numbers = {name: Fraction(str(value)) for name, value in parameters.items() if _NUMBER.fullmatch(str(value))}
         low, high = span.low.at(numbers), span.high.at(numbers)
         if (low is not None and number < low) or (high is not None and number > high):

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ... import words
-from ...model import Bound, Edition, Encoding, Linear, Parameter, Range, Type
+from ...model import IDENTITY, Bound, Dependent, Edition, Encoding, Linear, Parameter, Range, Type
 from . import text
 
 
@@ -133,11 +133,13 @@ def meaning(type_: Type) -> str:
     if type_.unit:
         parts.append(f"In {type_.unit.name}")
     scales = words.scale(type_)
-    if not type_.is_plain and type_.is_number and type_.encoding is not Encoding.FLOAT:
+    is_bare = type_.encoding is Encoding.FLOAT and type_.linear == Dependent.always(IDENTITY)
+    if not type_.is_plain and type_.is_number and not is_bare:
         parts.append("one raw step is " + ", ".join(f"{w} ({n})" if n else w for n, w in scales))
     limits = words.ranges(type_)
     if limits:
-        parts.append("raw " + ", ".join(f"{w} ({n})" if n else w for n, w in limits))
+        kind = "from" if type_.encoding is Encoding.FLOAT else "raw"
+        parts.append(f"{kind} " + ", ".join(f"{w} ({n})" if n else w for n, w in limits))
     sentence = "; ".join(parts)
     return text.plain(sentence[:1].upper() + sentence[1:])
 
