@@ -6,6 +6,7 @@ is the least significant.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
@@ -33,6 +34,11 @@ class Segment:
     raw_low: int
 
 
+def bits_of(segments: Iterable[Segment]) -> tuple[int, ...]:
+    """Frame bits of some segments, from the least significant raw bit up."""
+    return tuple(s.byte * 8 + s.low + i for s in segments for i in range(s.width))
+
+
 @dataclass(frozen=True)
 class Element:
     """One place on the wire: the only one of a field, or one of an array, then with its index."""
@@ -43,7 +49,7 @@ class Element:
     @cached_property
     def bits(self) -> tuple[int, ...]:
         """Frame bits from the least significant raw bit up."""
-        return tuple(s.byte * 8 + s.low + i for s in self.segments for i in range(s.width))
+        return bits_of(self.segments)
 
 
 @dataclass(frozen=True)

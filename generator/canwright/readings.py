@@ -7,13 +7,13 @@ after a request tells them apart. All that can be worked out once for an id is; 
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
 from . import words
-from .interpret import CanFrame, has_id, node_of, value_of
-from .model import Assignment, Direction, Edition, Element, Encoding, Field, Key, Message, Segment, Space, Type, Variant
+from .interpret import CanFrame, data_bits, has_id, node_of, value_of
+from .model import Assignment, Direction, Edition, Element, Encoding, Field, Key, Message, Space, Type, Variant
 
 WEAK = 1
 """Unusual: a reserved byte of a reply that is not 0, a raw integer beyond its printed range."""
@@ -131,13 +131,13 @@ class _Form:
         self.dlc = message.dlc
         keys = [key for key in message.keys if key.space is Space.DATA]
         leads = keys[:1] if message.keys[:1] == tuple(keys[:1]) else []
-        self.first = _bits(key.segments for key in leads)
+        self.first = data_bits((key.space, key.segments) for key in leads)
         self.codes = {_placed(k, v) for k in leads for v in (k.value, *message.accept, *message.claims)} or {0}
         others = keys[len(leads) :]
-        self.rest = _bits(key.segments for key in others)
+        self.rest = data_bits((key.space, key.segments) for key in others)
         self.keys = sum(_placed(key, key.value) for key in others)
-        fields = [e.segments for f in variant.fields if f.space is Space.DATA for e in f.elements]
-        self._reserved = ~(self.first | self.rest | _bits(fields))
+        fields = data_bits((f.space, e.segments) for f in variant.fields for e in f.elements)
+        self._reserved = ~(self.first | self.rest | fields)
         self.elsewhere = _elsewhere(edition, message, frame)
         self._where = f"{message.direction.value} of {message.command}" + (self.elsewhere if self.is_request else "")
         self._per_byte = UNNAMED if self.is_request else WEAK
@@ -199,14 +199,6 @@ def _elsewhere(edition: Edition, message: Message, frame: CanFrame) -> str:
     if reply is None or reply.id == message.id or reply.id.nodes is None or node is None:
         return ""
     return f", though replies come on 0x{reply.id.base + (node << reply.id.node_shift):X}"
-
-
-def _bits(places: Iterable[Sequence[Segment]]) -> int:
-    found = 0
-    for segments in places:
-        for s in segments:
-            found |= ((1 << s.width) - 1) << (s.byte * 8 + s.low)
-    return found
 
 
 def _placed(key: Key, value: int) -> int:

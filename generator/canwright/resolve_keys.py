@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 
+from .layouts import bits_of
 from .model import Command, Direction, Field, Key, Layout, Message, ReplyForm, Segment, Space, Variant
 
 Place = tuple[Space, tuple[Segment, ...]]
@@ -71,17 +73,16 @@ def _selected(message: Message) -> frozenset[object]:
 
 def _by_themselves(message: Message) -> Constants:
     """Its constants, but for those that share a bit with something: that is a mistake, and told of the field."""
-    fields = [(field, e.segments) for field in message.layout.fields for e in field.elements]
-    places = [(None, key.space, key.segments) for key in message.keys] + [(f, f.space, s) for f, s in fields]
-    taken = [
-        (owner, {(space, s.byte, s.low + i) for s in parts for i in range(s.width)}) for owner, space, parts in places
-    ]
-
-    def is_apart(field: Field) -> bool:
-        mine = next(bits for owner, bits in taken if owner is field)
-        return all(owner is field or mine.isdisjoint(bits) for owner, bits in taken)
-
-    return {place: field for place, field in _constants(message).items() if is_apart(field)}
+    constants = _constants(message)
+    if not constants:
+        return constants
+    taken = Counter((key.space, bit) for key in message.keys for bit in bits_of(key.segments))
+    taken.update((f.space, bit) for f in message.layout.fields for e in f.elements for bit in e.bits)
+    return {
+        place: field
+        for place, field in constants.items()
+        if all(taken[field.space, bit] == 1 for bit in field.elements[0].bits)
+    }
 
 
 def _constants(message: Message) -> Constants:

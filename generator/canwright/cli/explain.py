@@ -28,8 +28,6 @@ def explain(rule: str | None) -> None:
 
     Without either, list all rules. The rule stands in brackets behind every finding of `check`, and every change of `diff`.
     """
-    from .. import language
-
     kinds = {one.id: (one.severity.value, one.purpose) for one in EVERY.values()}
     kinds |= {one.id: (one.category.value, one.purpose) for one in CHANGES.values()}
     if rule is None:
@@ -37,6 +35,8 @@ def explain(rule: str | None) -> None:
         for id_, (kind, purpose) in kinds.items():
             click.echo(f"{id_:<{width}}  {kind:<7}  {purpose}")
         return
+    from .. import language
+
     of_language = list(language.explained(rule))
     if rule in kinds:
         _show_rule(rule, *kinds[rule])

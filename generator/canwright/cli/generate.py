@@ -11,6 +11,7 @@ import click
 from ..diagnostics import Diagnostic, Position, Severity
 from ..folder import OutputError
 from ..generate import TARGETS, generate as make
+from ..model import Assignment
 from ..output import Content, difference, write
 from ..targets import Described
 from .common import (
@@ -51,7 +52,8 @@ def generate(
     Nothing is written unless every spec is right. Files of an earlier run that are no longer generated are removed;
     files that canwright did not make are never touched.
     """
-    content = _content(read(specs, printer), targets, settings)
+    described = read(specs, printer)
+    content = _content(described, targets, assignment(described, settings))
     try:
         changes = write(out, content, force=force)
     except OutputError as error:
@@ -84,13 +86,13 @@ def check(
     described = [one.described for one in loaded]
     warnings = [warning for one in loaded for warning in one.warnings]
     names = ", ".join(f"{d.edition.family} {d.edition.name}" for d in described)
-    assignment(described, settings)
+    set_parameters = assignment(described, settings)
     if specs and out is None:
         _report(warnings, f"{names}: right", printer, strict)
         return
     out = out or OUT_FOLDER
     try:
-        found = list(difference(out, _content(described, targets, settings)))
+        found = list(difference(out, _content(described, targets, set_parameters)))
     except OutputError as error:
         stop(str(error))
     if not found:
@@ -115,5 +117,5 @@ def _report(warnings: Sequence[Diagnostic], message: str, printer: str, strict: 
         sys.exit(FINDINGS)
 
 
-def _content(described: Sequence[Described], targets: Sequence[str], settings: Sequence[str]) -> Content:
-    return make(described, targets or list(TARGETS), assignment(described, settings))
+def _content(described: Sequence[Described], targets: Sequence[str], set_parameters: Assignment) -> Content:
+    return make(described, targets or list(TARGETS), set_parameters)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable, Iterator
 
+from ...layouts import bits_of
 from ...model import Key, Space
 from .frames import Part
 
@@ -16,7 +17,7 @@ from .frames import Part
 @functools.lru_cache(maxsize=1 << 10)
 def bits(key: Key) -> tuple[int, ...]:
     """Frame bits of a key from the least significant up."""
-    return tuple(s.byte * 8 + s.low + i for s in key.segments for i in range(s.width))
+    return bits_of(key.segments)
 
 
 def selector_bits(part: Part) -> set[int]:
