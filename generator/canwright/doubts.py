@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from enum import IntEnum
 
 from .model import Edition, Path
-from .schema import Command, EditionSpec, Fields, MessageSpec
+from .schema import NO_INDEX, Command, EditionSpec, Fields, MessageSpec
 
 
 class Depth(IntEnum):
@@ -93,7 +93,10 @@ class Doubts:
             self._doubt_all(depth)
 
     def _is_left_out(self, table: str, entry: Path) -> bool:
-        return table in self._spec.tables and entry[0:1] != () and entry[0] not in self._spec.tables[table].entries
+        if table not in self._spec.tables or not entry:
+            return False
+        there = self._spec.tables[table].entries.get(str(entry[0]))
+        return there is None or there.index == NO_INDEX
 
     def _doubt_all(self, depth: Depth) -> None:
         self._all = depth if self._all is None else min(depth, self._all)

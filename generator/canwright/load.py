@@ -15,7 +15,7 @@ from .doubts import Doubts, is_text, matters
 from .model import Path as ItemPath
 from .processes import for_each
 from .resolve import resolve
-from .rules import Finding, Rule, Subject
+from .rules import Finding, Phase, Rule, Subject
 from .rules.too_large import commands
 from .schema import EditionSpec
 from .source import Document
@@ -57,10 +57,16 @@ def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
     doubts = Doubts(read.spec, amiss, first)
     findings = [*read.diagnostics, *unresolved.findings, *beside.findings]
     partial = not all(map(is_text, (*read.dropped, *unresolved.paths)))
-    found = list(rules.check(Subject(edition, read.spec, beside.golden, partial), doubts))
-    errors = [finding for rule, finding in found if rule.severity is Severity.ERROR]
-    wrong = bool(findings or errors)
-    of_frames = Doubts(read.spec, [*amiss, *(f.path for f in errors if not f.in_frames)], first)
+    subject = Subject(edition, read.spec, beside.golden, partial)
+    found = list(rules.check(subject, doubts, Phase.PARTS))
+    widely = [f.about for f in _errors(found) if f.about is not None]
+    if widely:
+        subject, doubts = subject._replace(partial=True), Doubts(read.spec, [*amiss, *widely], first)
+    found += rules.check(subject, doubts, Phase.WHOLE)
+    errors = [f.path if f.about is None else f.about for f in _errors(found)]
+    of_frames = Doubts(read.spec, [*amiss, *errors], first)
+    found += rules.check(subject, of_frames, Phase.FRAMES)
+    wrong = bool(findings or _errors(found))
     known = {_place(d): d.rule for d in findings}
     for rule, finding in itertools.islice(found, MOST_FINDINGS):
         diagnostic = _diagnostic(document, beside, rule, finding)
@@ -71,6 +77,10 @@ def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
         raise SpecError(findings)
     findings.sort(key=_place)
     return Loaded(Described(edition, beside.golden), document, tuple(findings))
+
+
+def _errors(found: Sequence[tuple[Rule, Finding]]) -> list[Finding]:
+    return [finding for rule, finding in found if rule.severity is Severity.ERROR]
 
 
 def _diagnostic(document: Document, beside: Beside, rule: Rule, finding: Finding) -> Diagnostic:

@@ -253,7 +253,7 @@ def _id_rule(context: Context, path: Path, id_: IdExpression | None, written: sc
         longer = "" if written.extended or highest > LAST_ID else "; with `extended: true` there are 29 bits"
         hint = f"check {'`id` and `nodes`' if nodes else 'the id'}{longer}"
         context.report(path, "id-space", f"the id reaches 0x{highest:X}, past 0x{limit:X}", hint)
-    return rule
+    return rule if highest <= LAST_ID else lost
 
 
 def _highest(rule: IdRule) -> int:

@@ -307,6 +307,9 @@ class MessageResolver:
             of_table = {n: c for n, c in self._spec.commands.items() if self._may_have(n, c, table)}
             for i, command in enumerate(() if self._context.is_lost("commands") else entry.commands or ()):
                 self._context.find((*path, "commands", i), f"command of the table `{table}`:", command, of_table)
+            layout = self._entry_layout(path, f"{table}_{name}", written, entry)
+            if entry.index == schema.NO_INDEX:
+                continue
             values = entry.index if isinstance(entry.index, list) else [entry.index]
             if len(values) > len(selectors):
                 text = f"`{name}` has {len(values)} index values, the table only {len(selectors)}"
@@ -319,7 +322,7 @@ class MessageResolver:
             entries[name] = Form(
                 "",
                 name,
-                self._entry_layout(path, f"{table}_{name}", written, entry),
+                layout,
                 tuple(keys),
                 entry.kind,
                 entry.dlc,

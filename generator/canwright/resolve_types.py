@@ -159,7 +159,7 @@ class _TypeResolver:
     def _need_number(self, at: Path, name: str | None) -> None:
         """A finding where a parameter that is multiplied with is not there, or is no number."""
         found = self.context.find((*self.path, *at), "parameter", name, self.parameters) if name is not None else None
-        if found is not None and found.is_choice:
+        if found is not None and found.is_choice and not self.context.is_amiss(("parameters", found.name)):
             text = f"`{name}` is a choice among values, and only a `number` can be multiplied"
             self.context.report((*self.path, *at), "parameter-kind", text, f"write `by: {name}` with its values")
 

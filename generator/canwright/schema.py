@@ -11,6 +11,7 @@ from .hints import DATE
 from .model import Level, Order
 from .schema_messages import (
     EMPTY_RAW as EMPTY_RAW,
+    NO_INDEX as NO_INDEX,
     Code as Code,
     Command as Command,
     Entry as Entry,
@@ -137,12 +138,16 @@ class EffectSpec(Titled):
 class ErratumSpec(Concept):
     """Where the manual is wrong or silent, and what this spec does about it."""
 
+    stand_ins: ClassVar[dict[str, object]] = dict.fromkeys(("id", "manual", "printed", "used", "why"), "lost") | {
+        "where": ["canwright"]
+    }
+
     id: Annotated[Name, Field(description="A name for it, unique in the edition.")]
     where: Annotated[list[str], Field(min_length=1, description="What it is about, as dotted paths into this file.")]
     manual: Annotated[Section, Field(description="Section of the manual.")]
     printed: Annotated[Text, Field(description="What the manual says.")]
     used: Annotated[Text, Field(description="What this spec says.")]
-    why: Annotated[Text, Field(description="Why.")]
+    why: Annotated[Text, Field(description="Why the one and not the other.")]
 
 
 class EditionSpec(Titled):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
@@ -14,6 +14,7 @@ from .written import Byte, Indices, Name, Nodes, Only, Raw, Section, Start, Text
 class FieldSpec(Titled):
     """A run of bits with a type."""
 
+    stand_ins: ClassVar[dict[str, object]] = {"at": 0}
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["type"]}, {"required": ["raw"]}]})
 
     at: Annotated[
@@ -126,8 +127,14 @@ def is_list(value: object) -> str:
     return "list" if isinstance(value, list) else "plain"
 
 
+NO_INDEX = 10**31
+"""Stands in for an index that could not be read: nobody can write one so large."""
+
+
 class Entry(Titled):
     """One thing that a table's index can name, with its layout."""
+
+    stand_ins: ClassVar[dict[str, object]] = {"index": NO_INDEX, "layout": {}}
 
     index: Annotated[
         Annotated[list[Byte], Field(min_length=1), Tag("list")] | Annotated[Byte, Tag("plain")],

@@ -14,8 +14,8 @@ from .written import Multiple, Name, Raw, Span, Text, is_map
 class Concept(BaseModel):
     """What all concepts share: no unknown keys, nothing changes once it is read.
 
-    `stand_ins` are read in place of keys that could not be, so that the rest is; `mistaken` is a key of the file that
-    this one may be mistaken for, and what is told then.
+    `stand_ins` are read in place of keys that it needs and that could not be read, so that the rest is; `mistaken` is a
+    key of the file that this one may be mistaken for, and what is told then.
     """
 
     stand_ins: ClassVar[dict[str, object]] = {}
@@ -115,6 +115,7 @@ Bit = Annotated[Annotated[BitNumber, Tag("plain")] | Annotated[Flag, Tag("map")]
 class Type(Titled):
     """How raw bits become a value."""
 
+    stand_ins: ClassVar[dict[str, object]] = {"raw": "i64"}
     model_config = ConfigDict(json_schema_extra={"not": {"required": ["range", "raw_range"]}})
 
     raw: Annotated[Raw, Field(description="Sign and width: u8, i16, i56 (1 to 64 bits), or f32, f64.")]

@@ -75,6 +75,7 @@ class _Reading(Generic[M]):
         self._concept = concept
         self._data: Any = document.data
         self._findings = list(document.findings)
+        self._stand_ins: dict[Path, object] = {(key,): value for key, value in concept.stand_ins.items()}
         self._dropped = {_entry(path) for path in document.spoilt}
         self._dropped |= {before for path in document.spoilt if (before := _before(document, path))}
         self._dropped |= set(_second_ones(document))
@@ -136,12 +137,14 @@ class _Reading(Generic[M]):
         return (*self._path(location[:-1]), location[-1])
 
     def _culprit(self, error: Error) -> Path:
-        """The entry of a mapping to drop for an error; empty when that would be everything."""
+        """The entry of a mapping to drop, or to put a stand-in for; empty when that would be everything."""
         path = self._path(error["loc"])
         if error["type"] == "missing":
             missing = self._missing(error)
-            path = missing if len(missing) == 1 and missing[0] in self._concept.stand_ins else path
-            path = path if path == missing else self._path(error["loc"][:-1])
+            stand_ins = getattr(worded.at(self._concept, error["loc"][:-1]), "stand_ins", {})
+            if missing[-1] in stand_ins:
+                self._stand_ins.setdefault(missing, stand_ins[missing[-1]])
+            path = missing if missing in self._stand_ins else self._path(error["loc"][:-1])
         return _entry(path)
 
     def _meant_for(self, error: Error) -> Path | None:
@@ -150,6 +153,8 @@ class _Reading(Generic[M]):
         if error["type"] != "extra_forbidden":
             return self._culprit(error)
         known, written = worded.keys(self._concept, location[:-1]), str(location[-1])
+        if worded.is_field(error["input"]) and "layout" in known:
+            return (*path[:-1], "layout")
         there = worded.beside(self._document, path)
         name = hints.meant(written, known, there)
         if name is None or name in there:
@@ -215,8 +220,8 @@ class _Reading(Generic[M]):
         self._own()
         for path in paths:
             owner = _owner(self._data, path)
-            if len(path) == 1 and path[0] in self._concept.stand_ins and isinstance(owner, dict):
-                owner[str(path[0])] = self._concept.stand_ins[str(path[0])]
+            if path in self._stand_ins and isinstance(owner, dict):
+                owner[path[-1]] = self._stand_ins[path]
             elif path and isinstance(owner, dict):
                 owner.pop(path[-1], None)
 

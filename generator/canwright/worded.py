@@ -119,15 +119,20 @@ def _instead(document: Document, concept: type[BaseModel], error: Error, path: P
     owner, last, value = at(concept, location[:-1]), str(location[-1]), error["input"]
     keys = list(owner.model_fields) if owner else []
     within = next((called for concept_, called in CONCEPTS.items() if concept_ is owner), "")
-    if isinstance(value, dict) and "at" in value and {"layout", "fields"} <= set(keys):
+    if is_field(value) and {"layout", "fields"} <= set(keys):
         return f"a field stands in `layout` here: {{layout: {{{last}: …}}, dlc: …}}"
-    if isinstance(value, dict) and "at" in value and within == "a layout":
+    if is_field(value) and within == "a layout":
         return "a field stands in `fields`; indent it further"
-    if isinstance(value, dict) and "at" in value and within == "a command":
+    if is_field(value) and within == "a command":
         return "a field stands in `request` or `reply`; indent it further"
     if isinstance(value, dict) and {"code", "reply"} & set(value) and within in ("a command", "the edition"):
         return f"a command stands in `commands`; indent it {'less' if within == 'a command' else 'further'}"
     return hints.key(last, keys, beside(document, path), elsewhere(last, keys))
+
+
+def is_field(value: object) -> bool:
+    """Whether this is a field, by its keys."""
+    return isinstance(value, dict) and "at" in value
 
 
 def beside(document: Document, path: Path) -> Collection[str]:

@@ -35,7 +35,7 @@ from . import (
     zero_scale,
 )
 from .reading import READING
-from .rule import Finding as Finding, Rule as Rule, Subject as Subject
+from .rule import Finding as Finding, Phase as Phase, Rule as Rule, Subject as Subject
 
 WARNING = Severity.WARNING
 
@@ -102,20 +102,35 @@ RULES: tuple[Rule, ...] = (
     Rule(
         "name-collision", "No two names become one in C or Python.", name_collision.check, whole=True, depth=Depth.CODES
     ),
-    Rule("frame-contradiction", "Golden frames mean what the spec says.", frame_contradiction.check, whole=True),
+    Rule(
+        "frame-contradiction",
+        "Golden frames mean what the spec says.",
+        frame_contradiction.check,
+        whole=True,
+        of_frames=True,
+    ),
     Rule(
         "refused-contradiction",
         "What golden frames say is refused, the spec refuses as they say.",
         refused_contradiction.check,
         whole=True,
+        of_frames=True,
     ),
     Rule(
         "exchange-contradiction",
         "A golden reply answers a request, or does not, as the spec says.",
         exchange_contradiction.check,
         whole=True,
+        of_frames=True,
     ),
-    Rule("missing-frame", "Every request and reply has a golden frame.", missing_frame.check, WARNING, whole=True),
+    Rule(
+        "missing-frame",
+        "Every request and reply has a golden frame.",
+        missing_frame.check,
+        WARNING,
+        whole=True,
+        of_frames=True,
+    ),
     Rule("missing-manual", "Every command names its section of the manual.", missing_manual.check, WARNING),
     Rule("differing-quantity", "One quantity has one unit and scale, or a reason.", differing_quantity.check, WARNING),
     Rule("unused", "What a spec defines is used.", unused.check, WARNING, whole=True),
@@ -126,10 +141,10 @@ EVERY: dict[str, Rule] = {rule.id: rule for rule in (*READING, *RULES)}
 """All rules by id, those of reading first."""
 
 
-def check(subject: Subject, doubts: Doubts) -> Iterator[tuple[Rule, Finding]]:
-    """Everything that the rules find; those that need the `whole` spec look at what is certain of it."""
+def check(subject: Subject, doubts: Doubts, phase: Phase) -> Iterator[tuple[Rule, Finding]]:
+    """Everything that the rules of a phase find; those that need the `whole` spec look at what is certain of it."""
     certain = {depth: subject._replace(edition=doubts.certain(subject.edition, depth)) for depth in Depth}
     for rule in RULES:
-        if rule.check is not None:
+        if rule.check is not None and rule.phase is phase:
             for finding in rule.check(certain[rule.depth] if rule.whole else subject):
                 yield rule, finding

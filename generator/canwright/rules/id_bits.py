@@ -19,7 +19,8 @@ def check(subject: Subject) -> Found:
             if clash and path not in seen:
                 seen.add(path)
                 text = f"{name} shares bit {clash[0]} of the id with the address `{message.address}`"
-                yield Finding(path, text, "move it, or check `id` and `nodes` of the address")
+                hint = "move it, or check `id` and `nodes` of the address"
+                yield Finding(path, text, hint, about=("addresses", message.address))
 
 
 def _in_id(subject: Subject, message: Message) -> Iterator[tuple[str, Path, tuple[Segment, ...]]]:

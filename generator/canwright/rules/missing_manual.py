@@ -10,4 +10,5 @@ def check(subject: Subject) -> Found:
         return
     for name, command in subject.spec.commands.items():
         if command.manual is None:
-            yield Finding(("commands", name), f"`{name}` names no section of the manual", 'add manual: "2.1"', key=True)
+            text = f"`{name}` names no section of the manual"
+            yield Finding(("commands", name, "manual"), text, 'add manual: "2.1"', key=True)

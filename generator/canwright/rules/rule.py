@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from enum import IntEnum
 from typing import NamedTuple
 
 from ..diagnostics import Severity
@@ -27,7 +28,8 @@ class Subject(NamedTuple):
 class Finding(NamedTuple):
     """Where, what is wrong, and what to do about it.
 
-    The place is in the golden frames with `in_frames`; `unless_wrong` is what is told once nothing is wrong.
+    The place is in the golden frames with `in_frames`; `unless_wrong` is what is told once nothing is wrong. `about` is
+    what is in doubt by it, where that is more than what stands at its place.
     """
 
     path: Path
@@ -36,9 +38,21 @@ class Finding(NamedTuple):
     key: bool = False
     in_frames: bool = False
     unless_wrong: bool = False
+    about: Path | None = None
 
 
 Found = Iterator[Finding]
+
+
+class Phase(IntEnum):
+    """When a rule looks: what one finds amiss is left out of what later ones look at."""
+
+    PARTS = 0
+    """At one thing of the spec, or at where things stand."""
+    WHOLE = 1
+    """At commands and addresses side by side."""
+    FRAMES = 2
+    """At golden frames."""
 
 
 class Rule(NamedTuple):
@@ -54,3 +68,10 @@ class Rule(NamedTuple):
     severity: Severity = Severity.ERROR
     whole: bool = False
     depth: Depth = Depth.VALUES
+    of_frames: bool = False
+
+    @property
+    def phase(self) -> Phase:
+        if self.of_frames:
+            return Phase.FRAMES
+        return Phase.WHOLE if self.whole and self.depth > Depth.FRAMES else Phase.PARTS
