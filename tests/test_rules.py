@@ -52,7 +52,7 @@ def test_what_a_rule_finds(rule: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
 STRUCTURAL = (
     *("field-type", "missing-key", "missing-reply", "name", "parameter-kind", "two-ranges", "type", "unknown-key"),
-    *("value", "ambiguous-scalar"),
+    *("value", "ambiguous-scalar", "no-effect"),
 )
 """Rules about the shape of a spec, which a JSON Schema can say as well."""
 

@@ -36,6 +36,7 @@ _BOUND = rf"(?:{_NUMBER}|{_MULTIPLE}(?:{_SUMMAND})?)"
 RANGE_PATTERN = rf"^{_BOUND}\.\.{_BOUND}$"
 NODES_PATTERN = rf"^{_WHOLE}\.\.{_WHOLE}$"
 RAW_PATTERN = r"^(?:[ui](?:[1-9]|[1-5][0-9]|6[0-4])|f32|f64)$"
+CODE_PATTERN = r"^u(?:[1-9]|[1-5][0-9]|6[0-4])$"
 AT_PATTERN = rf"^(?:{_WHOLE}(?:\.[0-7])?|id\.{_WHOLE})$"
 _TERM = rf"(?:0x[0-9A-Fa-f]+|{_WHOLE}|node(?: *<< *{_WHOLE})?)"
 ID_PATTERN = rf"^{_TERM}(?: *\+ *{_TERM})*$"
@@ -197,6 +198,14 @@ def raw_format(text: str) -> tuple[Encoding, int]:
     if text[0] == "f":
         return Encoding.FLOAT, width
     return (Encoding.SIGNED if text[0] == "i" else Encoding.UNSIGNED), width
+
+
+def code_format(text: str) -> tuple[Encoding, int]:
+    """As `raw_format`, of what selects: codes and indices are unsigned."""
+    encoding, width = raw_format(text)
+    if encoding is not Encoding.UNSIGNED:
+        raise ValueError(f"codes and indices are unsigned, and `{text}` is not; write u{width}")
+    return encoding, width
 
 
 def frame_bits(start: At, width: int, order: Order) -> tuple[int, ...]:

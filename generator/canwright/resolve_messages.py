@@ -136,6 +136,10 @@ class MessageResolver:
             )
             return Reply(None, ReplyForm.NONE)
         if written == "none":
+            if request is None and self._spec.commands[command].request == "none":
+                text = f"`{command}` has neither a request nor a reply"
+                hint = "leave `request` out where the code is all that is sent, or say what nodes send"
+                self._context.report((*path[:-1], "request"), "missing-reply", text, hint)
             return Reply(None, ReplyForm.NONE)
         if written == "echo":
             return self._echo(form, request)
@@ -217,13 +221,17 @@ class MessageResolver:
             layout = self._resolver.joined((*path, "fields"), layout_name, layout, spec.fields)
         of_entry = form.dlc if spec.layout == ENTRY else None
         code = self.code_of(form) if spec.code is None else self._code((*path, "code"), form, spec.code)
+        keys = self._keys(command, code, address.name, direction)
+        for i, further in enumerate(spec.accept or ()):
+            for key in keys:
+                self._fits(further, key.width, (*path, "accept", i))
         return Message(
             f"{form.name}_{direction.value}",
             form.name,
             direction,
             address.name,
             address.rule(direction),
-            (*self._keys(command, code, address.name, direction), *form.keys),
+            (*keys, *form.keys),
             tuple(spec.accept or ()),
             (),
             self._dlc(path, spec, of_entry),
@@ -290,14 +298,13 @@ class MessageResolver:
     def _key(self, name: str, selector: schema.Selector, value: int, path: Path) -> Key:
         order = selector.byte_order or self._spec.byte_order
         _, width = selector.raw
-        if value >= 1 << width:
-            self._context.report(
-                path,
-                "code-width",
-                f"0x{value:X} does not fit the selector's {width} bits",
-                "check the value, and `raw` of the selector",
-            )
+        self._fits(value, width, path)
         return Key(name, selector.at.space, order, width, segments_at(selector.at, width, order), value)
+
+    def _fits(self, value: int, width: int, path: Path) -> None:
+        if value >= 1 << width:
+            text = f"0x{value:X} does not fit the selector's {width} bits"
+            self._context.report(path, "code-width", text, "check the value, and `raw` of the selector")
 
     def _entries(self, table: str, written: schema.Table) -> dict[str, Form]:
         selectors = written.index if isinstance(written.index, list) else [written.index]

@@ -192,6 +192,9 @@ class _TypeResolver:
             self.context.report(
                 (*self.path, "range"), "two-ranges", "both `range` and `raw_range` are given", "keep one"
             )
+        if spec.raw_range is not None and spec.raw[0] is Encoding.FLOAT:
+            text = "`raw_range` is in raw integers, and this is a float"
+            self.context.report((*self.path, "raw_range"), "two-ranges", text, "write `range`", key=True)
         raw = self._spans("raw_range", spec.raw_range)
         times = any(line.times for _, line in linear.distinct() if line is not None)
         if times and spec.raw[0] is Encoding.FLOAT:

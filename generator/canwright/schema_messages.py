@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from .model import Encoding, Order
 from .schema_types import Concept, Titled
-from .written import Byte, Indices, Name, Nodes, Only, Raw, Section, Start, Text, is_map
+from .written import Byte, CodeFormat, Indices, Name, Nodes, Only, Raw, Section, Start, Text, is_map
 
 
 class FieldSpec(Titled):
@@ -77,6 +77,10 @@ Code = Annotated[
 class MessageSpec(Concept):
     """A request or reply that needs more said than its fields."""
 
+    model_config = ConfigDict(
+        json_schema_extra={"dependentSchemas": {"of": {"propertyNames": {"enum": ["of", "from_each"]}}}}
+    )
+
     layout: Annotated[
         LayoutOrName | None,
         Field(description="A shared layout's name, fields, or `entry`, those of the table's entry."),
@@ -119,7 +123,7 @@ class Selector(Concept):
     """The bits that tell one command from another, or one entry of a table."""
 
     at: Annotated[Start, Field(description="Where it is, in the data or in the id.")]
-    raw: Annotated[Raw, Field(description="Its format, usually u8.")]
+    raw: Annotated[CodeFormat, Field(description="Its format, usually u8.")]
     byte_order: Annotated[Order | None, Field(description="Overrides the edition's byte order.", strict=False)] = None
 
 

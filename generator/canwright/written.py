@@ -69,6 +69,9 @@ IdText = Annotated[
 Raw = Annotated[
     tuple[Encoding, int], _written(notation.raw_format, "u8"), _text_of(notation.RAW_PATTERN, "u8", "i16", "i56", "f32")
 ]
+CodeFormat = Annotated[
+    tuple[Encoding, int], _written(notation.code_format, "u8"), _text_of(notation.CODE_PATTERN, "u8", "u16")
+]
 Byte = Annotated[int, Field(ge=0)]
 Section = Annotated[str, Field(min_length=1, max_length=80)]
 Line = Annotated[str, Field(min_length=1, max_length=2000, pattern=VISIBLE)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .. import words
-from ..model import Edition, Encoding
+from ..model import Edition, Encoding, Range, Type
 from .rule import Finding, Found, Subject
 
 
@@ -23,7 +23,14 @@ def _ranges(subject: Subject) -> Found:
             if limits is None:
                 continue
             ends = [end.constant for end in (limits.low, limits.high) if end.parameter is None]
-            if any(end < low or end > high for end in ends):
+            part = next((end for end in ends if end.denominator != 1), None) if key == "raw_range" else None
+            if limits.is_constant and ends[0] > ends[1]:
+                text = "no raw integer has a value in this range"
+                yield Finding((*type_.path, key), text, "check the range, and `scale` and `offset`")
+            elif part is not None:
+                text = f"{words.exact(part)} is no raw integer"
+                yield Finding((*type_.path, key), text, "write whole numbers, or `range` for values in the unit")
+            elif any(end < low or end > high for end in ends):
                 text = (
                     f"the raw range {words.span(limits)} is not within {low}..{high}, all that {type_.width} bits hold"
                 )
@@ -41,3 +48,15 @@ def _constants(edition: Edition) -> Found:
             there = ", ".join(f"{value} is {name}" for value, name in values.items())
             text = f"no name of `{field.type.name}` has the value {field.constant}"
             yield Finding((*field.path, "constant"), text, f"{there}; or write `raw` in place of `type`")
+        elif field.constant is not None and not field.type.enum and (limits := _forbidding(field.type, field.constant)):
+            text = f"{field.constant} is not within {words.span(limits)}, the raw range of `{field.type.name}`"
+            yield Finding((*field.path, "constant"), text, "check the constant, or write `raw` in place of `type`")
+
+
+def _forbidding(type_: Type, raw: int) -> Range | None:
+    """The raw range that a raw integer is not in, if that is so whatever the parameters are."""
+    if type_.encoding is Encoding.FLOAT:
+        return None
+    limits = [one for _, one in type_.raw_range.distinct()]
+    beyond = (one and one.is_constant and not one.low.constant <= raw <= one.high.constant for one in limits)
+    return limits[0] if limits and all(beyond) else None

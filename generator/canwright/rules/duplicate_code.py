@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model import Command, Path
+from ..model import Command, Direction, Edition, Path
 from .rule import Finding, Found, Subject
 
 
@@ -21,6 +21,20 @@ def check(subject: Subject) -> Found:
                     yield finding
                 entries |= {finding.path} if command.group == other.group else set()
         same.append(command)
+    yield from _accepted_in_vain(subject.edition)
+
+
+def _accepted_in_vain(edition: Edition) -> Found:
+    """Further codes of a request that are those of others by right. A reply is also read as what was asked for."""
+    for message in edition.all_messages():
+        for i, code in enumerate(message.accept if message.direction is Direction.REQUEST else ()):
+            others = edition.of_rule(message.direction, message.id) if code not in message.claims else ()
+            other = next(
+                (m for m in others if code in m.claims and m.keys[0].segments == message.keys[0].segments), None
+            )
+            if other is not None:
+                text = f"0x{code:02X} is taken for `{other.command}`, whose code it is"
+                yield Finding((*message.path, "accept", i), text, "check both codes, or take it out")
 
 
 def sends_the_same(one: Command, other: Command) -> bool:

@@ -19,6 +19,8 @@ def check(subject: Subject) -> Found:
         for i, name in enumerate(names):
             if name in names[:i]:
                 yield Finding(("parameters", parameter.name, "values", i), f"{name} is there twice", "remove one")
+    if (within := subject.edition.bus.reply_within_ms) is not None and within <= 0:
+        yield Finding(("bus", "reply_within_ms"), "a reply takes some time", "write a number above 0, or leave it out")
     for mode in subject.edition.bus.modes:
         if mode.default_kbps is not None and mode.default_kbps not in mode.bit_rates_kbps:
             text = f"{mode.default_kbps} kbit/s is not among the bit rates of `{mode.name}`"

@@ -14,6 +14,16 @@ def check(subject: Subject) -> Found:
         for i, value in enumerate(values):
             if value in values[:i]:
                 yield Finding((*path, i), f"{value} is there twice", "remove one")
+    for name, command in subject.spec.commands.items():
+        for i, setting in enumerate(command.not_limited_by):
+            if setting in command.limited_by:
+                at: Path = ("commands", name, "not_limited_by", i)
+                yield Finding(at, f"`{setting}` is in `limited_by` as well", "take it out of one of them")
+    for message in subject.edition.all_messages():
+        for i, code in enumerate(message.accept):
+            if message.keys and code == message.keys[0].value:
+                text = f"0x{code:02X} is the code of this message already"
+                yield Finding((*message.path, "accept", i), text, "take it out; `accept` is for further ones")
 
 
 def _lists(spec: EditionSpec) -> Iterator[tuple[Path, Sequence[object]]]:
