@@ -176,6 +176,27 @@ def test_a_parameter_that_cannot_be_is_refused(v2_35: ModuleType, tmp_path: Path
         lamp.Parameters(size=float("nan"))
     with pytest.raises(TypeError, match="size='4' is no number"):
         lamp.Parameters(size="4")
+    for large in (10**400, Fraction(10) ** 400, -(Fraction(10) ** 5000)):
+        with pytest.raises(ValueError, match="size is larger than any float"):
+            lamp.Parameters(size=large)
+
+
+def test_an_id_of_the_other_format_is_named(tmp_path: Path) -> None:
+    spec = tmp_path / "spec.yaml"
+    spec.write_text(MINIMAL.replace("nodes: 1..4", "nodes: 1..4, extended: true"), "utf-8")
+    lamp = load(write(tmp_path, spec), described(spec).edition)
+    data = bytes([0x10, 0, 1, 0, 0, 0, 0, 0])
+    said = "no request has the id 0x101; with extended=True there is one"
+    with pytest.raises(lamp.CodecError, match=f"^{said}$") as refused:
+        lamp.decode_request(0x101, data)
+    assert refused.value.refusal is lamp.Refusal.UNKNOWN_ID
+    assert lamp.decode_request(0x101, data, extended=True).node == 1
+    with pytest.raises(
+        lamp.CodecError, match=r"^no reply has the remote id 0x101; with extended=True, remote=False there"
+    ):
+        lamp.decode_reply(0x101, data, remote=True)
+    with pytest.raises(lamp.CodecError, match="^no request has the 29-bit id 0x100$"):
+        lamp.decode_request(0x100, data, extended=True)
 
 
 def test_what_is_no_number_is_refused_and_what_is_too_large_is_out_of_range(v2_35: ModuleType) -> None:
