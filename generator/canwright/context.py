@@ -51,9 +51,15 @@ class Context:
         if name not in known and (name in self._lost or self.is_lost(_plural(kind)) or self._near_lost(kind, name)):
             self.amiss.append(path)
         elif name not in known:
-            hint = hint or nearest(name, known) or _DEFINED.get(kind, "")
+            hint = hint or self._other_kind(name) or nearest(name, known) or _DEFINED.get(kind, "")
             self.report(path, "unknown-reference", f"there is no {kind} `{name}`", hint, key=key)
         return known.get(name)
+
+    def _other_kind(self, name: str) -> str:
+        """What a name is, when it is that of something of another kind."""
+        data = self.document.data if isinstance(self.document.data, dict) else {}
+        kinds = (kind for key, kind in _KINDS.items() if isinstance(found := data.get(key), dict) and name in found)
+        return next((f"`{name}` is {kind}" for kind in kinds), "")
 
     def is_amiss(self, path: Path) -> bool:
         """Whether there is a finding at a path, or something within was left out."""
@@ -103,6 +109,17 @@ class Context:
             return dict.fromkeys(self.languages, words.spoken(name))
         return self.text((*path, "title"), written)
 
+
+_KINDS = {
+    "types": "a type",
+    "layouts": "a layout",
+    "tables": "a table",
+    "commands": "a command",
+    "parameters": "a parameter",
+    "addresses": "an address",
+    "settings": "a setting",
+    "effects": "an effect",
+}
 
 _DEFINED = {
     kind: f"none is defined; they stand under `{key}`"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from decimal import Decimal
 
 from . import rewritten
 from .diagnostics import near
@@ -15,30 +16,49 @@ LISTED_KEYS = 20
 _MEANT: Mapping[str, tuple[str, ...]] = {
     "accept": ("also", "alternatives"),
     "about": ("desc", "description", "doc", "details"),
+    "bit": ("value", "position", "pos", "index", "number", "mask", "shift", "raw"),
+    "value": ("raw", "val", "number", "num"),
     "addresses": ("ids", "nodes", "can_id"),
     "at": ("byte", "bytes", "position", "pos", "start", "start_bit", "start_byte", "startbit", "offset", "bit"),
     "bit_rates_kbps": ("baud", "baudrate", "bitrate", "bit_rate", "speed"),
     "bus": ("network", "can"),
     "canwright": ("version", "schema"),
-    "commands": ("messages", "frames"),
+    "command": ("cmd", "message"),
+    "commands": ("messages", "frames", "access", "rw"),
     "byte_order": ("endian", "endianness", "endianess", "order"),
     "code": ("cmd", "command", "opcode", "command_id", "cmd_id"),
     "constant": ("const", "fixed", "value"),
+    "data": ("bytes", "payload", "hex"),
+    "decode": ("request", "reply", "direction"),
     "dlc": ("length", "len", "size"),
+    "edition": ("version", "revision", "rev"),
+    "encode": ("request", "reply", "direction"),
     "enum": ("values", "choices", "states"),
-    "extended": ("ext", "29bit", "is_extended", "eff"),
+    "extended": ("ext", "29bit", "is_extended", "is_extended_id", "extended_id", "eff", "ide"),
+    "family": ("name", "protocol", "namespace"),
     "flags": ("bits", "bitfield", "bitmask"),
     "id": ("can_id", "canid", "arbitration_id", "base"),
     "index": ("code", "address", "id"),
+    "nodes": ("range", "node_ids", "node_range", "devices"),
+    "note": ("comment", "comments", "remark", "notes", "description", "desc"),
     "notes": ("comment", "comments", "note", "remarks"),
     "range": ("min", "max", "minimum", "maximum", "limits"),
     "raw": ("type", "width", "bits", "length", "len", "size", "format", "dtype"),
     "reply": ("response", "answer", "feedback", "rx"),
-    "request": ("query", "tx", "send"),
+    "request": ("query", "tx", "send", "command", "message"),
+    "says": ("reason", "refusal", "error", "expect", "expected"),
     "scale": ("factor", "resolution", "gain", "multiplier", "lsb", "step"),
+    "selector": ("discriminator", "multiplexer", "mux", "switch"),
+    "source": ("src", "origin"),
     "title": ("name", "label", "caption"),
     "unit": ("units",),
+    "values": ("physical", "phys", "decoded"),
+    "where": ("path", "location"),
+    "why": ("because", "reason"),
 }
+
+_OF_MAPPINGS = frozenset({"bus", "commands", "addresses", "enum", "flags"})
+"""Keys that a single number or word is not meant for."""
 
 _ALL_MEANT = frozenset(word for words in _MEANT.values() for word in words)
 
@@ -47,6 +67,24 @@ _REMEDIES: Mapping[str, str] = {
     "a request or a reply": ", which then has its fields in `layout`",
     "a field": ", which stands in a request, a reply or a layout",
 }
+
+_SPELT: Mapping[str, tuple[str, ...]] = {
+    "A": ("amp",),
+    "degC": ("c", "celsius", "deg c", "deg_c", "degrees c", "centigrade"),
+    "degF": ("f", "fahrenheit", "deg f", "deg_f"),
+    "deg/s": ("dps", "deg/sec"),
+    "h": ("hr",),
+    "km/h": ("kph", "kmh", "km/hr"),
+    "m/s": ("m/sec", "mps"),
+    "min": ("minutes",),
+    "ms": ("msec", "milli"),
+    "Nm": ("n-m", "n m", "newton metre", "newton-metre"),
+    "rad/s": ("rad/sec",),
+    "rpm": ("1/min", "r/min", "rev/min", "u/min", "min^-1"),
+    "s": ("sec",),
+    "%": ("pct", "prozent", "per cent"),
+}
+"""Units as others spell them, besides their symbols and titles."""
 
 _STEPS = re.compile(r"\b(?:tick|pulse|step|increment|inc|lsb|cnt)s?\b")
 """What other manuals call a count."""
@@ -94,9 +132,10 @@ _SHAPES: Mapping[str, str] = {
 }
 
 
-def meant(written: str, known: Iterable[str], there: Collection[str] = ()) -> str | None:
-    """The one of the known keys that an unknown one stands for, and that is not `there` yet."""
-    names = list(known)
+def meant(written: str, known: Iterable[str], there: Collection[str] = (), value: object = None) -> str | None:
+    """The one of the known keys that an unknown one with this value stands for, and that is not `there` yet."""
+    names = [name for name in known if name not in _OF_MAPPINGS or not isinstance(value, (int, Decimal))]
+    there = set(there) - {written}
     word = written.strip().lower().replace("-", "_").replace(" ", "_")
     found = near(word, names)
     if found is None or (found not in (word, f"{word}s", f"{word}es") and word != f"{found}s"):
@@ -111,16 +150,25 @@ def words_for(key: str) -> list[str]:
     return [key, *(name for name, words in _MEANT.items() if key.lower() in words)]
 
 
-def key(written: str, known: Sequence[str], there: Collection[str] = (), owners: Sequence[str] = ()) -> str:
-    """What an unknown key stands for: one of the known, one of other concepts, its `owners`; or those that there are."""
-    found = meant(written, known, there)
+def key(
+    written: str,
+    known: Sequence[str],
+    there: Collection[str] = (),
+    owners: Sequence[str] = (),
+    within: str = "",
+    value: object = None,
+) -> str:
+    """What an unknown key stands for: one of the known, one `within` a known one, one of other concepts, its `owners`."""
+    found = meant(written, known, there, value)
     if found == "range":
         return "did you mean `range`? it holds both ends: low..high"
     if found:
         return f"did you mean `{found}`?"
-    said = next((name for name in ("type", "raw") if name in there and name in known), None)
+    said = next((name for name in ("type", "raw") if name in there and name in known and name != written), None)
     if said and written.lower() in _MEANT["raw"]:
         return f"`{said}` says that: take it out"
+    if within:
+        return f"`{written}` stands in `{within}`: {{{within}: {{{written}: …}}}}"
     if owners:
         where = " or ".join(owners[:3])
         return f"`{written}` belongs to {where}" + (_REMEDIES.get(owners[0], "") if len(owners) == 1 else "")
@@ -144,6 +192,8 @@ def name(written: str, pattern: str) -> str:
     kept = r"[^A-Za-z0-9.-]+" if "." in pattern else r"[^A-Za-z0-9]+"
     meant = plain(written) if pattern.startswith("^[a-z]") else re.sub(kept, "_", written).strip("._-")
     wanted = shape(pattern)
+    if array := re.fullmatch(r"([a-z][a-z0-9_]*)\[([1-9][0-9]?)\]", written):
+        return f"{wanted}; several are an array: {array[1]} with `array: 1..{array[2]}`"
     return f"{wanted}: `{meant}`" if meant != written and re.fullmatch(pattern, meant) else wanted
 
 
@@ -185,6 +235,8 @@ def integer(written: object) -> str:
         return f"write {text} without quotes"
     if re.fullmatch(r"(?:0x[0-9A-Fa-f]+|0|[1-9][0-9]*)[;,]", text):
         return f"write {text[:-1]}: there is nothing behind a value"
+    if parts := re.fullmatch(r"(0x[0-9A-Fa-f]+)[:.](?:0x)?([0-9A-Fa-f]{1,2})", text):
+        return f"did you mean [{parts[1]}, 0x{parts[2].upper()}]?"
     digits = text[:-1] if text[-1:] in "hH" else text[1:] if text[:1] in "$#xX" else text
     return (
         f"did you mean 0x{digits.upper()}?"
@@ -207,8 +259,9 @@ def unit(written: str, units: Mapping[str, Unit]) -> str:
     if written.strip().lower() in ("", "-", "none", "raw", "1", "n/a", "no unit", "unitless"):
         return "leave `unit` out: without it, this is a bare number"
     spelt = {spelling.casefold(): u for u in units.values() for spelling in (u.symbol, u.title["en"], u.dbc)}
-    spelt |= {f"{spelling}s": u for spelling, u in spelt.items()} | {"c": units["degC"]} if "degC" in units else {}
-    word = written.strip().casefold()
+    spelt |= {spelling: units[name] for name, spellings in _SPELT.items() if name in units for spelling in spellings}
+    spelt |= {f"{spelling}s": u for spelling, u in spelt.items() if f"{spelling}s" not in spelt}
+    word = written.strip().casefold().replace("meter", "metre")
     meant = units.get(written) or spelt.get(word) or units.get(_STEPS.sub("count", word))
     if meant:
         return f"did you mean `{meant.name}`?"

@@ -32,13 +32,16 @@ _UNIT = "[A-Za-zµ°/%]+"
 _LOW = ("min", "low", "from", "minimum", "lower")
 _HIGH = ("max", "high", "to", "maximum", "upper")
 _TRUE, _FALSE = frozenset({"true", "yes", "on", "y", "1"}), frozenset({"false", "no", "off", "n", "0"})
-_NODE = r"(?i)\b(?:[a-z]*_?id|device|n|i)\b"
+_NODE = r"(?i)\b(?:[a-z]*_?id|nodes?|device|n|i)\b"
 
 
 def notation(written: object, message: str, key: str) -> str:
     """What to write for what a notation could not read; empty when that is not clear."""
     if "is not a raw format" in message:
         meant: str = raw_format(str(written))
+        order = {"le": "little", "be": "big"}.get(str(written).strip().lower()[-2:])
+        if meant and order:
+            return f"did you mean `{meant}`, with `byte_order: {order}` beside it?"
     elif "data" in message and "hex" in message:
         meant = data(written)
     else:
@@ -52,7 +55,7 @@ def notation(written: object, message: str, key: str) -> str:
 def raw_format(written: str) -> str:
     """The raw format that a type of C or of another tool stands for: `uint16_t` is u16."""
     word = written.strip().lower()
-    found = re.fullmatch(r"(u|s|i|uint|int|sint|unsigned|signed)?[ _]?([1-9][0-9]?)(?:_t)?", word)
+    found = re.fullmatch(r"(u|s|i|uint|int|sint|unsigned|signed)?[ _]?([1-9][0-9]?)(?:_t)?[ _]?(?:le|be)?", word)
     if found and int(found[2]) <= 64:
         return ("u" if (found[1] or "u").startswith("u") else "i") + found[2]
     return _FORMATS.get(word.removeprefix("unsigned "), "")
@@ -62,45 +65,61 @@ def span(written: object) -> str:
     """A range: `[0, 10]`, `0 to 10`, `0-10`, `{min: 0, max: 10}` are 0..10."""
     if isinstance(written, list) and len(written) == 2:
         low, high = map(str, written)
+    elif isinstance(written, list) and all(isinstance(n, int) for n in written) and _is_row(written):
+        low, high = str(written[0]), str(written[-1])
     elif isinstance(written, dict) and set(written) <= {*_LOW, *_HIGH} and len(written) == 2:
         low, high = (next((str(written[k]) for k in words if k in written), "") for words in (_LOW, _HIGH))
     else:
-        between = r"\.\.\.?|-|–|—|~|～|:|,|to"
+        between = r"\.\.\.?|…|-|–|—|~|～|:|,|to"
         found = re.fullmatch(
             rf"[\[(]?\s*({_NUMBER})\s*(?:{between})\s*({_NUMBER})\s*(?:[\])]|{_UNIT})?", _plain(written)
         )
-        low, high = found.groups() if found else ("", "")
-    return _if_read(f"{low}..{high}".replace("+", ""), language.span)
+        both = re.fullmatch(rf"(?:±|\+/?-) *({_NUMBER}) *(?:{_UNIT})?", _plain(written))
+        low, high = found.groups() if found else (f"-{both[1]}", both[1]) if both else ("", "")
+    meant = f"{low}..{high}".replace("+", "")
+    return _if_read(meant, language.span) or _if_read("..".join(reversed(meant.split(".."))), language.span)
 
 
 def nodes(written: object) -> str:
     """A range of whole numbers; one number is that of the last."""
-    text = str(written)
-    return _if_read(f"1..{text}" if re.fullmatch("[1-9][0-9]{0,4}", text) else span(written), language.nodes)
+    text = re.sub("0x[0-9A-Fa-f]{1,8}", lambda hexadecimal: str(int(hexadecimal[0], 16)), str(written))
+    meant = (
+        f"1..{text}" if re.fullmatch("[1-9][0-9]{0,4}", text) else span(text if isinstance(written, str) else written)
+    )
+    return _if_read(meant, language.nodes)
 
 
 def id_(written: object) -> str:
-    """A rule for ids: `(0x100 | node)`, `0x100 + ID`, `node * 32`."""
-    text = str(written).replace("(", "").replace(")", "").replace("|", "+").replace("_ID", "_id")
-    text = re.sub(_NODE, "node", text)
-    found = re.search(r"node *\* *([0-9]{1,9})", text)
-    if found and int(found[1]).bit_count() == 1:
-        text = text.replace(found[0], f"node << {int(found[1]).bit_length() - 1}")
-    return _if_read(text, language.id_expression)
+    """A rule for ids: `(0x100 | node)`, `0x100 + ID`, `node * 32`, `100h + node`; `0x101..0x104` are those of nodes 1 to 4."""
+    text = re.sub(r"\b([0-9][0-9A-Fa-f]*)[hH]\b", r"0x\1", str(written))
+    several = re.fullmatch(r"(0x[0-9A-Fa-f]+|[0-9]+) *(?:\.\.|-|–) *(0x[0-9A-Fa-f]+|[0-9]+)", text)
+    if several and 0 < (first := int(several[1], 0)) < int(several[2], 0):
+        return _if_read(f"0x{first - 1:X} + node", language.id_expression)
+    text = re.sub(r"[\[({})\]$]", " ", text).replace("|", "+").replace("_ID", "_id")
+    text = re.sub(_NODE, "node", text).strip()
+    found = re.search(r"node *\* *(0x[0-9A-Fa-f]{1,8}|[0-9]{1,9})", text)
+    if found and int(found[1], 0).bit_count() == 1:
+        text = text.replace(found[0], f"node << {int(found[1], 0).bit_length() - 1}")
+    return _if_read(re.sub(" +", " ", text), language.id_expression)
 
 
 def rational(written: object) -> str:
-    """A number: `0,1` is 0.1, `/10` is 1/10, `10%` is 0.1."""
-    text = _plain(written)
+    """A number: `0,1` is 0.1, `/10` is 1/10, `10%` and `raw * 10` are 10; a parameter stands last, as in 2/3*size."""
+    text = re.sub(r"^(?:raw|x) *\* *", "", _plain(written))
     with_unit = re.fullmatch(rf"({_NUMBER}) ?{_UNIT}", text)
-    if with_unit and not text.endswith("%"):
+    power = re.fullmatch(r"2 ?(?:\*\*|\^) ?\(?(-?)([0-9]{1,2})\)?", text)
+    times = re.fullmatch(rf"(?:({_NUMBER}) *\* *)?([a-z][a-z0-9_]*)(?: *\* *({_NUMBER}))?( */ *{_NUMBER})?", text)
+    if with_unit:
         text = with_unit[1]
+    elif power:
+        text = f"1/{2 ** int(power[2])}" if power[1] else str(2 ** int(power[2]))
+    elif times and (times[1] is None or times[3] is None) and times[2] not in ("pi", "raw", "x"):
+        below = (times[4] or "").replace(" ", "")
+        return _if_read(f"{times[1] or times[3] or 1}{below}*{times[2]}", language.multiple)
     elif re.fullmatch(r"[+-]?[0-9]+,[0-9]+", text):
         text = text.replace(",", ".")
     elif text.startswith("/"):
         text = f"1{text}"
-    elif text.endswith("%"):
-        text = scalar(f"{text[:-1].strip()}e-2")
     else:
         return scalar(text)
     return _if_read(text, language.rational)
@@ -113,15 +132,25 @@ def at(written: object) -> str:
     if found:
         bit = int(found[1])
         return _if_read(f"{bit // 8}.{bit % 8}" if bit % 8 or found[3] == "0" else str(bit // 8), language.at)
-    found = re.fullmatch(r"(?:byte|DATA)? *\[?([0-9])\]?(?: *(?:\.\.|-|:) *[0-9])?", text) if ":" not in text else None
+    if isinstance(written, list) and all(isinstance(n, int) for n in written) and _is_row(written):
+        return str(written[0])
+    found = (
+        re.fullmatch(r"(?:byte|data|b)?[ _]*\[?([0-9])\]?(?: *(?:\.\.|-|:) *[0-9])?", text, re.I)
+        if ":" not in text
+        else None
+    )
     return found[1] if found else ""
 
 
 def data(written: object) -> str:
-    """Data bytes: a list of numbers, or digits with `0x` or commas."""
+    """Data bytes: a list of numbers, digits with `0x` or commas, one number, or what `candump` prints."""
+    if isinstance(written, int) and 0xFF < written < 1 << 64:
+        written = f"{written:X}".zfill((written.bit_length() + 7) // 8 * 2)
     if isinstance(written, list) and written and all(isinstance(b, int) and 0 <= b <= 255 for b in written):
         return '"' + " ".join(f"{b:02X}" for b in written) + '"'
-    parts = re.split(r"[\s,:-]+", str(written).strip())
+    parts = re.split(r"[\s,:-]+", str(written).strip().rpartition("#")[2])
+    if len(parts) == 1 and len(parts[0]) % 2 == 0:
+        parts = re.findall("..", parts[0].removeprefix("0x"))
     bytes_ = [part[2:] if part[:2] in ("0x", "0X") else part for part in parts]
     if all(re.fullmatch("[0-9A-Fa-f]{1,2}", b) for b in bytes_) and len(bytes_) <= 8:
         return '"' + " ".join(b.zfill(2).upper() for b in bytes_) + '"'
@@ -131,10 +160,9 @@ def data(written: object) -> str:
 def scalar(text: str) -> str:
     """A number as the language writes it: `0b101` is 0x5, `1e-2` is 0.01, `.5` is 0.5; empty for what is none."""
     word = text.replace("_", "").lower()
-    found = re.fullmatch(r"([+-]?)0b([01]{1,64})|([+-]?)0o([0-7]{1,21})", word)
+    found = re.fullmatch(r"([+-]?)(0b[01]{1,64}|0o[0-7]{1,21}|0x[0-9a-f]{1,16})", word)
     if found:
-        number = int(found[2], 2) if found[2] else int(found[4], 8)
-        return f"{(found[1] or found[3] or '').replace('+', '')}0x{number:X}"
+        return f"{found[1].replace('+', '')}0x{int(found[2], 0):X}"
     if not re.fullmatch(r"[+-]?(?:[1-9][0-9]{0,20}|0)?(?:\.[0-9]{0,20})?(?:e[+-]?[0-9]{1,2})?", word) or not re.search(
         "[0-9]", word
     ):
@@ -214,6 +242,11 @@ def _decimal(number: Fraction) -> str:
     return ""
 
 
+def _is_row(numbers: list[int]) -> bool:
+    """Whether these are one whole number after the other."""
+    return len(numbers) > 0 and numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+
+
 def _shown(value: object) -> str:
     return "…" if isinstance(value, (dict, list)) else str(value)
 
@@ -234,5 +267,6 @@ _LISTED: Mapping[str, Callable[[object], str]] = {
     "nodes": span,
     "array": span,
     "from_each": span,
+    "at": at,
 }
 """How to find what a list or a mapping stands for, by the key that it is the value of."""

@@ -156,7 +156,7 @@ class _Reading(Generic[M]):
         if worded.is_field(error["input"]) and "layout" in known:
             return (*path[:-1], "layout")
         there = worded.beside(self._document, path)
-        name = hints.meant(written, known, there)
+        name = hints.meant(written, known, there, error["input"])
         if name is None or name in there:
             name = next((key for key in self._by_value(error["input"]) if key in known and key not in there), None)
         return (*path[:-1], name) if name else path if worded.elsewhere(written, known) else None

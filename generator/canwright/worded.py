@@ -14,6 +14,7 @@ from pydantic import BaseModel, Tag
 
 from . import hints, rewritten
 from .diagnostics import Diagnostic
+from .golden import GoldenFrames
 from .model import Path
 from .schema import CONCEPTS
 from .source import Document
@@ -45,9 +46,12 @@ def _told(document: Document, concept: type[BaseModel], error: Error, path: Path
     if kind == "names_first":
         return "value", error["msg"], f"write {rewritten.names_first(written)}", False
     if kind == "string_type":
-        expected = "expected a text here" if not _is_map_wanted(concept, location) else "a list cannot stand here"
+        is_text = not _is_map_wanted(concept, location)
+        mapped = "expected a name or a mapping here" if _is_scalar(written) else "a list cannot stand here"
         hint = rewritten.named(written) or _describe(concept, location)
-        return "type", expected, "put it in quotes" if _is_scalar(written) else hint, about_key
+        if is_text and _is_scalar(written):
+            hint = "put it in quotes"
+        return "type", "expected a text here" if is_text else mapped, hint, about_key
     if kind in ("dict_type", "model_type", "model_attributes_type"):
         while location and str(location[-1]) not in map(str, path[-1:]):
             location = location[:-1]
@@ -127,7 +131,18 @@ def _instead(document: Document, concept: type[BaseModel], error: Error, path: P
         return "a field stands in `request` or `reply`; indent it further"
     if isinstance(value, dict) and {"code", "reply"} & set(value) and within in ("a command", "the edition"):
         return f"a command stands in `commands`; indent it {'less' if within == 'a command' else 'further'}"
-    return hints.key(last, keys, beside(document, path), elsewhere(last, keys))
+    if within == "the edition" and last in GoldenFrames.model_fields and "commands" in beside(document, path):
+        return GoldenFrames.mistaken[2]
+    return hints.key(last, keys, beside(document, path), elsewhere(last, keys), _within(owner, last), value)
+
+
+def _within(owner: type[BaseModel] | None, key: str) -> str:
+    """The key of a concept that holds another, which has this key."""
+    for name, field in owner.model_fields.items() if owner else ():
+        inner = _concept(field.annotation)
+        if inner and _outermost(field.annotation) not in (dict, list) and key in inner.model_fields:
+            return name
+    return ""
 
 
 def is_field(value: object) -> bool:
@@ -155,7 +170,8 @@ def elsewhere(key: str, known: Sequence[str]) -> list[str]:
 
 def _not_one_of(error: Error) -> tuple[str, str]:
     expected: str = error["ctx"]["expected"]
-    known, written = re.findall(r"'([^']*)'", expected), str(error["input"])
+    value = error["input"]
+    known, written = re.findall(r"'([^']*)'", expected), str(value).lower() if isinstance(value, bool) else str(value)
     if not _is_scalar(error["input"]):
         return "expected one word here", f"one of {', '.join(known)}" if known else f"write {expected}"
     if known:
