@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from decimal import Decimal
 
 from . import rewritten
-from .diagnostics import near
+from .diagnostics import near, nearest
 from .model import Unit
 
 LISTED_KEYS = 20
@@ -31,6 +31,7 @@ _MEANT: Mapping[str, tuple[str, ...]] = {
     "data": ("bytes", "payload", "hex"),
     "decode": ("request", "reply", "direction"),
     "dlc": ("length", "len", "size"),
+    "echo": ("same", "request", "mirror", "copy"),
     "edition": ("version", "revision", "rev"),
     "encode": ("request", "reply", "direction"),
     "enum": ("values", "choices", "states"),
@@ -40,6 +41,7 @@ _MEANT: Mapping[str, tuple[str, ...]] = {
     "id": ("can_id", "canid", "arbitration_id", "base"),
     "index": ("code", "address", "id"),
     "nodes": ("range", "node_ids", "node_range", "devices"),
+    "none": ("nothing", "no", "null", "nil", "empty", "void", "no_reply", "noreply"),
     "note": ("comment", "comments", "remark", "notes", "description", "desc"),
     "notes": ("comment", "comments", "note", "remarks"),
     "range": ("min", "max", "minimum", "maximum", "limits"),
@@ -268,6 +270,19 @@ def unit(written: str, units: Mapping[str, Unit]) -> str:
     close = near(written, units)
     without = "leave `unit` out and say it in `title`, or take one of these: "
     return f"did you mean `{close}`?" if close else without + ", ".join(units)
+
+
+def layout(written: str, known: Sequence[str], commands: Collection[str], types: Collection[str]) -> str:
+    """What stands in place of the name of a layout that is not there."""
+    word = next((one for one in known if written.lower() in _MEANT.get(one, ())), None)
+    found = word or near(written, known)
+    if found:
+        return f"did you mean `{found}`?"
+    if written in commands:
+        return f"`{written}` is a command: its reply is {{of: {written}}}"
+    if written in types:
+        return f"`{written}` is a type, of a field: {{{written}: {{at: 0, type: {written}}}}}"
+    return nearest(written, known) + ", or fields"
 
 
 def doubt(text: str) -> tuple[str, str, str] | None:

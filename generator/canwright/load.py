@@ -48,7 +48,8 @@ def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
     if too_many:
         raise SpecError([*read.diagnostics, *too_many])
     digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
-    edition, unresolved = resolve(document, read.spec, digest, read.dropped)
+    ids = {path for path in read.doubtful if path[:1] == ("addresses",)}
+    edition, unresolved = resolve(document, read.spec, digest, read.dropped | ids)
     beside = Beside()
     if golden and frames_file(file).is_file():
         said = {"family": edition.family, "edition": edition.name}

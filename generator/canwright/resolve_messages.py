@@ -6,9 +6,8 @@ import dataclasses
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from . import schema
+from . import hints, schema
 from .context import Context
-from .diagnostics import near
 from .model import (
     Address,
     Direction,
@@ -173,7 +172,8 @@ class MessageResolver:
         others = set(schema.MessageSpec.model_fields) - OF_REPLIES
         hint = "leave it out, or leave `of` out and lay the reply out here"
         self._without_effect(path, written, others, "the reply of another command", hint)
-        if self._context.find((*path, "of"), "command", of, self._spec.commands) is None:
+        hint = f"`{of}` is a layout: write reply: {of}" if of in self._shared else ""
+        if self._context.find((*path, "of"), "command", of, self._spec.commands, hint) is None:
             return Reply(None, ReplyForm.NONE)
         if of in self._pending:
             in_turn = of != self._pending[-1]
@@ -211,7 +211,7 @@ class MessageResolver:
             hint = "name the `table` of the command"
             self._context.report(path, "entry-of-nothing", f"`{command}` has no table with an entry", hint)
         elif isinstance(spec.layout, str):
-            hint = f"did you mean `{meant}`?" if (meant := near(spec.layout, [*self._shared, *FORMS])) else ""
+            hint = hints.layout(spec.layout, (*self._shared, *FORMS), self._spec.commands, self._spec.types)
             layout = self._context.find(path, "layout", spec.layout, self._shared, hint)
         if layout is None:
             fields = spec.layout if isinstance(spec.layout, dict) else {}

@@ -123,7 +123,11 @@ class _Reading(Generic[M]):
         """Pydantic's location without the steps that only it knows (the tags of unions)."""
         path: Path = ()
         data: object = self._data
+        kind: Any = self._concept
         for step in location:
+            is_tag, kind = worded.is_tag(kind, step), worded.into(kind, step)
+            if is_tag:
+                continue
             if isinstance(data, dict) and str(step) in data:
                 data = data[str(step)]
                 path = (*path, str(step))

@@ -193,14 +193,23 @@ def _is_map_wanted(concept: type[BaseModel], location: Location) -> bool:
     return location[-1:] == ("name",) and at(concept, location[:-1]) is not None
 
 
-def _into(kind: Any, step: str | int) -> Any:
+def is_tag(kind: Any, step: str | int) -> bool:
+    """Whether a step of a location only says which of several forms a value has."""
+    if typing.get_origin(kind) is Annotated:
+        return is_tag(typing.get_args(kind)[0], step)
+    forms = typing.get_args(kind) if typing.get_origin(kind) in (Union, UnionType) else ()
+    tags = [m.tag for form in forms for m in typing.get_args(form)[1:] if isinstance(m, Tag)]
+    return step in tags if tags else any(is_tag(form, step) for form in forms)
+
+
+def into(kind: Any, step: str | int) -> Any:
     """The type that one step of a location leads to: a key, an index, or the tag of a union."""
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if origin is Annotated:
-        return _into(arguments[0], step)
+        return into(arguments[0], step)
     if origin in (Union, UnionType):
         tagged = (a for a in arguments if any(isinstance(m, Tag) and m.tag == step for m in typing.get_args(a)[1:]))
-        plain = (_into(a, step) for a in arguments if a is not type(None))
+        plain = (into(a, step) for a in arguments if a is not type(None))
         return next(tagged, None) or next(plain, None)
     if origin is dict:
         return arguments[1]
@@ -221,7 +230,7 @@ def _concept(kind: Any) -> type[BaseModel] | None:
 
 def at(concept: type[BaseModel], location: Location) -> type[BaseModel] | None:
     """The concept that a location leads to."""
-    return _concept(functools.reduce(_into, location, concept))
+    return _concept(functools.reduce(into, location, concept))
 
 
 def keys(concept: type[BaseModel], location: Location) -> list[str]:
@@ -248,7 +257,7 @@ def _describe(concept: type[BaseModel], location: Location) -> str:
 
 def _example(concept: type[BaseModel], location: Location) -> object:
     """How the concept at a location is written; under a name, where there are several by name."""
-    kind: Any = functools.reduce(_into, location, concept)
+    kind: Any = functools.reduce(into, location, concept)
     found = _concept(kind)
     example = hints.EXAMPLES.get(found.__name__) if found else None
     if example and _outermost(kind) is dict:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ..model import Field, Message, Path, Space
+from ..model import Field, Message, Path, Segment, Space
 from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
-    seen: set[Path | str] = set()
+    seen: set[Path | str | tuple[str, tuple[Segment, ...]]] = set()
     for message in subject.edition.all_messages():
         limit = {Space.DATA: 0 if message.remote else message.dlc * 8, Space.ID: 29 if message.id.extended else 11}
         for field in message.layout.fields:
@@ -28,9 +28,12 @@ def check(subject: Subject) -> Found:
                 seen.add("selector")
             else:
                 name = "selector" if is_code else key.name
-                of_id = key.space is Space.ID
-                there = f"the id has {limit[Space.ID]} bits" if of_id else f"the frame has {message.dlc} data bytes"
-                text = f"{there}, too few for its {name}"
+                if key.space is Space.ID:
+                    if (message.address, key.segments) not in seen:
+                        yield _short_id(message, name, limit[Space.ID])
+                    seen.add((message.address, key.segments))
+                    continue
+                text = f"the frame has {message.dlc} data bytes, too few for its {name}"
                 if message.remote:
                     text = f"a remote frame has no data, and so no {name}"
                 hint = "leave `code` out, or `remote`" if message.remote else "check `dlc`"
@@ -40,6 +43,12 @@ def check(subject: Subject) -> Found:
 MOST_BYTES = 8
 MOST = {Space.DATA: 8 * MOST_BYTES, Space.ID: 29}
 """The bits that a frame can have."""
+
+
+def _short_id(message: Message, name: str, bits: int) -> Finding:
+    text = f"the ids of `{message.address}` have {bits} bits, too few for the {name}"
+    longer = "" if message.id.extended else "; `extended: true` has 29 bits"
+    return Finding(("addresses", message.address), text, f"check `at` and `raw` of the {name}{longer}", key=True)
 
 
 def _beyond(message: Message, field: Field, limit: int) -> Finding:

@@ -17,6 +17,9 @@ from .rule import Finding, Found
 Problem = tuple[Path, str, str]
 """Where in an entry, what is wrong, and what to do about it."""
 
+KEY = "[key]"
+"""Behind a path: it is about the key there, and not about its value."""
+
 E = TypeVar("E", bound=Sourced)
 
 
@@ -26,14 +29,15 @@ def judged(edition: Edition, key: str, entries: Sequence[E], judge: Callable[[E]
     for i, entry in enumerate(entries):
         amiss = list(_parameters(edition, known, entry.parameters)) if entry.parameters else []
         for path, text, hint in amiss or judge(entry):
-            yield Finding((key, i, *path), text, hint, in_frames=True)
+            at_key = path[-1:] == (KEY,)
+            yield Finding((key, i, *(path[:-1] if at_key else path)), text, hint, key=at_key, in_frames=True)
 
 
 def _parameters(edition: Edition, known: Mapping[str, Parameter], given: Mapping[str, int | str]) -> Iterator[Problem]:
     for name, value in given.items():
         path: Path = ("parameters", name)
         if name not in known:
-            yield path, f"there is no parameter `{name}`", nearest(name, known) or "leave it out"
+            yield (*path, KEY), f"there is no parameter `{name}`", nearest(name, known) or "leave it out"
         elif known[name].is_choice and str(value) not in (names := [v.name for v in known[name].values]):
             yield path, f"`{name}` has no value `{value}`", nearest(str(value), names) or "check `parameters`"
         elif not known[name].is_choice:

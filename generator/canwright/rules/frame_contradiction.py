@@ -12,7 +12,7 @@ from ..interpret import CanFrame, Raw, Value, difference, held, node_of, raws, v
 from ..model import Assignment, Direction, Edition, Field, Message
 from ..receiving import Read, Receiver, Refused
 from ..sending import Sender, Senders
-from .entries import Problem, judged, named
+from .entries import KEY, Problem, judged, named
 from .rule import Found, Subject
 
 
@@ -36,8 +36,7 @@ class _Judge:
             return [((), text, "write `request: COMMAND` or `reply: COMMAND`")]
         message = self._messages[direction].get(frame.command)
         if message is None:
-            hint = nearest(frame.command, self._messages[direction]) or "take it out"
-            return [((direction.value,), f"no command `{frame.command}` has a {direction.value}", hint)]
+            return [self._unknown(frame.command, direction)]
         can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
         alone = self._receiver.read(direction, can)
         is_meant = isinstance(alone, Read) and (alone.message.name, alone.node) == (message.name, frame.node)
@@ -59,8 +58,17 @@ class _Judge:
         if not is_meant and (direction is Direction.REQUEST or not _reads_alike(alone, sender, can, found)):
             said = f"refused: {alone.text}" if isinstance(alone, Refused) else named(alone.message, alone.node)
             return [(("data",), f"by itself this is {said}", "check the codes in the spec")]
-        problems = [*wrong, *_raws(frame, found), *_values(frame, fields, found, sender.assignment)]
+        problems = [*wrong, *_raws(frame, fields, found), *_values(frame, fields, found, sender.assignment)]
         return problems or ([] if frame.decode_only else list(_sent(sender, message, fields, frame, can)))
+
+    def _unknown(self, command: str, direction: Direction) -> Problem:
+        """That there is no such command, or that it has no such message."""
+        other = next(one for one in Direction if one is not direction)
+        if command in self._messages[other]:
+            text = f"`{command}` has no {direction.value}"
+            return (direction.value,), text, f"write `{other.value}: {command}`, or take it out"
+        hint = nearest(command, self._messages[direction]) or "take it out"
+        return (direction.value,), f"there is no command `{command}`", hint
 
 
 def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:
@@ -117,10 +125,10 @@ def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
     return ("data",), wrong.text, "check `data`, and the code in the spec"
 
 
-def _raws(frame: Frame, found: Mapping[str, Raw]) -> list[Problem]:
+def _raws(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[Problem]:
     unknown = [name for name in frame.raw if name not in found]
     if unknown:
-        return [(("raw", name), f"there is no field `{name}`", nearest(name, found)) for name in unknown]
+        return [(("raw", name, KEY), *_no_field(name, fields, found)) for name in unknown]
     missing = [name for name in found if name not in frame.raw]
     if missing:
         names = ", ".join(f"`{name}`" for name in missing)
@@ -138,7 +146,7 @@ def _values(
     problems: list[Problem] = []
     for name, wanted in frame.values.items():
         if name not in fields or name not in found:
-            problems.append((("values", name), f"there is no field `{name}`", nearest(name, found) or "take it out"))
+            problems.append((("values", name, KEY), *_no_field(name, fields, found)))
             continue
         if name in frame.raw and frame.raw[name] != found[name]:
             continue  # told already: the value follows from the raw integer
@@ -147,9 +155,26 @@ def _values(
             [value_of(type_, r, assignment) for r in raw] if isinstance(raw, list) else value_of(type_, raw, assignment)
         )
         if not _same(wanted, value):
-            text = f"`{name}` is {_shown(value)} by the spec's scale"
-            problems.append((("values", name), text, "check the value by hand, and the type in the spec"))
+            problems.append((("values", name), *_other_value(fields[name], value, assignment)))
     return problems
+
+
+def _no_field(name: str, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> tuple[str, str]:
+    """That a name is none of a field with a value, and what to do."""
+    if name in fields:
+        return f"`{name}` always holds {fields[name].constant}", "take it out: constants are left out here"
+    return f"there is no field `{name}`", nearest(name, found) or "take it out"
+
+
+def _other_value(field: Field, value: Value | list[Value], assignment: Assignment) -> tuple[str, str]:
+    """What a value is by the spec, and what to do."""
+    type_, none = field.type, (None, [None] * len(field.elements))
+    lacking = [name for name in (type_.linear.parameter, *type_.times) if name and name not in assignment]
+    if value in none and lacking:
+        text = f"the value of `{field.name}` depends on `{lacking[0]}`, which is not given"
+        return text, f"add parameters: {{{lacking[0]}: …}}"
+    by = "names" if type_.enum or type_.flags else "scale"
+    return f"`{field.name}` is {_shown(value)} by the spec's {by}", "check the value by hand, and the type in the spec"
 
 
 def _same(wanted: object, value: object) -> bool:

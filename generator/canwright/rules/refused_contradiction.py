@@ -12,7 +12,7 @@ from ..interpret import CanFrame
 from ..model import Direction, Edition, Field, Message, Path
 from ..receiving import Receiver, Refused
 from ..sending import SPECIAL, Sender, Senders
-from .entries import Problem, judged, named, told
+from .entries import KEY, Problem, judged, named, told
 from .rule import Found, Subject
 
 
@@ -82,7 +82,7 @@ def _amiss(sender: Sender, message: Message, entry: RefusedValues) -> Iterator[P
     unknown = [path for path in written if path[1] not in fields]
     for path in unknown:
         text = f"there is no field `{path[1]}` in {named(message, None)}"
-        yield path, text, nearest(path[1], fields) or "take it out"
+        yield (*path, KEY), text, nearest(path[1], fields) or "take it out"
     for name, raw in entry.raw.items():
         if name in fields and isinstance(raw, list) is not fields[name].is_array:
             yield ("raw", name), *_shape(fields[name])
