@@ -112,6 +112,44 @@ def test_one_run_tells_all_that_is_wrong(tmp_path: Path) -> None:
     ]
 
 
+FRAMES = """canwright: 1
+family: lamp
+edition: v1
+sources: {manual: The manual.}
+frames:
+  - {request: dim, node: 1, id: "0x101", data: "10 00 64 00 00 00 00 00", raw: {level: 100}, source: manual}
+"""
+
+
+def test_one_file_that_is_no_yaml_hides_nothing_of_the_others(tmp_path: Path) -> None:
+    """Its golden frames, the spec whose frames it is, and other specs are told in the same run, warnings as well."""
+    broken = MINIMAL.replace("types:", "types: {")
+    texts = {
+        "a.yaml": broken,
+        "a.frames.yaml": FRAMES,
+        "b.yaml": MINIMAL.replace("scale: 0.1", "scale: 0"),
+        "b.frames.yaml": FRAMES.replace("{request", "[{request"),
+        "c.yaml": MINIMAL.replace("type: level", "type: levl"),
+        "d.yaml": MINIMAL,
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text, "utf-8")
+    specs = [argument for name in "abcd" for argument in ("--spec", str(tmp_path / f"{name}.yaml"))]
+    result = CliRunner().invoke(main, ["check", "--format", "json", *specs])
+    told = [(Path(f["file"]).name, f["line"], f["rule"]) for f in json.loads(result.stdout)["findings"]]
+    assert (result.exit_code, told) == (
+        1,
+        [
+            ("a.frames.yaml", 6, "value"),
+            ("a.yaml", 6, "yaml"),
+            ("b.frames.yaml", 6, "yaml"),
+            ("b.yaml", 7, "zero-scale"),
+            ("c.yaml", 12, "unknown-reference"),
+            ("d.yaml", 1, "missing-frame"),
+        ],
+    )
+
+
 def machine(folder: Path, printer: str, text: str = MIXED) -> tuple[int, str]:
     file = folder / "a, b.yaml"
     file.write_text(text, "utf-8")

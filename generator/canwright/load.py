@@ -20,7 +20,7 @@ from .rules.too_large import commands
 from .schema import EditionSpec
 from .source import Document
 from .targets import Described, c
-from .validate import validate_parts
+from .validate import Validated, validate_parts
 
 FRAMES_SUFFIX = ".frames.yaml"
 
@@ -40,6 +40,47 @@ def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
     `name` is what findings call the file, when it is not the path. Raises SpecError with all findings when one of them
     is an error, and OSError.
     """
+    frames = frames_file(file) if golden and frames_file(file).is_file() else None
+    try:
+        document, content, read, spec = _written(file, name)
+    except SpecError as error:
+        told = read_frames(frames, {}).findings if frames else ()
+        raise SpecError([*error.diagnostics, *told]) from None
+    digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
+    ids = {path for path in read.doubtful if path[:1] == ("addresses",)}
+    edition, unresolved = resolve(document, spec, digest, read.dropped | ids)
+    beside = Beside()
+    if frames:
+        said = {"family": edition.family, "edition": edition.name}
+        beside = read_frames(frames, {key: name for key, name in said.items() if (key,) not in read.dropped})
+    amiss, first = [*read.doubtful, *unresolved.paths], _first_address(document)
+    doubts = Doubts(spec, amiss, first)
+    findings = [*read.diagnostics, *unresolved.findings, *beside.findings]
+    partial = not all(map(is_text, (*read.dropped, *unresolved.paths)))
+    subject = Subject(edition, spec, beside.golden, partial)
+    found = list(rules.check(subject, doubts, Phase.PARTS))
+    widely = [f.about for f in _errors(found) if f.about is not None]
+    if widely:
+        subject, doubts = subject._replace(partial=True), Doubts(spec, [*amiss, *widely], first)
+    found += rules.check(subject, doubts, Phase.WHOLE)
+    errors = [f.path if f.about is None else f.about for f in _errors(found)]
+    of_frames = Doubts(spec, [*amiss, *errors], first)
+    found += rules.check(subject, of_frames, Phase.FRAMES)
+    wrong = bool(findings or _errors(found))
+    known = {_place(d): d.rule for d in findings}
+    for rule, finding in itertools.islice(found, MOST_FINDINGS):
+        diagnostic = _diagnostic(document, beside, rule, finding)
+        again = known.setdefault(_place(diagnostic), rule.id) != rule.id and finding.key
+        if not (again or (wrong and finding.unless_wrong) or _follows(finding, read.dropped, beside, of_frames)):
+            findings.append(diagnostic)
+    if wrong:
+        raise SpecError(findings)
+    findings.sort(key=_place)
+    return Loaded(Described(edition, beside.golden), document, tuple(findings))
+
+
+def _written(file: Path, name: str | None) -> tuple[Document, bytes, Validated[EditionSpec], EditionSpec]:
+    """A file, and what of it is a spec. Raises SpecError when too little is, and OSError."""
     document, content = source.read(file, name)
     read = validate_parts(document, EditionSpec)
     if read.spec is None:
@@ -47,37 +88,7 @@ def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
     too_many = [document.finding(f.path, "too-large", f.message, f.hint, key=f.key) for f in commands(read.spec)]
     if too_many:
         raise SpecError([*read.diagnostics, *too_many])
-    digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
-    ids = {path for path in read.doubtful if path[:1] == ("addresses",)}
-    edition, unresolved = resolve(document, read.spec, digest, read.dropped | ids)
-    beside = Beside()
-    if golden and frames_file(file).is_file():
-        said = {"family": edition.family, "edition": edition.name}
-        beside = read_frames(frames_file(file), {key: name for key, name in said.items() if (key,) not in read.dropped})
-    amiss, first = [*read.doubtful, *unresolved.paths], _first_address(document)
-    doubts = Doubts(read.spec, amiss, first)
-    findings = [*read.diagnostics, *unresolved.findings, *beside.findings]
-    partial = not all(map(is_text, (*read.dropped, *unresolved.paths)))
-    subject = Subject(edition, read.spec, beside.golden, partial)
-    found = list(rules.check(subject, doubts, Phase.PARTS))
-    widely = [f.about for f in _errors(found) if f.about is not None]
-    if widely:
-        subject, doubts = subject._replace(partial=True), Doubts(read.spec, [*amiss, *widely], first)
-    found += rules.check(subject, doubts, Phase.WHOLE)
-    errors = [f.path if f.about is None else f.about for f in _errors(found)]
-    of_frames = Doubts(read.spec, [*amiss, *errors], first)
-    found += rules.check(subject, of_frames, Phase.FRAMES)
-    wrong = bool(findings or _errors(found))
-    known = {_place(d): d.rule for d in findings}
-    for rule, finding in itertools.islice(found, MOST_FINDINGS):
-        diagnostic = _diagnostic(document, beside, rule, finding)
-        told = known.setdefault(_place(diagnostic), rule.id) != rule.id
-        if not (told or (wrong and finding.unless_wrong) or _follows(finding, read.dropped, beside, of_frames)):
-            findings.append(diagnostic)
-    if wrong:
-        raise SpecError(findings)
-    findings.sort(key=_place)
-    return Loaded(Described(edition, beside.golden), document, tuple(findings))
+    return document, content, read, read.spec
 
 
 def _errors(found: Sequence[tuple[Rule, Finding]]) -> list[Finding]:
@@ -115,12 +126,11 @@ def described(file: Path) -> Described:
 def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     """Every edition of `files`, in order of family and edition. Raises SpecError with the findings of all files."""
     tried = for_each(_tried, list(files))
-    findings = [finding for one in tried if not isinstance(one, Loaded) for finding in one]
-    if findings:
-        raise SpecError(findings)
+    if not all(isinstance(one, Loaded) for one in tried):
+        raise SpecError(f for one in tried for f in (one.warnings if isinstance(one, Loaded) else one))
     result = [one for one in tried if isinstance(one, Loaded)]
     result.sort(key=lambda one: (one.described.edition.family, one.described.edition.name))
-    findings += [
+    findings = [
         later.document.finding(
             ("edition",),
             "name-collision",

@@ -195,7 +195,7 @@ def test_an_id_of_the_other_format_is_named(tmp_path: Path) -> None:
         lamp.CodecError, match=r"^no reply has the remote id 0x101; with extended=True, remote=False there"
     ):
         lamp.decode_reply(0x101, data, remote=True)
-    with pytest.raises(lamp.CodecError, match="^no request has the 29-bit id 0x100$"):
+    with pytest.raises(lamp.CodecError, match=r"^no request has the 29-bit id 0x100$"):
         lamp.decode_request(0x100, data, extended=True)
 
 

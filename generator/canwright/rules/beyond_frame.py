@@ -56,7 +56,8 @@ def _beyond(message: Message, field: Field, limit: int) -> Finding:
     at: Path = (*field.path, "at")
     if field.space is Space.ID:
         text = f"`{field.name}` has bits {min(bits)} to {max(bits)} of the id, and the id has {limit}"
-        return Finding(at, text, "check `at` and the type; `extended: true` of the address has 29 bits")
+        longer = "" if message.id.extended else "; `extended: true` of the address has 29 bits"
+        return Finding(at, text, f"check `at` and the type{longer}")
     first, last = min(bits) // 8, max(bits) // 8
     takes = f"byte {first}" if first == last else f"bytes {first} to {last}"
     there = f"has bytes 0 to {message.dlc - 1}" if message.dlc else "has no data"
