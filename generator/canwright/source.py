@@ -116,8 +116,13 @@ class Document:
         raise SpecError(self.findings if is_told else [*self.findings, found])
 
     def refuse_as_no_yaml(self, error: yaml.MarkedYAMLError, event: Any) -> NoReturn:
-        """Refuses a text that is not YAML, as was found after an event. Raises SpecError."""
+        """Refuses a text that is not YAML, as was found after an event. Raises SpecError.
+
+        What was told of a place behind it may only be so because of it.
+        """
         line, column, what, hint = unreadable.cause(error, self.lines, event)
+        place = (line + 1, column + 1)
+        self.findings = [f for f in self.findings if f.rule != "yaml" or (f.position.line, f.position.column) < place]
         self.refuse(Mark(line + 1, column + 1, 1), "yaml", f"this is not YAML: {what}", hint)
 
     def report_unseen(self, mark: Mark, found: str) -> None:

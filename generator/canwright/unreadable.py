@@ -99,6 +99,8 @@ def _quote(stop: _Stop) -> _Place | None:
 def _colon(stop: _Stop) -> _Place | None:
     if "could not find expected ':'" in stop.what and stop.start:
         return _Place(*stop.start, _missing_colon(stop.lines[stop.start[0]]))
+    if "found unexpected ':'" in stop.what and stop.content[stop.column + 1 : stop.column + 2] in (",", "}", "]"):
+        return _Place(stop.line, stop.column, "there is no value behind this colon: write one, or remove the key")
     if "mapping values are not allowed" not in stop.what:
         return None
     head = stop.content[: stop.column]
@@ -122,6 +124,10 @@ def _missing_colon(line: str) -> str:
 def _bracket(stop: _Stop) -> _Place | None:
     if stop.content[stop.column : stop.column + 1] in ("}", "]") and "expected key" in stop.what:
         return _Place(stop.line, stop.column, f"this `{stop.content[stop.column]}` closes nothing: take it out")
+    above = stop.lines[stop.before].rstrip() if stop.lines else ""
+    if "node content" in stop.what and stop.content[stop.column :].startswith("- ") and above.endswith(("[", "{")):
+        hint = f"this `{above[-1]}` is left open; a list with dashes has no brackets"
+        return _Place(stop.before, len(above) - 1, hint)
     if "did not find expected ','" not in stop.what or stop.start is None:
         return None
     line, column = stop.start
