@@ -117,7 +117,7 @@ def test_fields_beside_a_layout(tmp_path: Path) -> None:
     reply = edition(tmp_path, text).command("ask").reply
     assert reply and (reply.layout.name, reply.layout.shared) == ("ask_reply", False)
     assert [f.name for f in reply.layout.fields] == ["lamp", "level"]
-    assert marked(findings(tmp_path, text.replace("{lamp: {at: 1", "{level: {at: 1"))) == ["duplicate-name: reply"]
+    assert marked(findings(tmp_path, text.replace("{lamp: {at: 1", "{level: {at: 1"))) == ["duplicate-name: level"]
     assert marked(findings(tmp_path, text.replace("at: 1,", "at: 2,"))) == ["overlap: 2"]
 
 

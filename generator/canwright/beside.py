@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from . import source
 from .diagnostics import Diagnostic, SpecError, nearest
-from .golden import GoldenFrames
+from .golden import TAGS, GoldenFrames
 from .model import Path
 from .source import Document
 from .validate import validate_parts
@@ -19,6 +19,8 @@ from .validate import validate_parts
 LISTS = ("frames", "refused", "exchanges")
 LOST = {"": ""}
 """In place of sources that could not be read."""
+_ASIDE: Mapping[str, tuple[str, ...]] = {"frames": ("note", "values"), "refused": ("note",), "exchanges": ("note",)}
+"""Keys of entries without which the rest of an entry is judged all the same."""
 _LACKING: Mapping[str, object] = {"canwright": 1, "family": "lost", "edition": "", "sources": LOST, "frames": []}
 """What stands in for what could not be read, so that the rest is judged."""
 
@@ -91,11 +93,13 @@ def _readable(document: Document) -> tuple[GoldenFrames | None, dict[str, tuple[
     """As many golden frames of a document as are right, and where they stand."""
     if not isinstance(document.data, dict):
         return None, {}
-    spoilt = {path[:2] for path in document.spoilt}
+    every: set[Path] = set(document.spoilt)
     try:
         GoldenFrames.model_validate(document.data)
     except ValidationError as error:
-        spoilt |= {tuple(found["loc"][:2]) for found in error.errors()}
+        every |= {tuple(step for step in found["loc"] if step not in TAGS) for found in error.errors()}
+    aside = {path[:3] for path in every if len(path) > 2 and path[2] in _ASIDE.get(str(path[0]), ())}
+    spoilt = {path[:2] for path in every if path[:3] not in aside}
     heads = {path[0] for path in spoilt if path and path[0] not in LISTS}
     data: dict[str, Any] = {k: v for k, v in document.data.items() if k in GoldenFrames.model_fields}
     data |= {key: value for key, value in _LACKING.items() if key not in data or key in heads}
@@ -103,7 +107,8 @@ def _readable(document: Document) -> tuple[GoldenFrames | None, dict[str, tuple[
     for key in LISTS:
         items = data.pop(key, [])
         places[key] = tuple(i for i in range(len(items)) if (key, i) not in spoilt) if isinstance(items, list) else ()
-        data[key] = [items[i] for i in places[key]]
+        lost = {i: {path[2] for path in aside if path[:2] == (key, i)} for i in places[key]}
+        data[key] = [{k: v for k, v in items[i].items() if k not in lost[i]} for i in places[key]]
     try:
         return GoldenFrames.model_validate(data), places
     except ValidationError:

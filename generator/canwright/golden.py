@@ -188,12 +188,14 @@ class Exchange(Sourced):
 
 def _refused_kind(value: object) -> str:
     if not isinstance(value, dict) or "encode" in value:
-        return "values"
-    return "frame" if {"decode", "id", "data"} & set(value) else "values"
+        return "values entry"
+    return "frame entry" if {"decode", "id", "data"} & set(value) else "values entry"
 
 
+TAGS = frozenset({"frame entry", "values entry"})
+"""Steps of a location that only say which form an entry has."""
 Refused = Annotated[
-    Annotated[RefusedFrame, Tag("frame")] | Annotated[RefusedValues, Tag("values")],
+    Annotated[RefusedFrame, Tag("frame entry")] | Annotated[RefusedValues, Tag("values entry")],
     Discriminator(_refused_kind),
 ]
 

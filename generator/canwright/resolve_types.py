@@ -195,6 +195,10 @@ class _TypeResolver:
         if spec.raw_range is not None and spec.raw[0] is Encoding.FLOAT:
             text = "`raw_range` is in raw integers, and this is a float"
             self.context.report((*self.path, "raw_range"), "two-ranges", text, "write `range`", key=True)
+        for key in ("offset", "plausible") if spec.scale == "none" else ():
+            if getattr(spec, key) is not None:
+                text = f"`{key}` is in the unit, and without a scale no value is"
+                self.context.report((*self.path, key), "two-ranges", text, "leave it out", key=True)
         raw = self._spans("raw_range", spec.raw_range)
         times = any(line.times for _, line in linear.distinct() if line is not None)
         if times and spec.raw[0] is Encoding.FLOAT:

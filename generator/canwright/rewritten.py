@@ -184,6 +184,13 @@ def mask(written: object) -> str:
     return ""
 
 
+def limits(written: object) -> str:
+    """Limits of a number that are written as a range."""
+    meant = span(written)
+    low, _, high = meant.partition("..")
+    return f"write {{min: {low}, max: {high}}}" if meant else ""
+
+
 def by(written: object) -> str:
     """A choice by a parameter: `{model: {A: 1}}` names the parameter first."""
     if meant := span(written) if isinstance(written, dict) else "":

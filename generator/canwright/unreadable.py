@@ -138,6 +138,8 @@ def _bracket(stop: _Stop) -> _Place | None:
 
 
 def _indent(stop: _Stop) -> _Place | None:
+    if stop.content[stop.column :].startswith(("//", "/*", "--", ";")) and stop.column > 0:
+        return _Place(stop.line, stop.column, "a comment starts with `#`")
     if "did not find expected key" in stop.what and stop.content.lstrip().startswith("- "):
         hint = "an item of a list cannot stand among keys: give each a name, or each of them a dash"
         return _Place(stop.line, stop.column, hint)

@@ -55,7 +55,10 @@ def _told(document: Document, concept: type[BaseModel], error: Error, path: Path
     if kind in ("dict_type", "model_type", "model_attributes_type"):
         while location and str(location[-1]) not in map(str, path[-1:]):
             location = location[:-1]
-        hint = rewritten.named(written) or rewritten.listed(written, last) or _describe(concept, location)
+        hint = rewritten.named(written) or rewritten.listed(written, last)
+        if last == "number":
+            hint = hint or rewritten.limits(written)
+        hint = hint or _describe(concept, location)
         return "type", "expected a mapping here", hint, False
     if kind == "list_type":
         shown = _as_written(document, path, written)
@@ -76,6 +79,8 @@ def _told(document: Document, concept: type[BaseModel], error: Error, path: Path
     if kind in ("less_than_equal", "greater_than_equal"):
         limit = f"more than {context['le']}, the most" if "le" in context else f"less than {context['ge']}, the least"
         hint = rewritten.mask(written) if "flags" in location else ""
+        if "bit_rates_kbps" in location and "le" in context and written % 1000 == 0:
+            hint = f"{written} bit/s are {written // 1000} kbit/s: write {written // 1000}"
         message = f"{_as_written(document, path, written)} is {limit} that can be here"
         return "value", message, hint or _describe(concept, location), False
     if kind == "too_short":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model import Field, Message, Path, Segment, Space
+from ..model import Field, Message, Order, Path, Segment, Space
 from .rule import Finding, Found, Subject
 
 
@@ -65,4 +65,8 @@ def _beyond(message: Message, field: Field, limit: int) -> Finding:
     hint = "check `at`, the type and `dlc`"
     if MOST_BYTES <= first < MOST_BYTES * 8:
         hint = f"`at` counts bytes, from 0 to {MOST_BYTES - 1}: bit {first} is in byte {first // 8}"
+    elif (
+        field.type.order is Order.BIG and field.elements[0].segments[-1].low + field.elements[0].segments[-1].width < 8
+    ):
+        hint = "`at` is where a big-endian field has its highest bit; check it, the type and `dlc`"
     return Finding(at, f"`{field.name}` takes {takes}, and the frame {there}", hint)

@@ -9,6 +9,7 @@ from .rule import Finding, Found, Subject
 
 def check(subject: Subject) -> Found:
     yield from _ranges(subject)
+    yield from _plausible(subject.edition)
     yield from _constants(subject.edition)
 
 
@@ -35,6 +36,21 @@ def _ranges(subject: Subject) -> Found:
                     f"the raw range {words.span(limits)} is not within {low}..{high}, all that {type_.width} bits hold"
                 )
                 yield Finding((*type_.path, key), text, "check the range, and sign and width in `raw`")
+
+
+def _plausible(edition: Edition) -> Found:
+    """Plausible values that no raw integer has."""
+    for type_ in edition.types:
+        wanted = type_.plausible
+        lines = [line for _, line in type_.linear.distinct() if line is not None]
+        if wanted is None or type_.encoding is Encoding.FLOAT or not lines or any(line.times for line in lines):
+            continue
+        there = [raw * line.scale + line.offset for line in lines for raw in type_.raw_limits]
+        if max(there) < wanted.low.constant or min(there) > wanted.high.constant:
+            text = (
+                f"{type_.width} bits hold {words.exact(min(there))}..{words.exact(max(there))}, nothing of this range"
+            )
+            yield Finding((*type_.path, "plausible"), text, "check the range, and `scale` and `offset`")
 
 
 def _constants(edition: Edition) -> Found:

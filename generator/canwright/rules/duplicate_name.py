@@ -19,9 +19,9 @@ def check(subject: Subject) -> Found:
                 yield Finding(path, text, "rename one of them", key=what != "erratum")
             first.setdefault(name, path)
     for message in edition.all_messages():
-        seen: set[str] = set()
+        seen: dict[str, Path] = {}
         for field in message.layout.fields:
             if field.name in seen:
                 text = f"the request or reply has another field `{field.name}`, of its layout"
-                yield Finding(message.path, text, "rename one of them", key=True)
-            seen.add(field.name)
+                yield Finding(seen[field.name], text, "rename one of them", key=True)
+            seen.setdefault(field.name, field.path)

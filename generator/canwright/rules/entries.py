@@ -9,9 +9,10 @@ from typing import TypeVar
 from .. import words
 from ..diagnostics import nearest
 from ..given import number
-from ..golden import Sourced
+from ..golden import CheckedFrame, Exchange, Frame, RefusedFrame, Sourced
 from ..interpret import CanFrame, Raw, raw_of, value_of
 from ..model import Assignment, Edition, Field, Message, Parameter, Path, Variant
+from ..notation import LAST_ID, SHORT_ID
 from .rule import Finding, Found
 
 Problem = tuple[Path, str, str]
@@ -27,10 +28,23 @@ def judged(edition: Edition, key: str, entries: Sequence[E], judge: Callable[[E]
     """What is wrong with the entries of a list: with their parameters, or, where these are right, by `judge`."""
     known = {parameter.name: parameter for parameter in edition.parameters}
     for i, entry in enumerate(entries):
-        amiss = list(_parameters(edition, known, entry.parameters)) if entry.parameters else []
+        amiss = [*_ids(entry), *_parameters(edition, known, entry.parameters)]
         for path, text, hint in amiss or judge(entry):
             at_key = path[-1:] == (KEY,)
             yield Finding((key, i, *(path[:-1] if at_key else path)), text, hint, key=at_key, in_frames=True)
+
+
+def _ids(entry: Sourced) -> Iterator[Problem]:
+    """Ids of more bits than those of their format have."""
+    frames: dict[Path, Sourced | CheckedFrame] = {(): entry}
+    if isinstance(entry, Exchange):
+        frames = {("request",): entry.request, ("reply",): entry.reply}
+    for path, frame in frames.items():
+        if isinstance(frame, (Frame, RefusedFrame, CheckedFrame)):
+            last = LAST_ID if frame.extended else SHORT_ID
+            if frame.id > last:
+                hint = "extended: true" if frame.id <= LAST_ID else "check the id"
+                yield (*path, "id"), f"0x{frame.id:X} is no CAN id: the last is 0x{last:X}", hint
 
 
 def _parameters(edition: Edition, known: Mapping[str, Parameter], given: Mapping[str, int | str]) -> Iterator[Problem]:

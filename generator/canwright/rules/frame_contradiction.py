@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
@@ -119,7 +120,10 @@ def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
     if wrong.part in ("extended", "remote"):
         return (), wrong.text, f"{wrong.part}: {str(not getattr(frame, wrong.part)).lower()}"
     if wrong.part == "id":
-        return ("id",), wrong.text, "check the id, and the address in the spec"
+        meant = int(str(frame.id), 16) if str(frame.id).isdigit() else 0
+        is_decimal = difference(message, dataclasses.replace(can, id=meant)) is None
+        hint = f"did you mean 0x{meant:X}?" if is_decimal else "check the id, and the address in the spec"
+        return ("id",), wrong.text, hint
     if wrong.part == "length":
         return ("data",), wrong.text, "check `data` and `dlc`"
     return ("data",), wrong.text, "check `data`, and the code in the spec"

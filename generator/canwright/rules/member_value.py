@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from .. import rewritten
-from ..model import Member, Path, Type
+from .. import rewritten, words
+from ..model import Member, Path, Range, Type
 from .rule import Finding, Found, Subject
 
 
@@ -12,6 +12,13 @@ def check(subject: Subject) -> Found:
         low, high = type_.raw_limits
         yield from _members(type_, "enum", type_.enum, low, high)
         yield from _members(type_, "flags", type_.flags, 0, type_.width - 1)
+    for name, written in subject.spec.types.items():
+        limits = written.raw_range
+        for member, value in (written.enum or {}).items() if isinstance(limits, Range) and limits.is_constant else ():
+            number = value if isinstance(value, int) else value.value
+            if isinstance(limits, Range) and not limits.low.constant <= number <= limits.high.constant:
+                text = f"{number} is not within {words.span(limits)}, the raw range"
+                yield Finding(("types", name, "enum", member), text, "check the value, and `raw_range`")
 
 
 def _members(type_: Type, key: str, members: tuple[Member, ...], low: int, high: int) -> Found:
