@@ -181,7 +181,9 @@ def at(text: str) -> At:
     """`4` is byte 4; `4.3` is bit 3 of byte 4; `id.5` is bit 5 of the CAN id."""
     match = re.fullmatch(rf"({_WHOLE})(?:\.([0-7]))?|id\.({_WHOLE})", text)
     if match is None:
-        raise ValueError(f"`{text}` is not a position; write a byte (4), a byte and a bit (4.3) or an id bit (id.5)")
+        raise ValueError(
+            f"`{text}` is not a position; write a byte (4), a byte and one of its bits 0 to 7 (4.3), or an id bit (id.5)"
+        )
     byte, bit, id_bit = match.groups()
     if int(id_bit or 0) > LAST_ID_BIT or int(byte or 0) > LAST_BYTE:
         raise ValueError(f"`{text}` is in no frame: there are bytes up to {LAST_BYTE}, and id bits up to {LAST_ID_BIT}")

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 from . import notation as language
+from .diagnostics import near
 
 _FORMATS: Mapping[str, str] = {
     "float": "f32",
@@ -97,6 +98,7 @@ def id_(written: object) -> str:
         return _if_read(f"0x{first - 1:X} + node", language.id_expression)
     text = re.sub(r"[\[({})\]$]", " ", text).replace("|", "+").replace("_ID", "_id")
     text = re.sub(_NODE, "node", text).strip()
+    text = re.sub(r"\b[a-z_]+\b", lambda word: near(word[0], ["node"]) or word[0], text)
     found = re.search(r"node *\* *(0x[0-9A-Fa-f]{1,8}|[0-9]{1,9})", text)
     if found and int(found[1], 0).bit_count() == 1:
         text = text.replace(found[0], f"node << {int(found[1], 0).bit_length() - 1}")

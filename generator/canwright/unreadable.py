@@ -163,5 +163,6 @@ _YAML = {
     "unexpected end of stream": "is a quote or a bracket left open?",
     "did not find expected node content": "is a value missing here?",
     "expected '-' indicator": "a mapping has no dashes, a list has one before each item: this is neither",
+    "while scanning a tag": "put a text that starts with `!` in quotes",
     "found unexpected ':'": "a space is missing after the colon",
 }
