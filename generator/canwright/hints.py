@@ -139,11 +139,11 @@ _SHAPES: Mapping[str, str] = {
 def meant(written: str, known: Iterable[str], there: Collection[str] = (), value: object = None) -> str | None:
     """The one of the known keys that an unknown one with this value stands for, and that is not `there` yet."""
     names = [name for name in known if name not in _OF_MAPPINGS or not isinstance(value, (int, Decimal))]
-    there = set(there) - {written}
     word = written.strip().lower().replace("-", "_").replace(" ", "_")
     found = near(word, names)
     if found is None or (found not in (word, f"{word}s", f"{word}es") and word != f"{found}s"):
-        said = {"type", "raw"} if "type" in there or "raw" in there else set()
+        has_format = any(name in there and name != written for name in ("type", "raw"))
+        said = {"type", "raw"} if has_format else set()
         free = (name for name in _MEANT if name in names and name not in there and name not in said)
         found = next((name for name in free if word in _MEANT[name]), None if word in _ALL_MEANT else found)
     return found
