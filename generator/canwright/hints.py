@@ -276,15 +276,13 @@ def unit(written: str, units: Mapping[str, Unit]) -> str:
 
 def layout(written: str, known: Sequence[str], commands: Collection[str], types: Collection[str]) -> str:
     """What stands in place of the name of a layout that is not there."""
-    word = next((one for one in known if written.lower() in _MEANT.get(one, ())), None)
-    found = word or near(written, known)
-    if found:
-        return f"did you mean `{found}`?"
     if written in commands:
         return f"`{written}` is a command: its reply is {{of: {written}}}"
     if written in types:
         return f"`{written}` is a type, of a field: {{{written}: {{at: 0, type: {written}}}}}"
-    return nearest(written, known) + ", or fields"
+    word = next((one for one in known if written.lower() in _MEANT.get(one, ())), None)
+    found = word or near(written, known)
+    return f"did you mean `{found}`?" if found else f"{nearest(written, known)}, or fields".removeprefix(", or ")
 
 
 def doubt(text: str) -> tuple[str, str, str] | None:

@@ -43,7 +43,7 @@ RULES: tuple[Rule, ...] = (
     Rule("too-large", "A spec has at most 5000 commands, 64 combinations of choices, 2500000 lines.", too_large.check),
     Rule(
         "overlap",
-        "No two fields of one message share a bit, nor a field and a key.",
+        "No two fields of one message share a bit, nor a field and a key, nor two keys.",
         overlap.check,
         whole=True,
         depth=Depth.FRAMES,
