@@ -95,7 +95,14 @@ def digest(data: bytes) -> str:
 
 
 def content_of(file: Path) -> bytes | None:
-    return file.read_bytes() if file.is_file() else None
+    """None where there is no file."""
+    try:
+        if not stat.S_ISREG(file.stat().st_mode):
+            return None
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    with file.open("rb", buffering=0) as stream:
+        return stream.read()
 
 
 def digest_of(file: Path) -> str | None:
