@@ -7,6 +7,7 @@ import pickle
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from typing import BinaryIO, Generic, TypeVar
 
@@ -29,12 +30,31 @@ def side_by_side(work: Sequence[Callable[[], Result]]) -> list[Result]:
     """What each piece of work returns, in their order; a result has to be one that can be pickled.
 
     Whichever process is free takes the next piece, so that which takes longest should come first; that is always done
-    by this process itself. All is done here, one after another, where a process cannot split or there is one processor.
-    Raises what a piece raises.
+    by this process itself. All is done here, one after another, where a process cannot split, there is one processor,
+    or this is itself part of a piece. Raises what a piece raises.
     """
     processes = min(len(work), _processors())
-    if processes < 2 or len(work) > MOST:
+    if processes < 2 or len(work) > MOST or _busy:
         return [piece() for piece in work]
+    with _all_busy():
+        return _split(work, processes)
+
+
+_busy = False
+"""Whether all processors have work already. Processes that split off know it from the one they are copies of."""
+
+
+@contextmanager
+def _all_busy() -> Iterator[None]:
+    global _busy
+    _busy = True
+    try:
+        yield
+    finally:
+        _busy = False
+
+
+def _split(work: Sequence[Callable[[], Result]], processes: int) -> list[Result]:
     queue = _queue(range(1, len(work)))
     others = [_Split(work, queue) for _ in range(processes - 1)]
     try:
