@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from . import rules, source
@@ -13,7 +14,7 @@ from .beside import Beside, read as read_frames
 from .diagnostics import MOST_FINDINGS, Diagnostic, Severity, SpecError
 from .doubts import Doubts, is_text, matters
 from .model import Path as ItemPath
-from .processes import for_each
+from .processes import for_each, meanwhile
 from .resolve import resolve
 from .rules import Finding, Rule, Subject
 from .rules.too_large import commands
@@ -40,6 +41,14 @@ def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
     `name` is what findings call the file, when it is not the path. Raises SpecError with all findings when one of them
     is an error, and OSError.
     """
+    frames = frames_file(file)
+    if not golden or not frames.is_file():
+        return _load(file, name, Beside)
+    with meanwhile(partial(read_frames, frames)) as beside:
+        return _load(file, name, beside)
+
+
+def _load(file: Path, name: str | None, frames: Callable[[], Beside]) -> Loaded:
     document, content = source.read(file, name)
     read = validate_parts(document, EditionSpec)
     if read.spec is None:
@@ -49,10 +58,8 @@ def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
         raise SpecError([*read.diagnostics, *too_many])
     digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
     edition, unresolved = resolve(document, read.spec, digest, read.dropped)
-    beside = Beside()
-    if golden and frames_file(file).is_file():
-        said = {"family": edition.family, "edition": edition.name}
-        beside = read_frames(frames_file(file), {key: name for key, name in said.items() if (key,) not in read.dropped})
+    said = {"family": edition.family, "edition": edition.name}
+    beside = frames().beside({key: text for key, text in said.items() if (key,) not in read.dropped})
     amiss, first = [*read.doubtful, *unresolved.paths], _first_address(document)
     doubts = Doubts(read.spec, amiss, first)
     findings = [*read.diagnostics, *unresolved.findings, *beside.findings]

@@ -41,7 +41,7 @@ def side_by_side(work: Sequence[Callable[[], Result]]) -> list[Result]:
 
 
 _busy = False
-"""Whether all processors have work already. Processes that split off know it from the one they are copies of."""
+"""Whether this process leaves other processors alone: they have work already."""
 
 
 @contextmanager
@@ -68,6 +68,30 @@ def _split(work: Sequence[Callable[[], Result]], processes: int) -> list[Result]
             other.close()
         for other in others:
             other.end()
+
+
+@contextmanager
+def meanwhile(work: Callable[[], Result]) -> Iterator[Callable[[], Result]]:
+    """Another process does the work while this one goes on; yields what waits for it and returns its result.
+
+    The result has to be one that can be pickled. Where no other process is free, this one does it when it is asked for.
+    """
+    if _busy or _processors() < 2:
+        yield work
+        return
+    queue = _queue(range(1))
+    other = _Split([work], queue)
+    os.close(queue)
+
+    def result() -> Result:
+        found = other.results()
+        return found[0] if found else work()
+
+    try:
+        yield result
+    finally:
+        other.close()
+        other.end()
 
 
 def _processors() -> int:
@@ -102,7 +126,8 @@ class _Split(Generic[Result]):
         self._process = os.fork()
         if not self._process:
             os.close(receiver)
-            _send(partial(_worked, work, queue), sender)
+            with _all_busy():
+                _send(partial(_worked, work, queue), sender)
         os.close(sender)
         self._stream: BinaryIO = os.fdopen(receiver, "rb")
 
