@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Container, Iterator, Mapping, Sequence
+from collections.abc import Collection, Container, Iterator, Sequence
 from dataclasses import replace
 
 from ... import notation
 from ...model import Assignment, Direction, Edition, IdRule
 from .. import header
-from .frames import Frame, Part, Scope, partners
+from .frames import Frame, Part, Scope, Traffic, partners
 from .selectors import joined_span
 from .signals import Signals
 from .text import camel, fitting, in_ascii, number
@@ -28,10 +28,19 @@ def files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
 
 
 def _files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
-    for scopes in _scopes(edition, set_parameters):
-        for direction, scope in scopes.items():
-            contents = list(_contents(scope))
-            shared = {(frame.rule, frame.id_bits) for frame in scopes[_OTHER[direction]].frames}
+    numbers = {
+        p.name: notation.rational(set_parameters[p.name])
+        for p in edition.parameters
+        if not p.is_choice and p.name in set_parameters
+    }
+    traffic = {direction: Traffic(edition, direction) for direction in KIND}
+    signals = {direction: Signals(direction, numbers) for direction in KIND}
+    for assignment in _assignments(edition, set_parameters):
+        frames = {direction: one.frames(assignment) for direction, one in traffic.items()}
+        for direction in KIND:
+            scope = Scope(edition, direction, assignment, numbers)
+            contents = list(_contents(frames[direction], signals[direction], assignment))
+            shared = {(frame.rule, frame.id_bits) for frame in frames[_OTHER[direction]]}
             yield from (_file(scope, joined, (), found, shared) for joined, found in contents)
             nodes = next((m.id.nodes for m in edition.messages(direction) if m.id.nodes), None)
             if nodes and len(nodes) > 1:
@@ -39,20 +48,14 @@ def _files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
                 yield from (_file(first, joined, (f"node{nodes[0]}",), found, shared) for joined, found in contents)
 
 
-def _scopes(edition: Edition, set_parameters: Assignment) -> Iterator[Mapping[Direction, Scope]]:
-    """One for each direction, of each combination of parameter values that has files of its own."""
-    numbers = {
-        p.name: notation.rational(set_parameters[p.name])
-        for p in edition.parameters
-        if not p.is_choice and p.name in set_parameters
-    }
+def _assignments(edition: Edition, set_parameters: Assignment) -> Iterator[Assignment]:
+    """The combinations of parameter values that have files of their own."""
     choices = []
     for parameter in (p for p in edition.parameters if p.is_choice):
         wanted = set_parameters.get(parameter.name)
         if wanted is not None or not parameter.is_numeric:
             choices.append([(parameter.name, v.name) for v in parameter.values if wanted in (None, v.name)])
-    for combination in itertools.product(*choices):
-        yield {direction: Scope(edition, direction, dict(combination), numbers) for direction in KIND}
+    yield from map(dict, itertools.product(*choices))
 
 
 def node_name(address: str, node: int | None) -> str:
@@ -65,15 +68,15 @@ Contents = Sequence[tuple[Frame, tuple[Signal, ...]]]
 """Frames with their signals."""
 
 
-def _contents(scope: Scope) -> Iterator[tuple[str, Contents]]:
+def _contents(frames: Sequence[Frame], signals: Signals, assignment: Assignment) -> Iterator[tuple[str, Contents]]:
     """What a file that knows the first selector has, and one for each place where all selectors are read as one number.
 
     Each comes with what its name says of that.
     """
-    yield "", [(frame, Signals(scope).of(frame.parts)) for frame in scope.frames]
+    yield "", [(frame, signals.of(frame.parts, assignment)) for frame in frames]
     joined: dict[range, list[tuple[Frame, tuple[Signal, ...]]]] = {}
     names: dict[range, str] = {}
-    for frame in scope.frames:
+    for frame in frames:
         by_span: dict[range, list[Part]] = {}
         for one in frame.parts:
             span = joined_span(one)
@@ -82,7 +85,8 @@ def _contents(scope: Scope) -> Iterator[tuple[str, Contents]]:
         for span, parts in by_span.items():
             if span not in names:
                 names[span] = fitting("-".join(key.name for key, _ in parts[0].selectors[1:]), names.values())
-            joined.setdefault(span, []).append((frame._replace(parts=tuple(parts)), Signals(scope).joined(parts, span)))
+            read = signals.joined(parts, assignment, span)
+            joined.setdefault(span, []).append((frame._replace(parts=tuple(parts)), read))
     for span, found in joined.items():
         yield names[span], found
 

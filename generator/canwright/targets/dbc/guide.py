@@ -10,10 +10,10 @@ from ... import given
 from ...golden import Frame as GoldenFrame
 from ...model import Direction, Edition, Parameter
 from .. import Described, header
+from .fields import LETTER
 from .files import KIND
-from .frames import MOST_NODES, Part, Scope, obstacle, overlaid
+from .frames import MOST_NODES, Part, Traffic, obstacle
 from .selectors import joined_span
-from .signals import LETTER
 from .text import number
 from .view import EXTENDED, File, Message, Signal
 
@@ -127,12 +127,13 @@ def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
             reason = obstacle(message)
             if reason:
                 yield kind, message.command, f"left out: {reason}"
-        scope = Scope(edition, direction, {}, {})
-        reasons = overlaid(scope)
+        frames = Traffic(edition, direction).frames({})
+        hidden = {name: what for frame in frames for name, what in frame.hidden.items()}
         for message in edition.messages(direction):
-            if message.name in reasons:
-                yield kind, message.command, f"left out: {reasons[message.name]}"
-        for frame in scope.frames:
+            if message.name in hidden:
+                what = f"{hidden[message.name]} tells it from the other messages of its id"
+                yield kind, message.command, f"left out: {what}, which no multiplexor can say"
+        for frame in frames:
             nodes = frame.rule.nodes or range(0)
             if len(nodes) > MOST_NODES:
                 last = nodes[MOST_NODES - 1]
