@@ -111,11 +111,8 @@ class Fields:
         index = "" if element.index is None else str(element.index)
         place = Place(f"{name}_{index}" if index else name, mux, element.bits, type_.order)
         which = f"{in_ascii(field.title)} {index}".strip()
-        whole = (
-            title
-            if title.lower() == which.lower() or title.lower().endswith(f": {which}".lower())
-            else f"{title}: {which}"
-        )
+        is_told = f": {title}".lower().endswith(f": {which}".lower())
+        whole = title if is_told else f"{title}: {which}"
         reading = self._reading(type_)
         comment = f"{whole}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{reading.step}{about}"
         if field.constant is not None:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from ...model import Assignment, Direction, Key
 from .fields import LETTER, Fields, Place, bare
 from .frames import Part
 from .selectors import bits, joined_span, joined_value, runs
-from .text import fitting
-from .view import Signal
+from .view import Signal, fitted
 
 
 class Signals:
@@ -24,11 +23,11 @@ class Signals:
 
     def of(self, parts: Sequence[Part], assignment: Assignment) -> tuple[Signal, ...]:
         """All signals of a frame; the first selector tells the messages apart."""
-        return _fitted(self._of(parts, assignment))
+        return fitted(self._of(parts, assignment))
 
     def joined(self, parts: Sequence[Part], assignment: Assignment, span: range) -> tuple[Signal, ...]:
         """All signals of a frame; its selectors are the bits of `span`, read as one number."""
-        return _fitted(self._joined(parts, assignment, span))
+        return fitted(self._joined(parts, assignment, span))
 
     def _of(self, parts: Sequence[Part], assignment: Assignment) -> Iterator[Signal]:
         if not parts[0].selectors:
@@ -75,15 +74,6 @@ class Signals:
         for run in runs(free):
             place = Place(f"{self._letter}{code}_data", mux, run)
             yield bare(place, f"Bits whose meaning the other selector tells{elsewhere}.")
-
-
-def _fitted(signals: Iterable[Signal]) -> tuple[Signal, ...]:
-    """The signals of one frame, under names that readers take and that are unique in it."""
-    found: dict[str, Signal] = {}
-    for signal in signals:
-        name = fitting(signal.name, found)
-        found[name] = signal if name == signal.name else signal._replace(name=name)
-    return tuple(found.values())
 
 
 def _selector(name: str, mux: str, key: Key, names: Sequence[tuple[int, str]], comment: str) -> Signal:
