@@ -254,8 +254,8 @@ class MessageViews:
         return message.id.base + sum(k.value << k.segments[0].low for k in keys)
 
     def _can_id(self, message: Message) -> str:
-        in_id = [p for _, p in self._places(message.layout.fields) if p.space is Space.ID]
-        parts = (f" + ({bits.write(p, message.dlc)})" for p in in_id)
+        in_id = self._places([f for f in message.layout.fields if f.space is Space.ID])
+        parts = (f" + ({bits.write(p, message.dlc)})" for _, p in in_id)
         return f"super().can_id{''.join(parts)}" if in_id else ""
 
     def _constant_data(self, message: Message) -> str:
