@@ -85,13 +85,15 @@ class Forms:
 
     def __init__(self, names: Names, edition: Edition) -> None:
         self._names, self._edition = names, edition
-        forms = {message.name: form_of(message) for message in edition.all_messages()}
-        examples = {forms[message.name]: message for message in edition.all_messages()}
-        views = {form: self._view(form, parts, examples[form]) for form, parts in named_forms(forms.values()).items()}
+        by_form: dict[Form, list[Message]] = {}
+        for message in edition.all_messages():
+            by_form.setdefault(form_of(message), []).append(message)
         self._at: dict[str, list[FormView]] = {}
-        for form, view in views.items():
+        self._messages: dict[str, MessageView] = {}
+        for form, parts in named_forms(by_form).items():
+            view = self._view(form, parts, by_form[form][0])
             self._at.setdefault(form.address, []).append(view)
-        self._messages = {m.name: self._message(m, views[forms[m.name]]) for m in edition.all_messages()}
+            self._messages |= {message.name: self._message(message, view) for message in by_form[form]}
 
     def at(self, address: Address) -> tuple[FormView, ...]:
         return tuple(self._at.get(address.name, ()))
