@@ -104,12 +104,18 @@ def _bits(low: int, width: int) -> str:
     return f"bit {low}" if width == 1 else f"bits {low}..{low + width - 1}"
 
 
-@functools.lru_cache(maxsize=1 << 12)
 def scale(type_: Type, among: tuple[str, ...] = ()) -> Sequence[tuple[str, str]]:
     """What one raw step is worth: (under which parameter values, `33/2048 A`); empty conditions hold always.
 
     `among` leaves out what holds under other values only, where it names values of the deciding parameter.
     """
+    cases = (type_.linear.constant, *type_.linear.cases.values())
+    return _scale(type_, among, tuple(linear.printed for linear in cases if linear is not None))
+
+
+@functools.lru_cache(maxsize=1 << 12)
+def _scale(type_: Type, among: tuple[str, ...], printed: tuple[str, ...]) -> Sequence[tuple[str, str]]:
+    """The same; types that differ only in how their scales are `printed` are equal, and have other words."""
     unit = f" {type_.unit.symbol}" if type_.unit else ""
 
     def worth(linear: Linear | None) -> str:
