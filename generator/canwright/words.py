@@ -82,11 +82,13 @@ def allowed(parameter: Parameter) -> str:
     return f"{exact(low)} or more" if low is not None else f"{exact(high)} or less" if high is not None else ""
 
 
+_LETTERS = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}
+
+
 def raw_format(type_: Type, segments: tuple[Segment, ...] = ()) -> str:
     """`i16`, or `i16 big-endian` when it spans bytes in that order, as more than eight bits do and fewer can."""
-    letter = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}[type_.encoding]
     spans = len(segments) > 1 or type_.width > 8
-    return f"{letter}{type_.width}" + (" big-endian" if type_.order is Order.BIG and spans else "")
+    return f"{_LETTERS[type_.encoding]}{type_.width}" + (" big-endian" if type_.order is Order.BIG and spans else "")
 
 
 def place(space: Space, segments: tuple[Segment, ...]) -> str:
