@@ -13,11 +13,11 @@ def exact(number: Fraction) -> str:
     """A decimal where it ends within fifteen digits, a quotient otherwise: `0.01`, `1/3`."""
     if number.denominator == 1:
         return str(number.numerator)
-    scaled = number * 10**15
-    if scaled.denominator != 1:
+    scaled, rest = divmod(abs(number.numerator) * 10**15, number.denominator)
+    if rest:
         return f"{number.numerator}/{number.denominator}"
-    digits = f"{abs(scaled.numerator):016d}"
-    sign = "-" if number < 0 else ""
+    digits = f"{scaled:016d}"
+    sign = "-" if number.numerator < 0 else ""
     return f"{sign}{digits[:-15]}.{digits[-15:]}".rstrip("0")
 
 

@@ -9,8 +9,7 @@ import jinja2
 import yaml
 
 from ... import resources, words
-from ...compare import Change, compare
-from ...model import Assignment, Direction, Edition
+from ...model import Assignment, Edition
 from ...render import environment
 from .. import Described, Output, header
 from . import editions
@@ -48,8 +47,11 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     for book in books:
         yield from _front(env, book)
     for item in described:
-        here = [book for book in books if book.language in item.edition.languages]
-        yield from _edition(env, item, folders[id(item.edition)], here)
+        common = Common(item.edition, item.frames)
+        for book in books:
+            if book.language in item.edition.languages:
+                folder = f"{book.language}/{folders[id(item.edition)]}"
+                yield from _edition(env, common, book, folder)
 
 
 def _books(described: Sequence[Described], folders: Mapping[int, str]) -> Iterator[_Book]:
@@ -81,33 +83,23 @@ def _front(env: jinja2.Environment, book: _Book) -> Iterator[Output]:
         yield Output(f"{language}/new-edition.md", page)
 
 
-def _edition(env: jinja2.Environment, item: Described, name: str, books: Sequence[_Book]) -> Iterator[Output]:
-    """The pages of an edition: in each language those about all of it, then those of each command."""
-    edition = item.edition
-    common = Common(edition, item.frames)
-    compared: dict[int, Sequence[Change]] = {}
-    written: list[tuple[str, Pages, dict[str, object]]] = []
-    for book in books:
-        folder = f"{book.language}/{name}"
-        pages = Pages(common, book.labels, book.language)
-        old = editions.previous(edition, [other for _, other in book.listed])
-        about = {"edition": edition, "header": header(edition), "pages": pages, "has_changes": old is not None}
-        view = {**book.view, **about}
-        written.append((folder, pages, view))
-        yield Output(f"{folder}/index.md", env.get_template("overview.md.j2").render(view, **pages.overview()))
-        for page in _PAGES:
-            yield Output(f"{folder}/{page}.md", env.get_template(f"{page}.md.j2").render(view, **pages.types()))
-        if old is not None:
-            if id(old) not in compared:
-                compared[id(old)] = compare(old, edition)
-            changes = editions.changes(old, compared[id(old)], book.language, book.labels, book.says)
-            yield Output(f"{folder}/changes.md", env.get_template("changes.md.j2").render(view, changes=changes))
+def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) -> Iterator[Output]:
+    edition = common.edition
+    pages = Pages(common, book.labels, book.language)
+    old = editions.previous(edition, [other for _, other in book.listed])
+    about = {"edition": edition, "header": header(edition), "pages": pages, "has_changes": old is not None}
+    view = {**book.view, **about}
+    yield Output(f"{folder}/index.md", env.get_template("overview.md.j2").render(view, **pages.overview()))
+    for name in _PAGES:
+        yield Output(f"{folder}/{name}.md", env.get_template(f"{name}.md.j2").render(view, **pages.types()))
     template = env.get_template("command.md.j2")
-    for command, sheet in common.sheets():
-        sides = [(direction, common.side(command, direction)) for direction in Direction]
-        for folder, pages, view in written:
-            halves = [pages.half(command, direction, side) for direction, side in sides]
-            yield Output(f"{folder}/commands/{command.name}.md", template.render({**view, **sheet, "halves": halves}))
-            for half in halves:
-                for picture in half.pictures:
-                    yield Output(f"{folder}/pictures/{picture.file}", picture.svg)
+    for sheet in common.sheets:
+        halves = [pages.half(sheet.command, direction, side) for direction, side in sheet.sides]
+        page = template.render({**view, **sheet.view, "halves": halves})
+        yield Output(f"{folder}/commands/{sheet.command.name}.md", page)
+        for half in halves:
+            for picture in half.pictures:
+                yield Output(f"{folder}/pictures/{picture.file}", picture.svg)
+    if old is not None:
+        changes = editions.changes(old, common.since(old), book.language, book.labels, book.says)
+        yield Output(f"{folder}/changes.md", env.get_template("changes.md.j2").render(view, changes=changes))

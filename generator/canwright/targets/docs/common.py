@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ... import words
+from ...compare import Change, compare
 from ...golden import GoldenFrames
 from ...model import Command, Direction, Edition, Field, Layout, Message, Mode, Path, Variant
 from .examples import Worked, worked
@@ -39,8 +40,16 @@ class Side(NamedTuple):
     examples: Sequence[Worked]
 
 
+class Sheet(NamedTuple):
+    """A command: what its page lays out, but for the two sides, and these."""
+
+    command: Command
+    view: Mapping[str, Any]
+    sides: Sequence[tuple[Direction, Side | None]]
+
+
 class Common:
-    """Works it out, command by command."""
+    """Works it out, all of it before any page is written: that is faster than in between."""
 
     def __init__(self, edition: Edition, golden: GoldenFrames | None) -> None:
         self.edition = edition
@@ -58,14 +67,22 @@ class Common:
             if command.entry:
                 self._of_entry.setdefault(command.entry.path, []).append(command)
         self._fields: dict[int, Sequence[tuple[Field, Sequence[Cells]]]] = {}
+        """Those of a layout. Layouts are told by identity: many messages share one."""
+        self._since: dict[int, Sequence[Change]] = {}
+        self.sheets = list(self._sheets())
 
-    def sheets(self) -> Iterator[tuple[Command, Mapping[str, Any]]]:
-        """What the page of each command lays out, but for its two sides; commands in the order of the spec."""
+    def since(self, old: Edition) -> Sequence[Change]:
+        """What changed since an edition."""
+        if id(old) not in self._since:
+            self._since[id(old)] = compare(old, self.edition)
+        return self._since[id(old)]
+
+    def _sheets(self) -> Iterator[Sheet]:
         commands = self.edition.commands
         for previous, command, following in zip((None, *commands), commands, (*commands[1:], None), strict=False):
             entry = command.entry
             sections = dict.fromkeys(filter(None, (command.manual, entry.manual if entry else "")))
-            sheet = {
+            view = {
                 "command": command,
                 "manual": ", ".join(map(markdown, sections)),
                 "table": self.edition.table(entry.table) if entry else None,
@@ -77,9 +94,9 @@ class Common:
                 "following": following,
                 "errata": self._errata[command.name],
             }
-            yield command, sheet
+            yield Sheet(command, view, [(direction, self._side(command, direction)) for direction in Direction])
 
-    def side(self, command: Command, direction: Direction) -> Side | None:
+    def _side(self, command: Command, direction: Direction) -> Side | None:
         """One direction of a command; None where it has no frame in that direction."""
         message = command.message(direction)
         if message is None:

@@ -54,6 +54,7 @@ class Pages:
     def half(self, command: Command, direction: Direction, side: Side | None) -> Half:
         """One direction of a command; `side` is what it says in every language."""
         labels = self._labels
+        title = labels[direction.value]
         facts = list(tables.facts(side.message, side.id, side.nodes, labels)) if side else []
         if side and side.is_rest:
             facts.append((labels["selector_of"], labels["rest"]))
@@ -62,7 +63,7 @@ class Pages:
         elif side is None:
             facts.append((labels["form"], labels["no_request"]))
         if side is None:
-            return Half(labels[direction.value], "", "", facts, (), (), (), ())
+            return Half(title, "", "", facts, (), (), (), ())
         layout = side.message.layout
         if layout.manual not in ("", command.manual, command.entry.manual if command.entry else ""):
             facts.append((labels["manual"], markdown(layout.manual)))
@@ -71,13 +72,13 @@ class Pages:
         columns = zip(Row._fields, zip(*rows, strict=True), strict=False)
         kept = [(name, cells) for name, cells in columns if any(cells)]
         return Half(
-            labels[direction.value],
+            title,
             "" if command.entry and layout.path[:4] == command.entry.path else about,
             labels["reserved"] if side.has_free_bits else "",
             facts,
             [labels[name] for name, _ in kept],
             list(zip(*(cells for _, cells in kept), strict=True)),
-            [self._picture(command, direction, drawn) for drawn in side.drawn],
+            [self._picture(command, title, drawn) for drawn in side.drawn],
             [worked.example(labels, self._sources, self._language) for worked in side.examples],
         )
 
@@ -91,13 +92,14 @@ class Pages:
             self._field_rows[key] = tuple(rows)
         return self._field_rows[key]
 
-    def _picture(self, command: Command, direction: Direction, drawn: Drawn) -> Picture:
-        title = self._title(xml, command.name, direction, drawn.only)
-        alt = self._title(markdown, command.name, direction, drawn.only)
+    def _picture(self, command: Command, side: str, drawn: Drawn) -> Picture:
+        title = self._title(xml, command.name, side, drawn.only)
+        alt = self._title(markdown, command.name, side, drawn.only)
         return Picture(drawn.file, drawn.drawing.svg(title), alt, code(drawn.only))
 
-    def _title(self, said: Callable[[str], str], command: str, direction: Direction, only: str) -> str:
-        about = [said(command), self._labels[direction.value], *([said(only)] if only else [])]
+    def _title(self, said: Callable[[str], str], command: str, side: str, only: str) -> str:
+        """What a picture shows, in the language that `said` puts a text into."""
+        about = (said(command), side, said(only)) if only else (said(command), side)
         return f"{self._labels['picture']} {self._labels['comma'].join(about)}"
 
     def types(self) -> Mapping[str, Any]:
