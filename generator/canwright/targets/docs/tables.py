@@ -76,9 +76,10 @@ def field_cells(field: Field) -> list[Cells]:
 def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels: Labels) -> Iterator[Row]:
     """The selector of a frame."""
     for i, (key, start) in enumerate(zip(message.keys, cells, strict=True)):
-        accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept) if i == 0 else ""
         note = labels["selector_of_entry" if command.entry and key.is_index else "selector"]
-        note += f"{labels['and']}{labels['accepted']} {accepted}" if accepted else ""
+        if i == 0 and message.accept:
+            accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept)
+            note += f"{labels['and']}{labels['accepted']} {accepted}"
         yield Row(*start, "", code(f"0x{key.value:02X}"), "", "", note)
 
 
