@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import Direction, Message, Path, Segment, Space, Variant
+from ..layouts import bits_of
+from ..model import Direction, Message, Path, Space, Variant
 from .rule import Finding, Found, Subject
 
 INDEX = "the table's index"
@@ -26,23 +27,17 @@ def check(subject: Subject) -> Found:
 
 
 def _clashes(message: Message, variant: Variant) -> Iterator[tuple[Path, str, str]]:
-    taken = {
-        bit: INDEX if key.is_index else "the selector"
-        for key in message.keys
-        for segment in key.segments
-        for bit in _bits(key.space, segment)
-    }
+    taken: dict[Space, dict[int, str]] = {space: {} for space in Space}
+    for key in message.keys:
+        taken[key.space].update(dict.fromkeys(bits_of(key.segments), INDEX if key.is_index else "the selector"))
     for field in variant.fields:
+        others = taken[field.space]
         for element in field.elements:
-            bits = [bit for s in element.segments for bit in _bits(field.space, s)]
-            clash = next((bit for bit in bits if bit in taken), None)
+            clash = next(filter(others.__contains__, element.bits), None)
             if clash is not None:
-                space, byte, bit = clash
-                where = f"bit {bit} of byte {byte}" if space is Space.DATA else f"bit {bit} of the id"
-                hint = WITHOUT_INDEX if taken[clash] == INDEX and message.direction is Direction.REPLY else APART
-                yield (*field.path, "at"), f"`{field.name}` shares {where} with {taken[clash]}", hint
-            taken.update(dict.fromkeys(bits, f"`{field.name}`"))
-
-
-def _bits(space: Space, segment: Segment) -> list[tuple[Space, int, int]]:
-    return [(space, segment.byte, segment.low + i) for i in range(segment.width)]
+                where = (
+                    f"bit {clash % 8} of byte {clash // 8}" if field.space is Space.DATA else f"bit {clash} of the id"
+                )
+                hint = WITHOUT_INDEX if others[clash] == INDEX and message.direction is Direction.REPLY else APART
+                yield (*field.path, "at"), f"`{field.name}` shares {where} with {others[clash]}", hint
+            others.update(dict.fromkeys(element.bits, f"`{field.name}`"))
