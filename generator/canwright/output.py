@@ -22,6 +22,7 @@ from .folder import (
     Name,
     OutputError,
     Record,
+    Way,
     content_of,
     digest,
     edited,
@@ -89,18 +90,21 @@ class _Manifest(Record):
         return _Manifest(editions=dict(sorted(editions.items())), files=dict(sorted(files.items())))
 
 
-@dataclass(frozen=True)
 class Held:
     """What earlier runs made in a folder: digests by path."""
 
-    out: Path
-    files: Mapping[str, str]
+    def __init__(self, out: Path, files: Mapping[str, str]) -> None:
+        self.files = files
+        self._out = out
+        self._way = Way(out)
 
     def standing(self, path: str, data: bytes) -> str | None:
-        """The digest of `data` where an earlier run made just that and it is still there; None where it cannot be read."""
+        """The digest of `data` where an earlier run made just that, it is still there, and no link leads to it."""
         hashed = self.files.get(path)
-        with suppress(OSError):
-            return hashed if hashed == digest(data) and content_of(self.out / path) == data else None
+        if hashed == digest(data):
+            with suppress(OSError, OutputError):
+                self._way.refuse(path)
+                return hashed if (self._out / path).read_bytes() == data else None
         return None
 
 
@@ -183,14 +187,14 @@ def _changes(out: Path, content: Content, manifest: _Manifest) -> Changes:
         for path in manifest.files
         if content.replaces(path) and path not in content and (out / path).is_file() and not (out / path).is_symlink()
     ]
-    refuse_in_the_way(out, *content.files, *content.standing, *removed)
+    refuse_in_the_way(out, *content.files, *removed)
     written = [path for path, data in content.files.items() if content_of(out / path) != data]
     unchanged = len(content.files) + len(content.standing) - len(written)
     return Changes(tuple(sorted(written)), tuple(sorted(removed)), unchanged)
 
 
 def _refuse_outside(out: Path, content: Content) -> None:
-    for path in (*content.files, *content.standing):
+    for path in content.files:
         if outside(path):
             raise OutputError(f"{path!r} would be written outside {out.as_posix()}; change the name that it comes from")
 
