@@ -22,7 +22,6 @@ from pathlib import Path
 from .spec_texts import ROOT
 
 _STEPS = {
-    "open",
     "os.mkdir",
     "os.rename",
     "os.remove",
@@ -126,7 +125,7 @@ def _serve_at_first_step(watched: str) -> None:
 
     def at_step(event: str, arguments: Sequence[object]) -> None:
         nonlocal stands
-        if not stands and event in _STEPS and any(_inside(argument, watched) for argument in arguments):
+        if not stands and _is_step(event, arguments) and any(_inside(argument, watched) for argument in arguments):
             stands = True
             _serve()
 
@@ -143,7 +142,7 @@ def _bind(bound: Binding) -> None:
 
         def count(event: str, arguments: Sequence[object]) -> None:
             nonlocal steps
-            if event not in _STEPS or (event == "open" and not _writes(arguments)):
+            if not _is_step(event, arguments):
                 return
             if steps == 0 and not any(_inside(argument, bound.folder) for argument in arguments):
                 return
@@ -156,7 +155,9 @@ def _bind(bound: Binding) -> None:
         sys.addaudithook(count)
 
 
-def _writes(arguments: Sequence[object]) -> bool:
+def _is_step(event: str, arguments: Sequence[object]) -> bool:
+    if event != "open":
+        return event in _STEPS
     flags = arguments[2]
     return isinstance(flags, int) and bool(flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT))
 

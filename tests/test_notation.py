@@ -1,11 +1,14 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 from canwright import notation, words
 from canwright.model import Bound, Order, Range, Space
 from hypothesis import given, strategies as st
+
+from .spec_texts import MINIMAL, edition
 
 
 @pytest.mark.parametrize(
@@ -91,3 +94,10 @@ def test_bits_of_a_field(at: str, width: int, order: Order, bits: list[int]) -> 
 @given(st.fractions())
 def test_exact_numbers_read_back(number: Fraction) -> None:
     assert notation.rational(words.exact(number)) == number
+
+
+def test_each_edition_tells_a_scale_as_it_prints_it(tmp_path: Path) -> None:
+    (one,) = edition(tmp_path, MINIMAL).types
+    (other,) = edition(tmp_path, MINIMAL.replace("scale: 0.1", "scale: 1/10")).types
+    assert one == other
+    assert [words.scale(type_) for type_ in (one, other)] == [[("", "0.1 %")], [("", "1/10 %")]]

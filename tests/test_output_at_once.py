@@ -11,12 +11,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from canwright.folder import LOCK, OutputError
+from canwright.folder import LOCK, OutputError, digest
+from canwright.generate import generate
+from canwright.journal import stage
+from canwright.load import described
 from canwright.lock import locked
+from canwright.output import Changes, held, write
 
 from .output_case import MINE, Case, case, swift_folder, tree
 from .runs import Binding, Runs
-from .spec_texts import ROOT
+from .spec_texts import MINIMAL, ROOT
 
 
 @pytest.fixture(scope="module")
@@ -139,3 +143,38 @@ def test_the_lock_is_gone_after_a_failure(runs: Runs, lamp: Case, out: Path) -> 
     shutil.copy(out / "mine.txt", out / "docs/en/v1/types.md")
     assert runs.run(*lamp.arguments(out)).status == 2
     assert not (out / LOCK).exists()
+
+
+def test_what_another_run_changed_meanwhile_is_not_taken_for_standing(lamp: Case, out: Path, tmp_path: Path) -> None:
+    """A run looks at the folder while it makes its files; by the time that it writes, another one has been there."""
+    spec = tmp_path / "spec.yaml"
+    spec.write_text(MINIMAL, "utf-8")
+    lamp.restore(out)
+    made = generate([described(spec)], ["docs"], {}, held(out))
+    assert not made.files and len(made.standing) >= 9
+    assert write(out, made) == Changes((), (), len(made.standing))
+    write(out, lamp.content)
+    with pytest.raises(OutputError, match=f"{out} was changed while this run was at work; run again"):
+        write(out, made)
+    assert tree(out) == lamp.new
+
+
+def test_nothing_is_taken_for_standing_while_a_run_is_to_be_completed(lamp: Case, out: Path) -> None:
+    lamp.restore(out)
+    assert held(out).files
+    stage(out, {"docs/en/index.md": b"new"})
+    assert not held(out).files
+
+
+def test_what_is_standing_was_made_by_an_earlier_run_and_is_there(lamp: Case, out: Path) -> None:
+    lamp.restore(out)
+    file = out / "docs/en/index.md"
+    data = file.read_bytes()
+    assert held(out).standing("docs/en/index.md", data) == digest(data)
+    assert held(out).standing("docs/en/index.md", data + b"more") is None
+    file.write_bytes(data + b"more")
+    assert held(out).standing("docs/en/index.md", data + b"more") is None
+    assert held(out).standing("docs/en/index.md", data) is None
+    file.unlink()
+    assert held(out).standing("docs/en/index.md", data) is None
+    assert held(out / "elsewhere").standing("docs/en/index.md", data) is None

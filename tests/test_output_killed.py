@@ -129,16 +129,18 @@ def test_the_completing_run_may_be_killed_too(runs: Runs, remains: list[Path], l
             assert tree(out) == lamp.new, (folder.name, step)
 
 
-def test_a_first_run_killed(runs: Runs, lamp: Case, out: Path) -> None:
+def test_a_first_run_killed(lamp: Case, out: Path, tmp_path: Path) -> None:
     """Where no folder was."""
+    first = out.with_name("first")
     new = {path: data for path, data in lamp.new.items() if path not in MINE}
-    for step in count(1):
-        shutil.rmtree(out, ignore_errors=True)
-        ended = runs.run(bound=Binding(str(out), step))
-        if ended.status == 0:
-            break
-        assert runs.run().status == 0
-        assert tree(out) == new, step
+    with Runs(tmp_path, *lamp.arguments(first), watched=first) as runs:
+        for step in count(1):
+            shutil.rmtree(first, ignore_errors=True)
+            ended = runs.run(bound=Binding(str(first), step))
+            if ended.status == 0:
+                break
+            assert runs.run().status == 0
+            assert tree(first) == new, step
     assert step > 60
 
 

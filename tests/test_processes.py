@@ -98,3 +98,60 @@ def test_nothing_splits_beside_a_thread() -> None:
         "print(json.dumps(processes.side_by_side([os.getpid, os.getpid]) == [here, here]))"
     )
     assert found is True
+
+
+def test_work_is_done_meanwhile_by_another_process() -> None:
+    found = run(
+        "with processes.meanwhile(lambda: (os.getpid(), 'x' * 5_000_000)) as result:\n"
+        "    time.sleep(0.2)\n"
+        "    process, text = result()\n"
+        "print(json.dumps([process != here, len(text), left()]))"
+    )
+    assert found == [True, 5_000_000, None]
+
+
+@pytest.mark.parametrize("result", [0, None, []])
+def test_nothing_is_a_result_too(result: object) -> None:
+    script = "work = lambda: RESULT if os.getpid() != here else 'again'\n".replace("RESULT", repr(result))
+    script += "with processes.meanwhile(work) as result:\n    print(json.dumps(result()))"
+    assert run(script) == result
+
+
+def test_what_is_done_meanwhile_is_done_again_where_it_failed() -> None:
+    found = run(
+        "def fail(): raise LookupError(str(os.getpid() == here))\n"
+        "try:\n"
+        "    with processes.meanwhile(fail) as result: result()\n"
+        "except LookupError as error:\n"
+        "    print(json.dumps([str(error), left()]))"
+    )
+    assert found == ["True", None]
+
+
+def test_what_nobody_asks_for_leaves_no_process_behind() -> None:
+    found = run(
+        "try:\n"
+        "    with processes.meanwhile(lambda: 'x' * 5_000_000): raise LookupError\n"
+        "except LookupError:\n"
+        "    print(json.dumps(left()))"
+    )
+    assert found is None
+
+
+def test_work_within_work_is_not_split_again() -> None:
+    found = run(
+        "def inner():\n"
+        "    time.sleep(0.2)\n"
+        "    return os.getpid()\n"
+        "def piece():\n"
+        "    with processes.meanwhile(os.getpid) as result:\n"
+        "        return len({os.getpid(), result(), *processes.side_by_side([inner, inner, inner])})\n"
+        "print(json.dumps([processes.side_by_side([piece, piece, piece]), piece() > 1]))"
+    )
+    assert found == [[1, 1, 1], True]
+
+
+def test_what_is_done_meanwhile_does_not_split() -> None:
+    script = "work = lambda: processes.for_each(lambda i: time.sleep(0.2) or os.getpid(), range(4))\n"
+    script += "with processes.meanwhile(work) as result:\n    print(json.dumps(len(set(result()))))"
+    assert run(script) == 1

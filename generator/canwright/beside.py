@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -44,6 +44,21 @@ class Beside:
             return path
         return (key, self.places[str(key)][rest[0]], *rest[1:])
 
+    def beside(self, said: Mapping[str, str]) -> Beside:
+        """These frames beside a spec that says so of its family and edition; without them where they say otherwise."""
+        others = [
+            self.document.finding(
+                (key,), "other-edition", f"these frames stand beside {key} `{wanted}`", f"{key}: {wanted}"
+            )
+            for key, wanted in said.items()
+            if self.golden and self.document and getattr(self.golden, key) not in (wanted, self._lacking(key))
+        ]
+        return replace(self, golden=None, findings=(*self.findings, *others)) if others else self
+
+    def _lacking(self, key: str) -> object:
+        """What stands in for a key that could not be read."""
+        return _LACKING[key] if self.places else None
+
     def commands(self, path: Path) -> tuple[str, ...] | None:
         """The commands that an entry is about; None when it is about all of them."""
         key, *rest = path or ("",)
@@ -53,8 +68,8 @@ class Beside:
         return (name,) if isinstance(name, str) and name else None
 
 
-def read(file: FilePath, expected: Mapping[str, str]) -> Beside:
-    """The golden frames in a file. `expected` is what they have to say that they stand beside. Raises OSError."""
+def read(file: FilePath) -> Beside:
+    """The golden frames in a file. Raises OSError."""
     try:
         document, _ = source.read(file)
     except SpecError as error:
@@ -64,16 +79,10 @@ def read(file: FilePath, expected: Mapping[str, str]) -> Beside:
     places: dict[str, tuple[int, ...]] = {}
     if golden is None or found.diagnostics:
         golden, places = _readable(document)
-    if golden is None:
-        return Beside(None, document, found.diagnostics)
-    others = [
-        document.finding((key,), "other-edition", f"these frames stand beside {key} `{wanted}`", f"{key}: {wanted}")
-        for key, wanted in expected.items()
-        if getattr(golden, key) != wanted and not (found.spec is None and getattr(golden, key) == _LACKING[key])
-    ]
-    beside = Beside(golden, document, (), places)
-    unknown = [] if golden.sources == LOST else list(_unknown_sources(beside, golden, document))
-    return Beside(None if others else golden, document, (*found.diagnostics, *others, *unknown), places)
+    beside = Beside(golden, document, found.diagnostics, places)
+    if golden is None or golden.sources == LOST:
+        return beside
+    return replace(beside, findings=(*found.diagnostics, *_unknown_sources(beside, golden, document)))
 
 
 def _unknown_sources(beside: Beside, golden: GoldenFrames, document: Document) -> Iterator[Diagnostic]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import functools
 import hashlib
 import os
 import re
@@ -10,7 +11,7 @@ import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, StringConstraints, ValidationError
 
@@ -81,7 +82,8 @@ def record(file: Path, kind: type[_R], remedy: str) -> _R | None:
             raise ValueError("it is not a file")
         if file.stat().st_size > _MAX_RECORD:
             raise ValueError(f"it is larger than {_MAX_RECORD} bytes")
-        return kind.model_validate_json(file.read_bytes())
+        found: _R = _parsed(kind, file.read_bytes())
+        return found
     except ValidationError as error:
         first = error.errors(include_url=False, include_context=False)[0]
         why = " ".join([*(repr(part)[:80] for part in first["loc"]), first["msg"]])
@@ -90,12 +92,25 @@ def record(file: Path, kind: type[_R], remedy: str) -> _R | None:
     raise OutputError(f"{file.as_posix()} is damaged: {why}; {remedy}")
 
 
+@functools.lru_cache(maxsize=1)
+def _parsed(kind: type[Record], data: bytes) -> Any:
+    """Kept, for a run reads a manifest before it makes something and again before it writes."""
+    return kind.model_validate_json(data)
+
+
 def digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
 def content_of(file: Path) -> bytes | None:
-    return file.read_bytes() if file.is_file() else None
+    """None where there is no file."""
+    try:
+        if not stat.S_ISREG(file.stat().st_mode):
+            return None
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    with file.open("rb", buffering=0) as stream:
+        return stream.read()
 
 
 def digest_of(file: Path) -> str | None:
@@ -106,18 +121,29 @@ def digest_of(file: Path) -> str | None:
 
 def refuse_in_the_way(out: Path, *paths: str) -> None:
     """Raises OutputError where a file below `out` would go through a link, or cannot be for what stands there."""
-    passable: set[str] = set()
-
-    def go_through(folder: str) -> None:
-        if folder not in passable:
-            if folder:
-                go_through(folder.rpartition("/")[0])
-            _refuse_but(stat.S_ISDIR, "folder", out, folder)
-            passable.add(folder)
-
+    way = Way(out)
     for path in paths:
-        go_through(path.rpartition("/")[0])
-        _refuse_but(stat.S_ISREG, "file", out, path)
+        way.refuse(path)
+
+
+class Way:
+    """What leads to the files below a folder; each folder on it is looked at once."""
+
+    def __init__(self, out: Path) -> None:
+        self._out = out
+        self._passable: set[str] = set()
+
+    def refuse(self, path: str) -> None:
+        """Raises OutputError where a file would go through a link, or cannot be for what stands there."""
+        self._go_through(path.rpartition("/")[0])
+        _refuse_but(stat.S_ISREG, "file", self._out, path)
+
+    def _go_through(self, folder: str) -> None:
+        if folder not in self._passable:
+            if folder:
+                self._go_through(folder.rpartition("/")[0])
+            _refuse_but(stat.S_ISDIR, "folder", self._out, folder)
+            self._passable.add(folder)
 
 
 def _refuse_but(is_wanted: Callable[[int], bool], wanted: str, out: Path, path: str) -> None:

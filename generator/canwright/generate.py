@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from functools import partial
+from typing import NamedTuple
 
 from .model import Assignment
-from .output import Content
+from .output import Content, Held
 from .processes import side_by_side
 from .targets import Described, Target, c, dbc, docs, python
 
@@ -16,15 +18,35 @@ LONGEST = ("dbc", "docs", "c", "python")
 """Those that take longest come first: the first is made by this process, and need not be sent to it."""
 
 
-def generate(described: Sequence[Described], targets: Sequence[str], set_parameters: Assignment) -> Content:
-    """Everything that `targets` make of the editions, in memory; writes nothing."""
+def generate(
+    described: Sequence[Described], targets: Sequence[str], set_parameters: Assignment, held: Held | None = None
+) -> Content:
+    """Everything that `targets` make of the editions, in memory; writes nothing.
+
+    Of files that `held` has just so, only the digests are kept.
+    """
     order = sorted(targets, key=LONGEST.index)
-    made = side_by_side([partial(_files, target, described, set_parameters) for target in order])
-    files = {path: data for outputs in made for path, data in outputs.items()}
+    made = side_by_side([partial(_made, target, described, set_parameters, held) for target in order])
     editions = tuple(f"{d.edition.family} {d.edition.name}" for d in described)
-    return Content(editions, tuple(targets), files)
+    files = dict(itertools.chain.from_iterable(one.files.items() for one in made))
+    standing = dict(itertools.chain.from_iterable(one.standing.items() for one in made))
+    return Content(editions, tuple(targets), files, standing=standing)
 
 
-def _files(target: str, described: Sequence[Described], set_parameters: Assignment) -> dict[str, bytes]:
-    made = TARGETS[target](described, set_parameters)
-    return {f"{target}/{output.path}": output.text.encode("utf-8") for output in made}
+class _Made(NamedTuple):
+    """What a target makes: the files that are to be written, and the digests of those that stand there."""
+
+    files: dict[str, bytes]
+    standing: dict[str, str]
+
+
+def _made(target: str, described: Sequence[Described], set_parameters: Assignment, held: Held | None) -> _Made:
+    made = _Made({}, {})
+    for output in TARGETS[target](described, set_parameters):
+        path, data = f"{target}/{output.path}", output.text.encode("utf-8")
+        hashed = held.standing(path, data) if held else None
+        if hashed is None:
+            made.files[path] = data
+        else:
+            made.standing[path] = hashed
+    return made

@@ -108,7 +108,7 @@ class Layout:
         value = assignment.get(self.parameter)
         return next((v for v in self.variants if value in v.values), None)
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[str, ...]:
         """Names of all choice parameters that fields, scales and ranges of this layout depend on."""
         names = ([self.parameter] if self.parameter else []) + [p for f in self.fields for p in f.type.parameters]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from . import rules, source
@@ -13,7 +14,7 @@ from .beside import Beside, read as read_frames
 from .diagnostics import MOST_FINDINGS, Diagnostic, Severity, SpecError
 from .doubts import Doubts, is_text, matters
 from .model import Path as ItemPath
-from .processes import for_each
+from .processes import for_each, meanwhile
 from .resolve import resolve
 from .rules import Finding, Phase, Rule, Subject
 from .rules.too_large import commands
@@ -40,24 +41,28 @@ def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
     `name` is what findings call the file, when it is not the path. Raises SpecError with all findings when one of them
     is an error, and OSError.
     """
-    frames = frames_file(file) if golden and frames_file(file).is_file() else None
+    frames = frames_file(file)
+    if not golden or not frames.is_file():
+        return _load(file, name, Beside)
+    with meanwhile(partial(read_frames, frames)) as beside:
+        return _load(file, name, beside)
+
+
+def _load(file: Path, name: str | None, frames: Callable[[], Beside]) -> Loaded:
     try:
         document, content, read, spec = _written(file, name)
     except SpecError as error:
-        told = read_frames(frames, {}).findings if frames else ()
-        raise SpecError([*error.diagnostics, *told]) from None
+        raise SpecError([*error.diagnostics, *frames().findings]) from None
     digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
     ids = {path for path in read.doubtful if path[:1] == ("addresses",)}
     edition, unresolved = resolve(document, spec, digest, read.dropped | ids)
-    beside = Beside()
-    if frames:
-        said = {"family": edition.family, "edition": edition.name}
-        beside = read_frames(frames, {key: name for key, name in said.items() if (key,) not in read.dropped})
+    said = {"family": edition.family, "edition": edition.name}
+    beside = frames().beside({key: text for key, text in said.items() if (key,) not in read.dropped})
     amiss, first = [*read.doubtful, *unresolved.paths], _first_address(document)
     doubts = Doubts(spec, amiss, first)
     findings = [*read.diagnostics, *unresolved.findings, *beside.findings]
-    partial = not all(map(is_text, (*read.dropped, *unresolved.paths)))
-    subject = Subject(edition, spec, beside.golden, partial)
+    is_partial = not all(map(is_text, (*read.dropped, *unresolved.paths)))
+    subject = Subject(edition, spec, beside.golden, is_partial)
     found = list(rules.check(subject, doubts, Phase.PARTS))
     widely = [f.about for f in _errors(found) if f.about is not None]
     if widely:

@@ -287,6 +287,8 @@ class Edition:
 
     def errata_of(self, command: Command) -> tuple[Erratum, ...]:
         """The errata that a user of `command` meets: its own and those of the entry, layouts and types it uses."""
+        if not self.errata:
+            return ()
         messages = [m for m in (command.request, command.reply) if m is not None]
         paths = [command.path, *(path for m in messages for path in (m.path, m.layout.path))]
         paths += [path for m in messages for f in m.layout.fields for path in (f.path, f.type.path)]

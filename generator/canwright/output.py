@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from .characters import visible
@@ -21,6 +22,7 @@ from .folder import (
     Name,
     OutputError,
     Record,
+    Way,
     content_of,
     digest,
     edited,
@@ -41,13 +43,18 @@ PATIENCE = 5.0
 class Content:
     """What a run makes: its editions, its targets, and every file by its path below the output folder.
 
-    A target has a folder of its name there, or, `alone`, all of the output folder.
+    A target has a folder of its name there, or, `alone`, all of the output folder. Files that stand there already may be
+    in `standing`, by their digests, instead.
     """
 
     editions: tuple[str, ...]
     targets: tuple[str, ...]
     files: Mapping[str, bytes]
     alone: bool = False
+    standing: Mapping[str, str] = field(default_factory=dict)
+
+    def __contains__(self, path: str) -> bool:
+        return path in self.files or path in self.standing
 
     def replaces(self, path: str) -> bool:
         """Whether a file of an earlier run goes when it is not made again."""
@@ -78,9 +85,36 @@ class _Manifest(Record):
     def after(self, content: Content) -> _Manifest:
         """The manifest once `content` is there; other targets stay as they are."""
         kept = {path: hashed for path, hashed in self.files.items() if not content.replaces(path)}
-        files = {**kept, **{path: digest(data) for path, data in content.files.items()}}
+        files = {**kept, **content.standing, **{path: digest(data) for path, data in content.files.items()}}
         editions = {**self.editions, **{target: list(content.editions) for target in content.targets}}
         return _Manifest(editions=dict(sorted(editions.items())), files=dict(sorted(files.items())))
+
+
+class Held:
+    """What earlier runs made in a folder: digests by path."""
+
+    def __init__(self, out: Path, files: Mapping[str, str]) -> None:
+        self.files = files
+        self._out = out
+        self._way = Way(out)
+
+    def standing(self, path: str, data: bytes) -> str | None:
+        """The digest of `data` where an earlier run made just that, it is still there, and no link leads to it."""
+        hashed = self.files.get(path)
+        if hashed == digest(data):
+            with suppress(OSError, OutputError):
+                self._way.refuse(path)
+                return hashed if (self._out / path).read_bytes() == data else None
+        return None
+
+
+def held(out: Path) -> Held:
+    """What is known of a folder before something is made for it. Raises OutputError when that cannot be told.
+
+    What a run that was cut short has left will be completed first, so nothing is known then.
+    """
+    with told(out, "read"):
+        return Held(out, {} if (out / JOURNAL).exists() else _Manifest.read(out).files)
 
 
 def write(out: Path, content: Content, *, force: bool = False, patience: float = PATIENCE) -> Changes:
@@ -88,7 +122,8 @@ def write(out: Path, content: Content, *, force: bool = False, patience: float =
 
     Raises OutputError, with nothing changed, when a file that canwright did not make or that was edited by hand is in
     the way, or when an edition would be dropped, unless `force`; and whatever `force` says, when a link is in the way,
-    a folder that has to be the target's alone is occupied, another run is at work, or the file system refuses.
+    a folder that has to be the target's alone is occupied, another run is at work or has changed what was standing, or
+    the file system refuses.
     """
     with told(out, "write"):
         _refuse_outside(out, content)
@@ -99,6 +134,7 @@ def write(out: Path, content: Content, *, force: bool = False, patience: float =
             if content.alone:
                 refuse_occupied(out, content.targets)
             manifest = _Manifest.read(out)
+            _refuse_overtaken(out, content, manifest)
             changes = _changes(out, content, manifest)
             if not force:
                 _refuse_dropped(out, content, manifest)
@@ -149,20 +185,23 @@ def _changes(out: Path, content: Content, manifest: _Manifest) -> Changes:
     removed = [
         path
         for path in manifest.files
-        if content.replaces(path)
-        and path not in content.files
-        and (out / path).is_file()
-        and not (out / path).is_symlink()
+        if content.replaces(path) and path not in content and (out / path).is_file() and not (out / path).is_symlink()
     ]
     refuse_in_the_way(out, *content.files, *removed)
     written = [path for path, data in content.files.items() if content_of(out / path) != data]
-    return Changes(tuple(sorted(written)), tuple(sorted(removed)), len(content.files) - len(written))
+    unchanged = len(content.files) + len(content.standing) - len(written)
+    return Changes(tuple(sorted(written)), tuple(sorted(removed)), unchanged)
 
 
 def _refuse_outside(out: Path, content: Content) -> None:
     for path in content.files:
         if outside(path):
             raise OutputError(f"{path!r} would be written outside {out.as_posix()}; change the name that it comes from")
+
+
+def _refuse_overtaken(out: Path, content: Content, manifest: _Manifest) -> None:
+    if any(manifest.files.get(path) != hashed for path, hashed in content.standing.items()):
+        raise OutputError(f"{out.as_posix()} was changed while this run was at work; run again")
 
 
 def _refuse_dropped(out: Path, content: Content, manifest: _Manifest) -> None:

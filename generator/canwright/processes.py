@@ -7,6 +7,7 @@ import pickle
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from typing import BinaryIO, Generic, TypeVar
 
@@ -29,12 +30,31 @@ def side_by_side(work: Sequence[Callable[[], Result]]) -> list[Result]:
     """What each piece of work returns, in their order; a result has to be one that can be pickled.
 
     Whichever process is free takes the next piece, so that which takes longest should come first; that is always done
-    by this process itself. All is done here, one after another, where a process cannot split or there is one processor.
-    Raises what a piece raises.
+    by this process itself. All is done here, one after another, where a process cannot split, there is one processor,
+    or this is itself part of a piece. Raises what a piece raises.
     """
     processes = min(len(work), _processors())
-    if processes < 2 or len(work) > MOST:
+    if processes < 2 or len(work) > MOST or _busy:
         return [piece() for piece in work]
+    with _all_busy():
+        return _split(work, processes)
+
+
+_busy = False
+"""Whether this process leaves other processors alone: they have work already."""
+
+
+@contextmanager
+def _all_busy() -> Iterator[None]:
+    global _busy
+    _busy = True
+    try:
+        yield
+    finally:
+        _busy = False
+
+
+def _split(work: Sequence[Callable[[], Result]], processes: int) -> list[Result]:
     queue = _queue(range(1, len(work)))
     others = [_Split(work, queue) for _ in range(processes - 1)]
     try:
@@ -48,6 +68,30 @@ def side_by_side(work: Sequence[Callable[[], Result]]) -> list[Result]:
             other.close()
         for other in others:
             other.end()
+
+
+@contextmanager
+def meanwhile(work: Callable[[], Result]) -> Iterator[Callable[[], Result]]:
+    """Another process does the work while this one goes on; yields what waits for it and returns its result.
+
+    The result has to be one that can be pickled. Where no other process is free, this one does it when it is asked for.
+    """
+    if _busy or _processors() < 2:
+        yield work
+        return
+    queue = _queue(range(1))
+    other = _Split([work], queue)
+    os.close(queue)
+
+    def result() -> Result:
+        found = other.results()
+        return found[0] if found else work()
+
+    try:
+        yield result
+    finally:
+        other.close()
+        other.end()
 
 
 def _processors() -> int:
@@ -82,7 +126,8 @@ class _Split(Generic[Result]):
         self._process = os.fork()
         if not self._process:
             os.close(receiver)
-            _send(partial(_worked, work, queue), sender)
+            with _all_busy():
+                _send(partial(_worked, work, queue), sender)
         os.close(sender)
         self._stream: BinaryIO = os.fdopen(receiver, "rb")
 

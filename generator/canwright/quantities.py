@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
+from functools import cached_property
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
@@ -244,7 +245,7 @@ class Type:
         found = (linear.times for _, linear in self.linear.distinct() if linear is not None)
         return tuple(dict.fromkeys(name for name in found if name is not None))
 
-    @property
+    @cached_property
     def numbers(self) -> tuple[str, ...]:
         """Names of the number parameters that scale and range depend on."""
         names: list[str | None] = list(self.times)

@@ -48,10 +48,13 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
             both = deciding.get(command.request.name, frozenset()) | deciding.get(command.reply.name, frozenset())
             deciding |= {command.request.name: both, command.reply.name: both}
     known: dict[tuple[int, frozenset[str]], Layout] = {}
-    return tuple(
-        dataclasses.replace(c, request=_keyed(c.request, deciding, known), reply=_keyed(c.reply, deciding, known))
-        for c in commands
-    )
+    return tuple(_with(c, _keyed(c.request, deciding, known), _keyed(c.reply, deciding, known)) for c in commands)
+
+
+def _with(command: Command, request: Message | None, reply: Message | None) -> Command:
+    if request is command.request and reply is command.reply:
+        return command
+    return dataclasses.replace(command, request=request, reply=reply)
 
 
 def _lengths_tell(messages: Sequence[Message]) -> bool:
@@ -142,4 +145,4 @@ def with_claims(commands: Sequence[Command]) -> tuple[Command, ...]:
     def claimed(message: Message | None) -> Message | None:
         return message and dataclasses.replace(message, claims=tuple(claims.get(message.name, ())))
 
-    return tuple(dataclasses.replace(c, request=claimed(c.request), reply=claimed(c.reply)) for c in commands)
+    return tuple(_with(c, claimed(c.request), claimed(c.reply)) for c in commands)

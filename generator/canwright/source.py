@@ -48,13 +48,26 @@ class Document:
         self.name = name
         written = text.replace("\r\n", "\n")
         self._text = characters.covered(written)
-        self.lines = self._text.split("\n")
         self.renamed: dict[Path, Path] = {}
         self.spoilt: set[Path] = set()
         self.findings: list[Diagnostic] = []
         for line, column, found in characters.places(written) if self._text != written else ():
             self.report_unseen(Mark(line, column, 1), found)
-        self.data: Data = Builder(self, self._text).build()
+        self.data = Builder(self, self._text).build()
+
+    def __getstate__(self) -> dict[str, object]:
+        """What another process is sent: what follows from the text is worked out again where it is asked for."""
+        return {key: value for key, value in vars(self).items() if key not in ("data", "lines", "places")}
+
+    @cached_property
+    def data(self) -> Data:
+        """What is written, as plain data."""
+        return Document(self.name, self._text).data
+
+    @cached_property
+    def lines(self) -> list[str]:
+        """What is written, line by line."""
+        return self._text.split("\n")
 
     def __contains__(self, path: object) -> bool:
         return path in self.places.values

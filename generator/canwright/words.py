@@ -13,11 +13,11 @@ def exact(number: Fraction) -> str:
     """A decimal where it ends within fifteen digits, a quotient otherwise: `0.01`, `1/3`."""
     if number.denominator == 1:
         return str(number.numerator)
-    scaled = number * 10**15
-    if scaled.denominator != 1:
+    scaled, rest = divmod(abs(number.numerator) * 10**15, number.denominator)
+    if rest:
         return f"{number.numerator}/{number.denominator}"
-    digits = f"{abs(scaled.numerator):016d}"
-    sign = "-" if number < 0 else ""
+    digits = f"{scaled:016d}"
+    sign = "-" if number.numerator < 0 else ""
     return f"{sign}{digits[:-15]}.{digits[-15:]}".rstrip("0")
 
 
@@ -82,11 +82,13 @@ def allowed(parameter: Parameter) -> str:
     return f"{exact(low)} or more" if low is not None else f"{exact(high)} or less" if high is not None else ""
 
 
+_LETTERS = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}
+
+
 def raw_format(type_: Type, segments: tuple[Segment, ...] = ()) -> str:
     """`i16`, or `i16 big-endian` when it spans bytes in that order, as more than eight bits do and fewer can."""
-    letter = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}[type_.encoding]
     spans = len(segments) > 1 or type_.width > 8
-    return f"{letter}{type_.width}" + (" big-endian" if type_.order is Order.BIG and spans else "")
+    return f"{_LETTERS[type_.encoding]}{type_.width}" + (" big-endian" if type_.order is Order.BIG and spans else "")
 
 
 def place(space: Space, segments: tuple[Segment, ...]) -> str:
@@ -104,12 +106,18 @@ def _bits(low: int, width: int) -> str:
     return f"bit {low}" if width == 1 else f"bits {low}..{low + width - 1}"
 
 
-@functools.lru_cache(maxsize=1 << 12)
 def scale(type_: Type, among: tuple[str, ...] = ()) -> Sequence[tuple[str, str]]:
     """What one raw step is worth: (under which parameter values, `33/2048 A`); empty conditions hold always.
 
     `among` leaves out what holds under other values only, where it names values of the deciding parameter.
     """
+    cases = (type_.linear.constant, *type_.linear.cases.values())
+    return _scale(type_, among, tuple(linear.printed for linear in cases if linear is not None))
+
+
+@functools.lru_cache(maxsize=1 << 12)
+def _scale(type_: Type, among: tuple[str, ...], printed: tuple[str, ...]) -> Sequence[tuple[str, str]]:
+    """The same; types that differ only in how their scales are `printed` are equal, and have other words."""
     unit = f" {type_.unit.symbol}" if type_.unit else ""
 
     def worth(linear: Linear | None) -> str:

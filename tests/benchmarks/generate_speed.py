@@ -182,7 +182,7 @@ def main() -> None:
             spec = multiplied(Path(folder), times)
             arguments = ("generate", "--spec", str(spec), "--out", f"{folder}/out")
             whole = cost("-m", "canwright", *arguments)
-            print(shown(f"  {times:3} times the commands", whole, libraries + rendering(*arguments, rounds=1)))
+            print(shown(f"  {times:3} times the commands", whole, libraries + rendering(*arguments)))
             if before:
                 grown = f"{whole.clock / before.clock:.1f} times the time, {whole.memory / before.memory:.1f} times the"
                 print(f"      {grown} memory")

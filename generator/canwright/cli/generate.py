@@ -11,9 +11,7 @@ import click
 from ..diagnostics import Diagnostic, Position, Severity
 from ..folder import OutputError
 from ..generate import TARGETS, generate as make
-from ..model import Assignment
-from ..output import Content, difference, write
-from ..targets import Described
+from ..output import difference, held, write
 from .common import (
     FINDINGS,
     OUT_FOLDER,
@@ -53,8 +51,9 @@ def generate(
     files that canwright did not make are never touched.
     """
     described = read(specs, printer)
-    content = _content(described, targets, assignment(described, settings))
+    set_parameters = assignment(described, settings)
     try:
+        content = make(described, targets or list(TARGETS), set_parameters, held(out))
         changes = write(out, content, force=force)
     except OutputError as error:
         stop(str(error))
@@ -92,7 +91,7 @@ def check(
         return
     out = out or OUT_FOLDER
     try:
-        found = list(difference(out, _content(described, targets, set_parameters)))
+        found = list(difference(out, make(described, targets or list(TARGETS), set_parameters, held(out))))
     except OutputError as error:
         stop(str(error))
     if not found:
@@ -115,7 +114,3 @@ def _report(warnings: Sequence[Diagnostic], message: str, printer: str, strict: 
         click.echo(message)
     if warnings and strict:
         sys.exit(FINDINGS)
-
-
-def _content(described: Sequence[Described], targets: Sequence[str], set_parameters: Assignment) -> Content:
-    return make(described, targets or list(TARGETS), set_parameters)

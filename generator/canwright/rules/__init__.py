@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ..diagnostics import Severity
 from ..doubts import Depth, Doubts
+from ..processes import for_each
 from . import (
     ambiguous_message,
     beyond_frame,
@@ -144,7 +145,10 @@ EVERY: dict[str, Rule] = {rule.id: rule for rule in (*READING, *RULES)}
 def check(subject: Subject, doubts: Doubts, phase: Phase) -> Iterator[tuple[Rule, Finding]]:
     """Everything that the rules of a phase find; those that need the `whole` spec look at what is certain of it."""
     certain = {depth: subject._replace(edition=doubts.certain(subject.edition, depth)) for depth in Depth}
-    for rule in RULES:
-        if rule.check is not None and rule.phase is phase:
-            for finding in rule.check(certain[rule.depth] if rule.whole else subject):
-                yield rule, finding
+    rules = [rule for rule in RULES if rule.phase is phase]
+
+    def found(rule: Rule) -> Sequence[Finding]:
+        return list(rule.check(certain[rule.depth] if rule.whole else subject)) if rule.check else ()
+
+    for rule, findings in zip(rules, for_each(found, rules), strict=True):
+        yield from ((rule, finding) for finding in findings)

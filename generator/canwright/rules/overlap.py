@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..model import Direction, Key, Message, Path, Segment, Space, Variant
+from ..layouts import bits_of
+from ..model import Direction, Key, Message, Path, Space, Variant
 from ..schema import EditionSpec
 from .rule import Finding, Found, Subject
 
@@ -25,23 +26,24 @@ def check(subject: Subject) -> Found:
 
 
 def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Found:
-    taken: dict[tuple[Space, int, int], str] = {}
+    taken: dict[Space, dict[int, str]] = {space: {} for space in Space}
     for key in message.keys:
-        bits = [bit for segment in key.segments for bit in _bits(key.space, segment)]
-        clash = next((bit for bit in bits if bit in taken), None)
+        bits, others = bits_of(key.segments), taken[key.space]
+        clash = next(filter(others.__contains__, bits), None)
         if clash is not None and key.is_index:
-            text = f"the table's index shares {_where(clash)} with {taken[clash]}"
+            text = f"the table's index shares {_where(key.space, clash)} with {others[clash]}"
             at = _place_of(spec, message, key)
             yield Finding(at, text, "move one of them", about=at[:3])
-        taken |= dict.fromkeys(bits, INDEX if key.is_index else "the selector")
+        others.update(dict.fromkeys(bits, INDEX if key.is_index else "the selector"))
     for field in variant.fields:
+        others = taken[field.space]
         for element in field.elements:
-            bits = [bit for s in element.segments for bit in _bits(field.space, s)]
-            clash = next((bit for bit in bits if bit in taken), None)
+            clash = next(filter(others.__contains__, element.bits), None)
             if clash is not None:
-                hint = WITHOUT_INDEX if taken[clash] == INDEX and message.direction is Direction.REPLY else APART
-                yield Finding((*field.path, "at"), f"`{field.name}` shares {_where(clash)} with {taken[clash]}", hint)
-            taken.update(dict.fromkeys(bits, f"`{field.name}`"))
+                hint = WITHOUT_INDEX if others[clash] == INDEX and message.direction is Direction.REPLY else APART
+                text = f"`{field.name}` shares {_where(field.space, clash)} with {others[clash]}"
+                yield Finding((*field.path, "at"), text, hint)
+            others.update(dict.fromkeys(element.bits, f"`{field.name}`"))
 
 
 def _place_of(spec: EditionSpec, message: Message, key: Key) -> Path:
@@ -52,10 +54,5 @@ def _place_of(spec: EditionSpec, message: Message, key: Key) -> Path:
     return (*path, number, "at") if isinstance(spec.tables[table].index, list) else (*path, "at")
 
 
-def _where(place: tuple[Space, int, int]) -> str:
-    space, byte, bit = place
-    return f"bit {bit} of byte {byte}" if space is Space.DATA else f"bit {bit} of the id"
-
-
-def _bits(space: Space, segment: Segment) -> list[tuple[Space, int, int]]:
-    return [(space, segment.byte, segment.low + i) for i in range(segment.width)]
+def _where(space: Space, bit: int) -> str:
+    return f"bit {bit % 8} of byte {bit // 8}" if space is Space.DATA else f"bit {bit} of the id"

@@ -17,7 +17,7 @@ from canwright.golden import Refusal
 from canwright.interpret import CanFrame as ModelFrame, has_id, is_message, node, wrong_constants
 from canwright.model import Assignment, Direction, Message, Space
 from canwright.targets import Described, dbc
-from canwright.targets.dbc.frames import Scope, obstacle, overlaid
+from canwright.targets.dbc.frames import Traffic, obstacle
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
 from .dbc_file import KIND, DbcFile, message_of
@@ -56,7 +56,8 @@ class DbcAdapter:
         self._loaded: dict[str, DbcFile] = {}
         self._left_out = {m.name for m in self._edition.all_messages() if obstacle(m)}
         for direction in Direction:
-            self._left_out |= set(overlaid(Scope(self._edition, direction, {}, {})))
+            for frame in Traffic(self._edition, direction).frames({}):
+                self._left_out |= set(frame.hidden)
         self._deciding = {
             name for m in self._edition.all_messages() for f in m.layout.fields for name in f.type.numbers
         }

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ...model import Command, Direction, Edition, IdRule, Message, ReplyForm
 from . import bits
 from .forms import address_mask
-from .messages import Forms, RuleView, constant_mismatch, frame_id
+from .messages import Forms, RuleView, frame_id
 from .names import Names
 
 
@@ -72,7 +72,7 @@ def entries(names: Names, edition: Edition, forms: Forms, direction: Direction) 
             forms.rule(edition.address(messages[0].address), direction),
             frame_id(messages[0]),
             " && ".join(_other_length(dlc) for dlc in dict.fromkeys(m.dlc for m in messages if not m.remote)),
-            _Tree(names, messages, address_mask(edition, messages[0].address, direction)).from_key(messages, 0),
+            _Tree(names, forms, messages, address_mask(edition, messages[0].address, direction)).from_key(messages, 0),
         )
         for messages in grouped.values()
     ]
@@ -85,8 +85,8 @@ def _other_length(dlc: int) -> str:
 class _Tree:
     """The search among messages that have one id rule; `id_mask` are the bits of the id that some of them fills."""
 
-    def __init__(self, names: Names, messages: Sequence[Message], id_mask: int) -> None:
-        self._names, self._id_mask = names, id_mask
+    def __init__(self, names: Names, forms: Forms, messages: Sequence[Message], id_mask: int) -> None:
+        self._names, self._forms, self._id_mask = names, forms, id_mask
         self._any_length = messages[0].remote or len({m.dlc for m in messages}) == 1
 
     def from_key(self, messages: Sequence[Message], depth: int, rest: Node = NOWHERE) -> Node:
@@ -129,7 +129,7 @@ class _Tree:
         refusals = (
             (f"(frame->id & 0x{unused:X}u) != 0u" if unused else "", "UNKNOWN_ID"),
             ("" if self._any_length or any_length else _other_length(message.dlc), "WRONG_LENGTH"),
-            (constant_mismatch(message), "WRONG_CONSTANT"),
+            (self._forms.message(message).other_constant, "WRONG_CONSTANT"),
         )
         command = self._names.upper("command", message.command)
         return Found(command, tuple((condition, status) for condition, status in refusals if condition))

@@ -14,8 +14,8 @@ def type_facts(type_: Type, among: Sequence[str] = ()) -> list[str]:
     return [sentence for sentence in (_scale(type_, among), _range(type_, among)) if sentence]
 
 
-def field_facts(field: Field, parameter: str | None) -> str:
-    """A field in one paragraph: what, where, how much, and when it is there."""
+def field_facts(field: Field, parameter: str | None, of_type: Sequence[str]) -> str:
+    """A field in one paragraph: what, where, how much, and when it is there; `of_type` are the facts of its type."""
     among = field.only if parameter in field.type.parameters else ()
     parts = [f"{english(field.title)}, {_places(field)}."]
     if field.is_array:
@@ -23,7 +23,7 @@ def field_facts(field: Field, parameter: str | None) -> str:
         parts.append(f"Element 0 is number {indices[0]}, the last one number {indices[-1]}.")
     if english(field.about):
         parts.append(english(field.about))
-    parts += type_facts(field.type, among)
+    parts += type_facts(field.type, among) if among else of_type
     if field.only:
         parts.append(f"Only {parameter} {', '.join(field.only)}; 0 otherwise.")
     return " ".join(parts)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from functools import reduce
 from operator import or_
 from typing import NamedTuple
@@ -30,11 +31,11 @@ def form_of(message: Message) -> Form:
     )
 
 
-def named_forms(edition: Edition) -> dict[Form, tuple[str, ...]]:
-    """All forms, each with what its name is made of: address and direction, and a number from the second one on."""
+def named_forms(forms: Iterable[Form]) -> dict[Form, tuple[str, ...]]:
+    """What the name of each form is made of: address and direction, and a number from the second one on."""
     result: dict[Form, tuple[str, ...]] = {}
     numbers: Counter[tuple[str, str]] = Counter()
-    for form in dict.fromkeys(map(form_of, edition.all_messages())):
+    for form in dict.fromkeys(forms):
         name = (form.address, form.direction.value)
         numbers[name] += 1
         result[form] = name if numbers[name] == 1 else (*name, str(numbers[name]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...model import Edition, Encoding, Field, Layout, Variant
@@ -10,9 +10,11 @@ from . import bits
 from .choices import Branch, Choice
 from .facts import errata, field_facts
 from .names import Names, member
-from .numbers import integer
 from .text import english
-from .validity import valid
+from .values import TypeView
+
+Types = Mapping[str, TypeView]
+"""The types that fields use, by their name in C."""
 
 
 class MemberView(NamedTuple):
@@ -52,15 +54,15 @@ class LayoutView(NamedTuple):
         return self.depends or self.check_parameters
 
 
-def layout_view(names: Names, edition: Edition, layout: Layout) -> LayoutView:
+def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) -> LayoutView:
     shared = {byte for message in edition.of_layout(layout) for byte in bits.key_bytes(message.keys)}
-    check = _check(names, layout)
+    check = _check(names, layout, types)
     facts = errata(edition, layout.path) if layout.shared else []
     return LayoutView(
         names.lower(layout.name),
         english(layout.title) + (f" ({layout.manual})" if layout.manual else ""),
         tuple(text for text in (english(layout.about), *facts) if text),
-        tuple(_member(layout, f) for f in layout.fields if f.constant is None),
+        tuple(_member(names, layout, f, types) for f in layout.fields if f.constant is None),
         bool(layout.fields),
         layout.parameter is not None,
         check,
@@ -71,9 +73,10 @@ def layout_view(names: Names, edition: Edition, layout: Layout) -> LayoutView:
     )
 
 
-def _member(layout: Layout, field: Field) -> MemberView:
+def _member(names: Names, layout: Layout, field: Field, types: Types) -> MemberView:
+    type_ = types[names.lower(field.type.name)]
     length = f"[{len(field.elements)}]" if field.is_array else ""
-    return MemberView(integer(field.type).name, member(field.name) + length, field_facts(field, layout.parameter))
+    return MemberView(type_.kind, member(field.name) + length, field_facts(field, layout.parameter, type_.facts))
 
 
 def _by_variant(names: Names, layout: Layout, lines: Callable[[Variant], list[str]]) -> Body:
@@ -110,12 +113,12 @@ def _unpacked(layout: Layout, variant: Variant) -> Iterator[str]:
                 yield f"message->{member(field.name)}{f'[{number}]' if field.is_array else ''} = {raw};"
 
 
-def _check(names: Names, layout: Layout) -> Body | None:
-    body = _by_variant(names, layout, lambda variant: list(_checked(names, layout, variant)))
+def _check(names: Names, layout: Layout, types: Types) -> Body | None:
+    body = _by_variant(names, layout, lambda variant: list(_checked(names, layout, variant, types)))
     return body if body.lines or body.choice else None
 
 
-def _checked(names: Names, layout: Layout, variant: Variant) -> Iterator[str]:
+def _checked(names: Names, layout: Layout, variant: Variant, types: Types) -> Iterator[str]:
     """One statement a field and reason. A field that is not there must be 0, or it would be lost without a word."""
     for field in layout.fields:
         if field.constant is not None:
@@ -126,10 +129,10 @@ def _checked(names: Names, layout: Layout, variant: Variant) -> Iterator[str]:
             continue
         if field.type.encoding is Encoding.FLOAT:
             yield _refusal(names, field, f"!canwright_is_finite{field.type.width}({item})", "NOT_FINITE")
-        check = valid(names, field.type)
-        if check is not None:
-            arguments = f"{item}, parameters" if check.uses_parameters else item
-            yield _refusal(names, field, f"!{names.lower(field.type.name)}_valid({arguments})", "OUT_OF_RANGE")
+        type_ = types[names.lower(field.type.name)]
+        if type_.valid is not None:
+            arguments = f"{item}, parameters" if type_.valid.uses_parameters else item
+            yield _refusal(names, field, f"!{type_.name}_valid({arguments})", "OUT_OF_RANGE")
 
 
 def _refusal(names: Names, field: Field, condition: str, status: str) -> str:

@@ -81,31 +81,35 @@ class MessageView(NamedTuple):
 
 
 class Forms:
-    """The forms of an edition's messages."""
+    """The messages of an edition, and their forms."""
 
     def __init__(self, names: Names, edition: Edition) -> None:
         self._names, self._edition = names, edition
-        examples = {form_of(message): message for message in edition.all_messages()}
-        self._forms = {form: self._view(form, parts, examples[form]) for form, parts in named_forms(edition).items()}
+        by_form: dict[Form, list[Message]] = {}
+        for message in edition.all_messages():
+            by_form.setdefault(form_of(message), []).append(message)
         self._at: dict[str, list[FormView]] = {}
-        for form, view in self._forms.items():
+        self._messages: dict[str, MessageView] = {}
+        for form, parts in named_forms(by_form).items():
+            view = self._view(form, parts, by_form[form][0])
             self._at.setdefault(form.address, []).append(view)
-
-    def of(self, message: Message) -> FormView:
-        return self._forms[form_of(message)]
+            self._messages |= {message.name: self._message(message, view) for message in by_form[form]}
 
     def at(self, address: Address) -> tuple[FormView, ...]:
         return tuple(self._at.get(address.name, ()))
 
     def message(self, message: Message) -> MessageView:
+        return self._messages[message.name]
+
+    def _message(self, message: Message, form: FormView) -> MessageView:
         return MessageView(
             self._names.lower(message.name),
             self._names.lower(message.name, "t"),
             message.direction.value,
-            self.of(message),
+            form,
             message.dlc,
             tuple(_codes(message)),
-            constant_mismatch(message),
+            _constant_mismatch(message),
         )
 
     def rule(self, address: Address, direction: Direction) -> RuleView:
@@ -161,7 +165,7 @@ def frame_id(message: Message, frame: str = "frame") -> str:
     return f"({frame}->id ^ CANWRIGHT_REMOTE)" if message.remote else f"{frame}->id"
 
 
-def constant_mismatch(message: Message) -> str:
+def _constant_mismatch(message: Message) -> str:
     """A condition that holds when a constant of this message is another value; empty when it has none."""
     constants = [f for f in message.layout.fields if f.constant is not None and not f.only]
     return " || ".join(c.replace(" == ", " != ") for f in constants for c in bits.constant_holds(f))

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...model import Edition, Layout, Parameter, Path, Type
-from .forms import named_forms
+from .forms import form_of, named_forms
 
 Problem = tuple[Path, str, str]
 """Where, what is wrong, and what to do about it."""
@@ -94,7 +94,7 @@ def defined(edition: Edition) -> Iterator[tuple[str, str, Path]]:
         what = f"the address `{address.name}`"
         yield from ((names.lower(address.name) + e, what, address.path) for e in ADDRESS_ENDINGS)
         yield from ((names.upper(address.name) + e, what, address.path) for e in ADDRESS_MACROS)
-    for form, parts in named_forms(edition).items():
+    for form, parts in named_forms(map(form_of, edition.all_messages())).items():
         what, path = f"the address `{form.address}`", edition.address(form.address).path
         yield from ((names.lower(*parts) + e, what, path) for e in FORM_ENDINGS)
     for type_ in edition.types:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import NamedTuple
 
 from ...model import Encoding, Type
@@ -49,6 +50,7 @@ UINT32 = Integer(32, False)
 UINT64 = Integer(64, False)
 
 
+@functools.cache
 def smallest(width: int, signed: bool) -> Integer:
     """The smallest type that holds `width` bits."""
     return Integer(next(w for w in (8, 16, 32, 64) if width <= w), signed)

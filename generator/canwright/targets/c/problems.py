@@ -19,7 +19,7 @@ def problems(edition: Edition) -> Iterator[Problem]:
 def between(editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
     """Names that two editions would both have: the later edition, and what is wrong."""
     owners: dict[str, Edition] = {}
-    for edition in editions:
+    for edition in editions if len(editions) > 1 else ():
         for name, _, _ in names.defined(edition):
             other = owners.setdefault(name, edition)
             if other is not edition:

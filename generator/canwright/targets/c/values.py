@@ -27,11 +27,12 @@ class NameView(NamedTuple):
 
 
 class TypeView(NamedTuple):
-    """A type with what belongs to it. `names` are those of an enum."""
+    """A type with what belongs to it. `facts` are part of `doc`; `names` are those of an enum."""
 
     name: str
     heading: str
     doc: tuple[str, ...]
+    facts: tuple[str, ...]
     kind: str
     macros: tuple[MacroView, ...]
     names: tuple[NameView, ...]
@@ -59,12 +60,14 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
     title = english(type_.title) or type_.name
     thousandths = milli(names, type_, check)
     lacking = "" if thousandths else _only_doubles(type_)
-    facts = " ".join(text for text in (english(type_.about), *type_facts(type_), lacking) if text)
+    facts = tuple(type_facts(type_))
+    about = " ".join(text for text in (english(type_.about), *facts, lacking) if text)
     macros = [*_limits(names, type_, kind), *_members(names, type_, kind)]
     return TypeView(
         names.lower(type_.name),
         title + (f", {unit}" if unit else ""),
-        tuple(text for text in (facts, *errata(edition, type_.path)) if text),
+        tuple(text for text in (about, *errata(edition, type_.path)) if text),
+        facts,
         kind.name,
         tuple(macros),
         tuple(NameView(names.upper(type_.name, m.name), m.name) for m in type_.enum),

@@ -148,8 +148,8 @@ def edition_view(edition: Edition) -> EditionView:
     names = Names(edition)
     used = layouts(edition)
     forms = Forms(names, edition)
-    views = {id(layout): layout_view(names, edition, layout) for layout in used}
-    types_ = tuple(types(names, edition))
+    types_ = {view.name: view for view in types(names, edition)}
+    views = {id(layout): layout_view(names, edition, layout, types_) for layout in used}
     return EditionView(
         header(edition),
         edition.hash[:8],
@@ -161,7 +161,7 @@ def edition_view(edition: Edition) -> EditionView:
         tuple(_edition_doc(edition)),
         tuple(parameters(names, edition)),
         tuple(addresses(names, edition, forms)),
-        types_,
+        tuple(types_.values()),
         tuple((names.upper("field", name), name) for name in fields_named(used)),
         tuple(views[id(layout)] for layout in used if layout.shared),
         tuple(_command(names, edition, forms, command, views) for command in edition.commands),

@@ -11,8 +11,8 @@ from collections.abc import Iterator, Sequence
 from ...model import Assignment
 from ...render import environment
 from .. import Described, Output
-from .files import files
-from .guide import guide
+from .files import files, traffics
+from .guide import Made, guide
 from .names import long_names as long_names
 from .text import text
 
@@ -21,8 +21,13 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     """The files of every edition, and a README.md that says which to load and how."""
     env = environment("dbc", {"text": text})
     template = env.get_template("file.dbc.j2")
-    made = [(one, list(files(one.edition, set_parameters))) for one in described]
-    for _, of_edition in made:
-        for file in of_edition:
+    made = [_made(one, set_parameters) for one in described]
+    for one in made:
+        for file in one.files:
             yield Output(f"{file.name}.dbc", template.render(file=file))
     yield Output("README.md", env.get_template("README.md.j2").render(guide=guide(made)))
+
+
+def _made(described: Described, set_parameters: Assignment) -> Made:
+    both = traffics(described.edition)
+    return Made(described, both, tuple(files(described.edition, both, set_parameters)))

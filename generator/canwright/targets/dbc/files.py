@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from ... import notation
 from ...model import Assignment, Direction, Edition, IdRule
 from .. import header
-from .frames import Frame, Part, Scope, partners
+from .frames import Frame, Part, Scope, Traffic, partners
 from .selectors import joined_span
 from .signals import Signals
 from .text import camel, fitting, in_ascii, number
-from .view import EXTENDED, File, Message, Signal
+from .view import EXTENDED, File, Message, Signal, fitted
 
 KIND = {Direction.REPLY: "reply", Direction.REQUEST: "command"}
 """What a direction is called in names of files and messages."""
@@ -22,16 +22,32 @@ _OTHER = {Direction.REPLY: Direction.REQUEST, Direction.REQUEST: Direction.REPLY
 _NOBODY = "Vector__XXX"
 
 
-def files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
+Traffics = Mapping[Direction, Traffic]
+
+
+def traffics(edition: Edition) -> Traffics:
+    """Both directions of an edition, the one first whose files come first."""
+    return {direction: Traffic(edition, direction) for direction in KIND}
+
+
+def files(edition: Edition, both: Traffics, set_parameters: Assignment) -> Iterator[File]:
     """All files of an edition, those for every node before those for the first one alone; none without a frame."""
-    return (file for file in _files(edition, set_parameters) if file.messages)
+    return (file for file in _files(edition, both, set_parameters) if file.messages)
 
 
-def _files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
-    for scopes in _scopes(edition, set_parameters):
-        for direction, scope in scopes.items():
-            contents = list(_contents(scope))
-            shared = {(frame.rule, frame.id_bits) for frame in scopes[_OTHER[direction]].frames}
+def _files(edition: Edition, both: Traffics, set_parameters: Assignment) -> Iterator[File]:
+    numbers = {
+        p.name: notation.rational(set_parameters[p.name])
+        for p in edition.parameters
+        if not p.is_choice and p.name in set_parameters
+    }
+    signals = {direction: Signals(direction, numbers) for direction in KIND}
+    for assignment in _assignments(edition, set_parameters):
+        frames = {direction: one.frames(assignment) for direction, one in both.items()}
+        for direction in KIND:
+            scope = Scope(edition, direction, assignment, numbers)
+            contents = list(_contents(frames[direction], signals[direction], assignment))
+            shared = {(frame.rule, frame.id_bits) for frame in frames[_OTHER[direction]]}
             yield from (_file(scope, joined, (), found, shared) for joined, found in contents)
             nodes = next((m.id.nodes for m in edition.messages(direction) if m.id.nodes), None)
             if nodes and len(nodes) > 1:
@@ -39,20 +55,14 @@ def _files(edition: Edition, set_parameters: Assignment) -> Iterator[File]:
                 yield from (_file(first, joined, (f"node{nodes[0]}",), found, shared) for joined, found in contents)
 
 
-def _scopes(edition: Edition, set_parameters: Assignment) -> Iterator[Mapping[Direction, Scope]]:
-    """One for each direction, of each combination of parameter values that has files of its own."""
-    numbers = {
-        p.name: notation.rational(set_parameters[p.name])
-        for p in edition.parameters
-        if not p.is_choice and p.name in set_parameters
-    }
+def _assignments(edition: Edition, set_parameters: Assignment) -> Iterator[Assignment]:
+    """The combinations of parameter values that have files of their own."""
     choices = []
     for parameter in (p for p in edition.parameters if p.is_choice):
         wanted = set_parameters.get(parameter.name)
         if wanted is not None or not parameter.is_numeric:
             choices.append([(parameter.name, v.name) for v in parameter.values if wanted in (None, v.name)])
-    for combination in itertools.product(*choices):
-        yield {direction: Scope(edition, direction, dict(combination), numbers) for direction in KIND}
+    yield from map(dict, itertools.product(*choices))
 
 
 def node_name(address: str, node: int | None) -> str:
@@ -65,15 +75,15 @@ Contents = Sequence[tuple[Frame, tuple[Signal, ...]]]
 """Frames with their signals."""
 
 
-def _contents(scope: Scope) -> Iterator[tuple[str, Contents]]:
+def _contents(frames: Sequence[Frame], signals: Signals, assignment: Assignment) -> Iterator[tuple[str, Contents]]:
     """What a file that knows the first selector has, and one for each place where all selectors are read as one number.
 
     Each comes with what its name says of that.
     """
-    yield "", [(frame, Signals(scope).of(frame.parts)) for frame in scope.frames]
+    yield "", [(frame, signals.of(frame.parts, assignment)) for frame in frames]
     joined: dict[range, list[tuple[Frame, tuple[Signal, ...]]]] = {}
     names: dict[range, str] = {}
-    for frame in scope.frames:
+    for frame in frames:
         by_span: dict[range, list[Part]] = {}
         for one in frame.parts:
             span = joined_span(one)
@@ -82,7 +92,8 @@ def _contents(scope: Scope) -> Iterator[tuple[str, Contents]]:
         for span, parts in by_span.items():
             if span not in names:
                 names[span] = fitting("-".join(key.name for key, _ in parts[0].selectors[1:]), names.values())
-            joined.setdefault(span, []).append((frame._replace(parts=tuple(parts)), Signals(scope).joined(parts, span)))
+            read = signals.joined(parts, assignment, span)
+            joined.setdefault(span, []).append((frame._replace(parts=tuple(parts)), read))
     for span, found in joined.items():
         yield names[span], found
 
@@ -93,13 +104,12 @@ def _file(
     """A file with some frames; `shared` are the ids that the other direction has as well."""
     edition = scope.edition
     host = fitting(edition.bus.host, ())
-    messages: dict[str, Message] = {}
-    for frame, signals in found:
-        comment = _comment(scope, frame, (frame.rule, frame.id_bits) in shared)
-        for node in scope.nodes(frame.rule) or (None,):
-            message = _message(scope, frame, node, host, signals, comment, messages)
-            messages[message.name] = message
-    ends = [end for message in messages.values() for end in (*message.senders, *message.receivers) if end != _NOBODY]
+    messages = fitted(
+        message
+        for frame, signals in found
+        for message in _messages(scope, frame, host, signals, (frame.rule, frame.id_bits) in shared)
+    )
+    ends = [end for message in messages for end in (*message.senders, *message.receivers) if end != _NOBODY]
     return File(
         f"{edition.family}-{edition.name}",
         tuple(_known(scope)),
@@ -109,35 +119,34 @@ def _file(
         header(edition),
         _about(scope),
         tuple(dict.fromkeys((host, *ends))),
-        tuple(messages.values()),
+        messages,
     )
 
 
-def _message(
-    scope: Scope,
-    frame: Frame,
-    node: int | None,
-    host: str,
-    signals: tuple[Signal, ...],
-    comment: str,
-    taken: Collection[str],
-) -> Message:
-    """A frame of one node; it is called after the direction and a code in the id, or after the command where that is all."""
+def _messages(scope: Scope, frame: Frame, host: str, signals: tuple[Signal, ...], shared: bool) -> Iterator[Message]:
+    """A frame of each node; it is called after the direction and a code in the id, or after the command where that is
+    all."""
     first = frame.parts[0]
     address = first.message.address
-    ends = [(address, node)] if node is not None else [end for part in frame.parts for end in partners(scope, part)]
-    nodes = tuple(dict.fromkeys(node_name(*end) for end in ends)) or (_NOBODY,)
-    kind = "_".join((KIND[scope.direction], *first.codes_in_id))
-    name = f"{node_name(address, node)}_{kind if first.selectors else first.command.name}"
-    return Message(
-        frame.id(node) | (EXTENDED if frame.rule.extended else 0),
-        fitting(name, taken),
-        max(part.message.dlc for part in frame.parts),
-        (host,) if scope.direction is Direction.REQUEST else nodes,
-        nodes if scope.direction is Direction.REQUEST else (host,),
-        comment,
-        signals,
-    )
+    ending = "_".join((KIND[scope.direction], *first.codes_in_id)) if first.selectors else first.command.name
+    length = max(part.message.dlc for part in frame.parts)
+    comment = _comment(scope, frame, shared)
+    for node in scope.nodes(frame.rule) or (None,):
+        name = node_name(address, node)
+        nodes: tuple[str, ...] = (name,)
+        if node is None:
+            ends = (node_name(*end) for part in frame.parts for end in partners(scope, part))
+            nodes = tuple(dict.fromkeys(ends)) or (_NOBODY,)
+        is_request = scope.direction is Direction.REQUEST
+        yield Message(
+            frame.id(node) | (EXTENDED if frame.rule.extended else 0),
+            f"{name}_{ending}",
+            length,
+            (host,) if is_request else nodes,
+            nodes if is_request else (host,),
+            comment,
+            signals,
+        )
 
 
 def _comment(scope: Scope, frame: Frame, shared: bool) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import NamedTuple
 
 from ...model import Address, Assignment, Command, Direction, Edition, Field, IdRule, Key, Message, Space
@@ -28,34 +27,17 @@ class Scope:
         """The nodes of a rule that the file is for, as many as a file can list; None when the id is fixed."""
         return rule.nodes[: 1 if self.first_node_only else MOST_NODES] if rule.nodes else rule.nodes
 
-    @cached_property
-    def by_id(self) -> Mapping[tuple[IdRule, int], Sequence[Part]]:
-        """The messages that share an id, in spec order."""
-        return _by_id(self)
 
-    @cached_property
-    def frames(self) -> Sequence[Frame]:
-        """The frames of a file, in the order their first messages have in the spec."""
-        return tuple(
-            Frame(rule, id_bits, tuple(part for part, hidden_by in _each(parts) if not hidden_by))
-            for (rule, id_bits), parts in self.by_id.items()
-        )
-
-
-@dataclass(frozen=True)
 class Part:
-    """A message under one code; `values` are those of its keys."""
+    """A message under one code; `values` are those of its keys, `selectors` the keys in the data with theirs."""
 
-    command: Command
-    message: Message
-    values: tuple[int, ...]
+    def __init__(self, command: Command, message: Message, values: tuple[int, ...]) -> None:
+        self.command = command
+        self.message = message
+        self._keys = tuple(zip(message.keys, values, strict=True))
+        self.selectors = tuple((key, value) for key, value in self._keys if key.space is Space.DATA)
 
-    @cached_property
-    def selectors(self) -> tuple[tuple[Key, int], ...]:
-        """The keys that stand in the data, with their values."""
-        return tuple((k, v) for k, v in zip(self.message.keys, self.values, strict=True) if k.space is Space.DATA)
-
-    @cached_property
+    @property
     def code(self) -> str:
         """The values of the keys in hexadecimal, as a part of names."""
         return "_".join(self._codes(Space.DATA, Space.ID))
@@ -66,27 +48,48 @@ class Part:
         return tuple(self._codes(Space.ID))
 
     def _codes(self, *spaces: Space) -> Iterator[str]:
-        keys = zip(self.message.keys, self.values, strict=True)
-        return (f"{value:0{(key.width + 3) // 4}X}" for key, value in keys if key.space in spaces)
+        return (f"{value:0{(key.width + 3) // 4}X}" for key, value in self._keys if key.space in spaces)
 
     @property
     def id_bits(self) -> int:
         """What keys and constant fields put into the id."""
-        keys = zip(self.message.keys, self.values, strict=True)
-        placed = [(key.segments[0].low, value) for key, value in keys if key.space is Space.ID]
+        placed = [(key.segments[0].low, value) for key, value in self._keys if key.space is Space.ID]
         placed += [(f.elements[0].segments[0].low, f.constant or 0) for f in fields_in_id(self.message)]
         return sum(value << low for low, value in placed)
 
 
 class Frame(NamedTuple):
-    """All that stands under one id of each node: `rule` and `id_bits` make the id."""
+    """All that stands under one id of each node: `rule` and `id_bits` make the id.
+
+    `hidden` are messages that one multiplexor does not tell apart from the others there, each with what alone does.
+    """
 
     rule: IdRule
     id_bits: int
     parts: tuple[Part, ...]
+    hidden: Mapping[str, str]
 
     def id(self, node: int | None) -> int:
         return self.rule.base + ((node or 0) << self.rule.node_shift) + self.id_bits
+
+
+class Traffic:
+    """One direction of an edition: its parts in spec order, made once for all files."""
+
+    def __init__(self, edition: Edition, direction: Direction) -> None:
+        self.edition = edition
+        self.direction = direction
+        self._parts = [(part, (part.message.id, part.id_bits)) for part in _parts(edition, direction)]
+
+    def frames(self, assignment: Assignment) -> list[Frame]:
+        """Those of the commands that there are under an assignment, in the order their first messages have in the spec."""
+        available = [command for command in self.edition.commands if command.available(assignment)]
+        used = {m.name for c in available for m in (c.request, c.reply) if m is not None}
+        by_id: dict[tuple[IdRule, int], list[Part]] = {}
+        for part, its_id in self._parts:
+            if part.message.name in used:
+                by_id.setdefault(its_id, []).append(part)
+        return [_frame(*its_id, parts) for its_id, parts in by_id.items()]
 
 
 def fields_in_id(message: Message) -> Iterator[Field]:
@@ -101,50 +104,33 @@ def obstacle(message: Message) -> str:
     return f"the id carries {', '.join(varying)}, and a DBC has fixed ids only" if varying else ""
 
 
-def overlaid(scope: Scope) -> dict[str, str]:
-    """The messages of an id that one multiplexor does not tell apart from the others there, each with the reason."""
-    return {
-        part.message.name: f"{what} tells it from the other messages of its id, which no multiplexor can say"
-        for parts in scope.by_id.values()
-        for part, what in _each(parts)
-        if what
-    }
+def _parts(edition: Edition, direction: Direction) -> Iterator[Part]:
+    for message in edition.messages(direction):
+        if not obstacle(message):
+            command, rest = edition.command(message.command), tuple(key.value for key in message.keys[1:])
+            for values in [(code, *rest) for code in message.claims] if message.keys else [()]:
+                yield Part(command, message, values)
 
 
-def messages(scope: Scope) -> Iterator[Message]:
-    """The messages of the commands that there are under the assignment, in spec order."""
-    available = [c for c in scope.edition.commands if c.available(scope.assignment)]
-    used = {m.name for c in available for m in (c.request, c.reply) if m is not None}
-    return (m for m in scope.edition.messages(scope.direction) if m.name in used)
-
-
-def _each(parts: Sequence[Part]) -> Iterator[tuple[Part, str]]:
-    """The parts of an id, each with what alone tells it from those that are shown; nothing for one of these.
-
-    They are those without a selector, else those with it in one place; of those with one selector, the first.
-    """
+def _frame(rule: IdRule, id_bits: int, parts: Sequence[Part]) -> Frame:
+    """What is shown of the parts of an id: those without a selector, else those with it in one place; the first of
+    those with one selector."""
     places = [part.selectors[0][0].segments if part.selectors else () for part in parts]
-    shown = () if () in places else places[0]
+    shown_place = () if () in places else places[0]
+    shown: list[Part] = []
+    hidden: dict[str, str] = {}
     alike: dict[tuple[tuple[Key, int], ...], Message] = {}
     for part, place in zip(parts, places, strict=True):
         first = alike.setdefault(part.selectors, part.message)
         if first.dlc != part.message.dlc:
-            yield part, "only its length"
-        elif place != shown:
-            yield part, "only what it holds elsewhere"
+            hidden[part.message.name] = "only its length"
+        elif place != shown_place:
+            hidden[part.message.name] = "only what it holds elsewhere"
+        elif first is not part.message:
+            hidden[part.message.name] = "nothing"
         else:
-            yield part, "" if first is part.message else "nothing"
-
-
-def _by_id(scope: Scope) -> dict[tuple[IdRule, int], list[Part]]:
-    found: dict[tuple[IdRule, int], list[Part]] = {}
-    for message in (m for m in messages(scope) if not obstacle(m)):
-        command = scope.edition.command(message.command)
-        rest = tuple(k.value for k in message.keys[1:])
-        for values in [(code, *rest) for code in message.claims] if message.keys else [()]:
-            part = Part(command, message, values)
-            found.setdefault((message.id, part.id_bits), []).append(part)
-    return found
+            shown.append(part)
+    return Frame(rule, id_bits, tuple(shown), hidden)
 
 
 def partners(scope: Scope, part: Part) -> Sequence[tuple[str, int | None]]:

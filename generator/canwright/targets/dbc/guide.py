@@ -10,10 +10,10 @@ from ... import given
 from ...golden import Frame as GoldenFrame
 from ...model import Direction, Edition, Parameter
 from .. import Described, header
-from .files import KIND
-from .frames import MOST_NODES, Part, Scope, obstacle, overlaid
+from .fields import LETTER
+from .files import KIND, Traffics
+from .frames import MOST_NODES, Part, obstacle
 from .selectors import joined_span
-from .signals import LETTER
 from .text import number
 from .view import EXTENDED, File, Message, Signal
 
@@ -67,6 +67,14 @@ class Example(NamedTuple):
         return self.frame.data.hex(" ").upper()
 
 
+class Made(NamedTuple):
+    """What there is of an edition."""
+
+    described: Described
+    traffics: Traffics
+    files: tuple[File, ...]
+
+
 class Guide(NamedTuple):
     """All that README.md shows; an example is None where there is no golden frame for it."""
 
@@ -76,13 +84,13 @@ class Guide(NamedTuple):
     sending: Example | None
 
 
-def guide(made: Sequence[tuple[Described, Sequence[File]]]) -> Guide:
-    sections = tuple(_section(described, files) for described, files in made)
-    reading = [e for described, files in made for e in _examples(described, files, Direction.REPLY)]
-    requests = (e for described, files in made for e in _examples(described, files, Direction.REQUEST))
+def guide(made: Sequence[Made]) -> Guide:
+    sections = tuple(map(_section, made))
+    reading = [e for one in made for e in _examples(one.described, one.files, Direction.REPLY)]
+    requests = (e for one in made for e in _examples(one.described, one.files, Direction.REQUEST))
     sending = next((e for e in requests if len(e.values) == len(e.frame.raw)), None)
     best = max(reading, key=lambda e: len(e.values), default=None)
-    first = next((file for _, files in made for file in files), None)
+    first = next((file for one in made for file in one.files), None)
     return Guide(sections, best.file if best else first, best, sending)
 
 
@@ -94,7 +102,8 @@ def _usual(described: Described, parameter: Parameter) -> str:
     return number(next(found, parameter.maximum or Fraction(1)))
 
 
-def _section(described: Described, files: Sequence[File]) -> Section:
+def _section(made: Made) -> Section:
+    described, traffics, files = made
     edition = described.edition
     rows: dict[tuple[str, ...], list[File]] = {}
     for file in files:
@@ -108,7 +117,7 @@ def _section(described: Described, files: Sequence[File]) -> Section:
         tuple((name, tuple(dict.fromkeys(commands))) for name, commands in _joined(files).items()),
         tuple((p.name, tuple(v.name for v in p.values)) for p in edition.parameters if p.is_choice and p.is_numeric),
         tuple((p.name, _usual(described, p)) for p in edition.parameters if edition.is_factor(p)),
-        tuple(_lacking(edition)),
+        tuple(_lacking(edition, traffics)),
     )
 
 
@@ -120,19 +129,20 @@ def _joined(files: Sequence[File]) -> dict[str, list[str]]:
     return found
 
 
-def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
+def _lacking(edition: Edition, traffics: Traffics) -> Iterator[tuple[str, str, str]]:
     """Direction, command and reason of what the files lack, or say less of than the spec."""
     for direction, kind in KIND.items():
         for message in edition.messages(direction):
             reason = obstacle(message)
             if reason:
                 yield kind, message.command, f"left out: {reason}"
-        scope = Scope(edition, direction, {}, {})
-        reasons = overlaid(scope)
+        frames = traffics[direction].frames({})
+        hidden = {name: what for frame in frames for name, what in frame.hidden.items()}
         for message in edition.messages(direction):
-            if message.name in reasons:
-                yield kind, message.command, f"left out: {reasons[message.name]}"
-        for frame in scope.frames:
+            if message.name in hidden:
+                what = f"{hidden[message.name]} tells it from the other messages of its id"
+                yield kind, message.command, f"left out: {what}, which no multiplexor can say"
+        for frame in frames:
             nodes = frame.rule.nodes or range(0)
             if len(nodes) > MOST_NODES:
                 last = nodes[MOST_NODES - 1]
@@ -152,12 +162,15 @@ def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
 def _examples(described: Described, files: Sequence[File], direction: Direction) -> Iterator[Example]:
     """Golden frames that a file of this run reads without any other parameter than those in its name."""
     golden = [f for f in described.frames.frames if f.direction is direction] if described.frames else []
-    whole = [file for file in files if file.kind == KIND[direction] and not file.part]
-    ids = [{message.id & ~EXTENDED: message for message in reversed(file.messages)} for file in whole]
+    whole = [
+        (file, set(file.known), {message.id & ~EXTENDED: message for message in reversed(file.messages)})
+        for file in files
+        if file.kind == KIND[direction] and not file.part
+    ]
     for frame in golden:
-        for file, by_id in zip(whole, ids, strict=True):
-            known = {str(value) for value in frame.parameters.values()}
-            view = by_id.get(frame.id) if set(file.known) == known else None
+        known = {str(value) for value in frame.parameters.values()}
+        for file, known_there, by_id in whole:
+            view = by_id.get(frame.id) if known_there == known else None
             example = _example(described.edition, file, view, frame) if view else None
             if example and not frame.decode_only:
                 yield example

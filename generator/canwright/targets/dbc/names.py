@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...model import Edition, Element, Field, Message, Path, Space
+from .fields import LETTER
 from .frames import Part
-from .signals import LETTER
 from .text import NAME_LENGTH
 
 Problem = tuple[Path, str, str]

@@ -41,13 +41,13 @@ def joined_value(part: Part, span: range) -> int:
 
 def runs(numbers: Iterable[int], split: Iterable[int] = ()) -> list[tuple[int, ...]]:
     """Neighbouring numbers together; those in `split` by themselves."""
-    found: list[tuple[int, ...]] = []
+    found: list[list[int]] = []
     for n in sorted(numbers):
         if found and found[-1][-1] == n - 1 and n not in split and n - 1 not in split:
-            found[-1] = (*found[-1], n)
+            found[-1].append(n)
         else:
-            found.append((n,))
-    return found
+            found.append([n])
+    return list(map(tuple, found))
 
 
 def _fixed(part: Part) -> Iterator[tuple[tuple[int, ...], int]]:

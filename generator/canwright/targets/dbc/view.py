@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterable
+from typing import NamedTuple, TypeVar
+
+from .text import fitting
 
 EXTENDED = 1 << 31
 """Marks a 29-bit id."""
@@ -43,6 +46,18 @@ class Message(NamedTuple):
     @property
     def extended(self) -> bool:
         return bool(self.id & EXTENDED)
+
+
+Named = TypeVar("Named", Signal, Message)
+
+
+def fitted(views: Iterable[Named]) -> tuple[Named, ...]:
+    """The signals of a message, or the messages of a file, under names that readers take and that are unique there."""
+    found: dict[str, Named] = {}
+    for view in views:
+        name = fitting(view.name, found)
+        found[name] = view if name == view.name else view._replace(name=name)
+    return tuple(found.values())
 
 
 class File(NamedTuple):

@@ -3,63 +3,65 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import jinja2
 import yaml
 
 from ... import resources, words
-from ...compare import Change, compare
-from ...model import Assignment
+from ...model import Assignment, Edition
 from ...render import environment
 from .. import Described, Output, header
 from . import editions
+from .common import Common
 from .pages import Pages
+from .tables import Labels
 from .text import code, markdown
 
 _PAGES = ("types", "parameters", "errata", "bus")
 
 
+class _Book(NamedTuple):
+    """The documents in one language; `listed` are its editions with their folders, the oldest first."""
+
+    language: str
+    labels: Labels
+    says: editions.Says
+    listed: Sequence[tuple[str, Edition]]
+    view: Mapping[str, object]
+    """What every template is given."""
+
+
 def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
     """A folder for each language, in it one for each edition."""
-    labels: dict[str, dict[str, str]] = _words("labels")
-    says: dict[str, editions.Says] = _words("changes")
     env = environment(
         "docs",
         {"md": markdown, "code": code, "exact": words.exact, "raw_format": words.raw_format, "id_rule": words.id_rule},
     )
-    compared: dict[tuple[int, int], Sequence[Change]] = {}
     families = {d.edition.family for d in described}
-    for language in [one for one in labels if any(one in d.edition.languages for d in described)]:
-        here = [d for d in described if language in d.edition.languages]
-        folders = {
-            id(d): d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}" for d in here
-        }
-        common: dict[str, object] = {"labels": labels[language], "lang": language}
-        by_edition = {id(d.edition): folders[id(d)] for d in here}
-        listed = [(by_edition[id(e)], e) for e in editions.in_order(d.edition for d in here)]
-        tables = list(editions.support(listed, labels[language], language))
-        lines = list(editions.front(listed))
-        front = env.get_template("language.md.j2").render(common, editions=lines, has_support=bool(tables))
-        yield Output(f"{language}/index.md", front)
-        if tables:
-            yield Output(f"{language}/support.md", env.get_template("support.md.j2").render(common, tables=tables))
-            page = env.get_template(f"new_edition.{language}.md.j2").render(common)
-            yield Output(f"{language}/new-edition.md", page)
-        common["by_command"] = editions.by_command(listed)
-        for item in here:
-            old = editions.previous(item.edition, [edition for _, edition in listed])
-            folder = f"{language}/{folders[id(item)]}"
-            yield from _edition(env, item, {**common, "has_changes": old is not None}, folder)
-            if old is not None:
-                pair = (id(old), id(item.edition))
-                if pair not in compared:
-                    compared[pair] = compare(old, item.edition)
-                changes = editions.changes(
-                    old, compared[pair], language, labels[language], says.get(language, editions.ENGLISH)
-                )
-                view = {**common, "edition": item.edition, "header": header(item.edition), "changes": changes}
-                yield Output(f"{folder}/changes.md", env.get_template("changes.md.j2").render(view))
+    folders = {
+        id(d.edition): d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}"
+        for d in described
+    }
+    books = list(_books(described, folders))
+    for book in books:
+        yield from _front(env, book)
+    for item in described:
+        common = Common(item.edition, item.frames)
+        for book in books:
+            if book.language in item.edition.languages:
+                folder = f"{book.language}/{folders[id(item.edition)]}"
+                yield from _edition(env, common, book, folder)
+
+
+def _books(described: Sequence[Described], folders: Mapping[int, str]) -> Iterator[_Book]:
+    says: Mapping[str, editions.Says] = _words("changes")
+    for language, labels in _words("labels").items():
+        here = editions.in_order(d.edition for d in described if language in d.edition.languages)
+        if here:
+            listed = [(folders[id(edition)], edition) for edition in here]
+            view = {"lang": language, "labels": labels, "by_command": editions.by_command(listed)}
+            yield _Book(language, labels, says.get(language, editions.ENGLISH), listed, view)
 
 
 def _words(name: str) -> Any:
@@ -68,17 +70,36 @@ def _words(name: str) -> Any:
     return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
 
 
-def _edition(env: jinja2.Environment, item: Described, common: Mapping[str, object], folder: str) -> Iterator[Output]:
-    language = str(common["lang"])
-    pages = Pages(item.edition, item.frames, common["labels"], language)  # type: ignore[arg-type]
-    view = {**common, "edition": item.edition, "header": header(item.edition), "pages": pages}
+def _front(env: jinja2.Environment, book: _Book) -> Iterator[Output]:
+    """The pages that are about no edition alone."""
+    language = book.language
+    tables = list(editions.support(book.listed, book.labels, language))
+    lines = list(editions.front(book.listed))
+    front = env.get_template("language.md.j2").render(book.view, editions=lines, has_support=bool(tables))
+    yield Output(f"{language}/index.md", front)
+    if tables:
+        yield Output(f"{language}/support.md", env.get_template("support.md.j2").render(book.view, tables=tables))
+        page = env.get_template(f"new_edition.{language}.md.j2").render(book.view)
+        yield Output(f"{language}/new-edition.md", page)
+
+
+def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) -> Iterator[Output]:
+    edition = common.edition
+    pages = Pages(common, book.labels, book.language)
+    old = editions.previous(edition, [other for _, other in book.listed])
+    about = {"edition": edition, "header": header(edition), "pages": pages, "has_changes": old is not None}
+    view = {**book.view, **about}
     yield Output(f"{folder}/index.md", env.get_template("overview.md.j2").render(view, **pages.overview()))
     for name in _PAGES:
         yield Output(f"{folder}/{name}.md", env.get_template(f"{name}.md.j2").render(view, **pages.types()))
     template = env.get_template("command.md.j2")
-    for command in item.edition.commands:
-        page = pages.command(command)
-        yield Output(f"{folder}/commands/{command.name}.md", template.render(view, **page))
-        for half in page["halves"]:
+    for sheet in common.sheets:
+        halves = [pages.half(sheet.command, direction, side) for direction, side in sheet.sides]
+        page = template.render({**view, **sheet.view, "halves": halves})
+        yield Output(f"{folder}/commands/{sheet.command.name}.md", page)
+        for half in halves:
             for picture in half.pictures:
                 yield Output(f"{folder}/pictures/{picture.file}", picture.svg)
+    if old is not None:
+        changes = editions.changes(old, common.since(old), book.language, book.labels, book.says)
+        yield Output(f"{folder}/changes.md", env.get_template("changes.md.j2").render(view, changes=changes))

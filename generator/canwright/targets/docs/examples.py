@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
 from ... import words
 from ...golden import Frame, GoldenFrames, Value
-from ...model import Field, Message
+from ...model import Message
 from ...written import Text
-from .tables import Labels
 from .text import code, markdown
 
 MOST = 4
@@ -25,49 +24,72 @@ class Example(NamedTuple):
     source: str
 
 
-def examples(
-    golden: GoldenFrames | None, message: Message, command: str, labels: Labels, language: str
-) -> Iterator[Example]:
+class Worked(NamedTuple):
+    """An example before it is put into a language: `means % labels` is what it means; `source` is a name."""
+
+    frame: str
+    given: str
+    means: str
+    source: str
+    note: str | None
+
+    def example(self, labels: Mapping[str, str], sources: Mapping[str, str], language: str) -> Example:
+        """The example in a language; `sources` are texts in that language, by name. Notes are in English."""
+        note = self.note if language == "en" else None
+        return Example(self.frame, self.given, self.means % labels, _source(sources[self.source], note))
+
+
+def worked(golden: GoldenFrames, message: Message, command: str) -> Iterator[Worked]:
     """The first few golden frames of one direction of a command, those with most to say first."""
-    found = golden.of_command.get((command, message.direction), []) if golden else []
+    found = golden.of_command.get((command, message.direction), [])
     usual = [f for f in found if not f.decode_only] or found
+    units = {f.name: f" {f.type.unit.symbol}" for f in message.layout.fields if f.type.unit}
     for frame in sorted(usual, key=lambda f: -len(f.values))[:MOST]:
-        yield Example(
-            code(f"{frame.id:03X}#{frame.data.hex().upper()}"),
+        yield Worked(
+            f"`{frame.id:03X}#{frame.data.hex().upper()}`",
             ", ".join(code(f"{name} = {value}") for name, value in frame.parameters.items()),
-            "<br>".join(_meanings(frame, message, labels)) or labels["none"],
-            _source(golden.sources[frame.source], frame.note if language == "en" else None, language) if golden else "",
+            "<br>".join(_meanings(frame, units)) or "%(none)s",
+            frame.source,
+            frame.note,
         )
 
 
-def _source(source: Text, note: str | None, language: str) -> str:
+def sources(golden: GoldenFrames, language: str) -> Mapping[str, str]:
+    """Where frames are from, by name."""
+
+    def said(source: Text) -> str:
+        return source if isinstance(source, str) else "".join(text for of, text in source.items() if of == language)
+
+    return {name: said(source) for name, source in golden.sources.items()}
+
+
+def _source(source: str, note: str | None) -> str:
     """Where a frame is from, and what is noted of it."""
-    text = source if isinstance(source, str) else "".join(said for name, said in source.items() if name == language)
-    return f"{markdown(text.removesuffix('.'))} ({markdown(note)})" if note else markdown(text)
+    return f"{markdown(source.removesuffix('.'))} ({markdown(note)})" if note else markdown(source)
 
 
-def _meanings(frame: Frame, message: Message, labels: Labels) -> Iterator[str]:
+def _meanings(frame: Frame, units: Mapping[str, str]) -> Iterator[str]:
+    """What the node and each field is, with labels to be filled in by `%`."""
     if frame.node is not None:
         yield code(f"node = {frame.node}")
-    fields = {f.name: f for f in message.layout.fields}
     for name, raw in frame.raw.items():
         value = frame.values.get(name)
         if value is None:
             yield code(f"{name}: raw {_list(raw)}")
         elif value == "none":
-            yield f"{code(f'{name}: raw {_list(raw)}')}, {labels['raw_only']}"
+            yield f"{code(f'{name}: raw {_list(raw)}')}, %(raw_only)s"
         else:
-            yield code(f"{name} = {_value(value, fields.get(name)) or labels['none']}") + _raw(raw, value)
+            said = _value(value, units.get(name, "")).replace("%", "%%") or "%(none)s"
+            yield code(f"{name} = {said}") + _raw(raw, value)
 
 
 def _raw(raw: int | list[int], value: Value) -> str:
     return "" if raw == value else f" ({code(f'raw {_list(raw)}')})"
 
 
-def _value(value: Value, field: Field | None) -> str:
-    unit = f" {field.type.unit.symbol}" if field and field.type.unit else ""
+def _value(value: Value, unit: str) -> str:
     if isinstance(value, list):
-        return ", ".join(_value(v, None) for v in value) + unit
+        return ", ".join(_value(v, "") for v in value) + unit
     return words.exact(value) + unit if isinstance(value, Fraction) else value
 
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ... import words
-from ...golden import GoldenFrames
-from ...model import Command, Direction, Edition, Erratum, Message, Path, Segment, Space, Variant
-from . import picture, tables
-from .examples import Example, examples
+from ...model import Command, Direction, Erratum
+from . import tables
+from .common import Common, Drawn, Side
+from .examples import Example, sources
 from .overview import overview
 from .tables import Labels, Row
-from .text import code, markdown
+from .text import code, markdown, xml
 
 
 class Picture(NamedTuple):
@@ -30,117 +30,81 @@ class Half(NamedTuple):
     title: str
     about: str
     reserved: str
-    facts: tuple[tuple[str, str], ...]
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    pictures: tuple[Picture, ...]
-    examples: tuple[Example, ...]
+    facts: Sequence[tuple[str, str]]
+    columns: Sequence[str]
+    rows: Sequence[tuple[str, ...]]
+    pictures: Sequence[Picture]
+    examples: Sequence[Example]
 
 
 class Pages:
     """Builds what the templates of an edition are given."""
 
-    def __init__(self, edition: Edition, golden: GoldenFrames | None, labels: Labels, language: str) -> None:
-        self.edition = edition
-        self._golden = golden
+    def __init__(self, common: Common, labels: Labels, language: str) -> None:
+        self._common = common
         self._labels = labels
         self._language = language
-        self._of_entry: dict[Path, list[Command]] = {}
-        for command in edition.commands:
-            if command.entry:
-                self._of_entry.setdefault(command.entry.path, []).append(command)
-        self._places = {command.name: place for place, command in enumerate(edition.commands)}
-        self._errata = {command.name: edition.errata_of(command) for command in edition.commands}
-        self._touched: dict[str, list[str]] = {}
-        for name, errata in self._errata.items():
-            for erratum in errata:
-                self._touched.setdefault(erratum.id, []).append(name)
+        self._sources = sources(common.golden, language) if common.golden else {}
+        self._field_rows: dict[tuple[object, ...], Sequence[Row]] = {}
 
     def overview(self) -> Mapping[str, Any]:
         """The first page of the edition."""
-        return overview(self.edition, self._labels, self._language)
+        return overview(self._common.edition, self._labels, self._language)
 
-    def command(self, command: Command) -> Mapping[str, Any]:
-        """The page of one command."""
-        commands = self.edition.commands
-        at = self._places[command.name]
-        entry = command.entry
-        sections = dict.fromkeys(filter(None, (command.manual, entry.manual if entry else "")))
-        return {
-            "command": command,
-            "manual": ", ".join(map(markdown, sections)),
-            "table": self.edition.table(entry.table) if entry else None,
-            "index": code(tables.index(command.request or command.reply)),
-            "also": [c for c in self._of_entry[entry.path] if c is not command] if entry else [],
-            "halves": [self._half(command, d) for d in Direction],
-            "only": code(words.condition(command.only)),
-            "mode": next((mode for mode in self.edition.bus.modes if mode.name == command.mode), None),
-            "previous": commands[at - 1] if at else None,
-            "following": commands[at + 1] if at + 1 < len(commands) else None,
-            "errata": self._errata[command.name],
-        }
-
-    def _half(self, command: Command, direction: Direction) -> Half:
+    def half(self, command: Command, direction: Direction, side: Side | None) -> Half:
+        """One direction of a command; `side` is what it says in every language."""
         labels = self._labels
-        message = command.message(direction)
-        facts = list(tables.facts(message, labels)) if message else []
-        if message and self._is_rest(message):
+        title = labels[direction.value]
+        facts = list(tables.facts(side.message, side.id, side.nodes, labels)) if side else []
+        if side and side.is_rest:
             facts.append((labels["selector_of"], labels["rest"]))
         if direction is Direction.REPLY:
             facts += tables.reply_facts(command, labels)
-        elif message is None:
+        elif side is None:
             facts.append((labels["form"], labels["no_request"]))
-        if message is None:
-            return Half(labels[direction.value], "", "", tuple(facts), (), (), (), ())
-        layout = message.layout
+        if side is None:
+            return Half(title, "", "", facts, (), (), (), ())
+        layout = side.message.layout
         if layout.manual not in ("", command.manual, command.entry.manual if command.entry else ""):
             facts.append((labels["manual"], markdown(layout.manual)))
         about = self.said(layout) if layout.shared else markdown(layout.about[self._language])
-        rows = list(tables.rows(message, command, labels, self._language))
-        kept = [name for name in Row._fields if any(getattr(row, name) for row in rows)]
+        rows = [*tables.key_rows(side.keys, side.message, command, labels), *self._rows_of_fields(command, side)]
+        columns = zip(Row._fields, zip(*rows, strict=True), strict=False)
+        kept = [(name, cells) for name, cells in columns if any(cells)]
         return Half(
-            labels[direction.value],
+            title,
             "" if command.entry and layout.path[:4] == command.entry.path else about,
-            labels["reserved"] if self._has_free_bits(command, message) else "",
-            tuple(facts),
-            tuple(labels[name] for name in kept),
-            tuple(tuple(getattr(row, name) for name in kept) for row in rows),
-            tuple(self._pictures(command, message)),
-            tuple(examples(self._golden, message, command.name, labels, self._language)),
+            labels["reserved"] if side.has_free_bits else "",
+            facts,
+            [labels[name] for name, _ in kept],
+            list(zip(*(cells for _, cells in kept), strict=True)),
+            [self._picture(command, title, drawn) for drawn in side.drawn],
+            [worked.example(labels, self._sources, self._language) for worked in side.examples],
         )
 
-    def _is_rest(self, message: Message) -> bool:
-        """Whether a message has no selector, and others of its ids have one."""
-        same = self.edition.of_rule(message.direction, message.id)
-        return not message.keys and any(other.keys and other.remote == message.remote for other in same)
+    def _rows_of_fields(self, command: Command, side: Side) -> Sequence[Row]:
+        """Worked out once for all commands that say the same of a layout; layouts are told by identity."""
+        layout = side.message.layout
+        manual = command.entry.manual if command.entry else ""
+        key = (id(layout), command.manual, manual, *command.only.items())
+        if key not in self._field_rows:
+            rows = tables.field_rows(side.fields, layout, command, self._labels, self._language)
+            self._field_rows[key] = tuple(rows)
+        return self._field_rows[key]
 
-    def _pictures(self, command: Command, message: Message) -> Iterator[Picture]:
-        variants = [v for v in message.layout.variants if self._can_be(command, message, v)]
-        for variant in variants:
-            suffix = "-" + "-".join(variant.values) if len(variants) > 1 else ""
-            only = f"{message.layout.parameter} {', '.join(variant.values)}" if suffix else ""
-            about = (command.name, self._labels[message.direction.value], only)
-            title = f"{self._labels['picture']} {self._labels['comma'].join(filter(None, about))}"
-            svg = picture.svg(message, variant, title)
-            yield Picture(f"{command.name}-{message.direction.value}{suffix}.svg", svg, markdown(title), code(only))
+    def _picture(self, command: Command, side: str, drawn: Drawn) -> Picture:
+        title = self._title(xml, command.name, side, drawn.only)
+        alt = self._title(markdown, command.name, side, drawn.only)
+        return Picture(drawn.file, drawn.drawing.svg(title), alt, code(drawn.only))
 
-    @staticmethod
-    def _can_be(command: Command, message: Message, variant: Variant) -> bool:
-        allowed = command.only.get(message.layout.parameter or "", variant.values)
-        return not variant.values or bool(set(variant.values) & set(allowed))
-
-    def _has_free_bits(self, command: Command, message: Message) -> bool:
-        """Whether some data bit belongs to no key and, under some parameter value that has the command, to no field."""
-        data = 0 if message.remote else 8 * message.dlc
-        return any(
-            sum(s.width for places in _data(message, v) for s in places) < data
-            for v in message.layout.variants
-            if self._can_be(command, message, v)
-        )
+    def _title(self, said: Callable[[str], str], command: str, side: str, only: str) -> str:
+        """What a picture shows, in the language that `said` puts a text into."""
+        about = (said(command), side, said(only)) if only else (said(command), side)
+        return f"{self._labels['picture']} {self._labels['comma'].join(about)}"
 
     def types(self) -> Mapping[str, Any]:
         """The page of types."""
-        return {"named_types": [t for t in self.edition.types if t.path[0] == "types"], "tables": tables}
+        return {"named_types": [t for t in self._common.edition.types if t.path[0] == "types"], "tables": tables}
 
     def said(self, thing: tables.Titled) -> str:
         """The title of a thing, and what else is said of it."""
@@ -150,12 +114,6 @@ class Pages:
         """Under which parameter values something is there."""
         return code(words.condition(only))
 
-    def erratum_links(self, erratum: Erratum) -> list[str]:
+    def erratum_links(self, erratum: Erratum) -> Sequence[str]:
         """The commands that an erratum touches."""
-        return self._touched.get(erratum.id, [])
-
-
-def _data(message: Message, variant: Variant) -> Iterator[tuple[Segment, ...]]:
-    """The data bits that keys and fields take."""
-    yield from (key.segments for key in message.keys if key.space is Space.DATA)
-    yield from (e.segments for f in variant.fields if f.space is Space.DATA for e in f.elements)
+        return self._common.touched.get(erratum.id, ())

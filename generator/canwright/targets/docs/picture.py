@@ -37,43 +37,70 @@ class _Row(NamedTuple):
     rest: int
 
 
-def svg(message: Message, variant: Variant, title: str) -> str:
-    """The frame with its fields: the id where keys or fields stand in it, and the data bytes."""
-    rows = (*_id_rows(message, variant), *(_Row(f"DATA[{byte}]", 8, 0) for byte in range(message.dlc)))
-    size, drawn = _drawn(rows, tuple(_runs(message, variant, len(rows) - message.dlc)))
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img"><title>{xml(title)}</title>'
-    return f"{head}<style>{_STYLE}</style>\n{drawn}\n</svg>\n"
+class Drawing(NamedTuple):
+    """A picture but for its title, which is all that depends on the language."""
+
+    size: str
+    body: str
+    has_free_bits: bool
+    """Whether some data bit belongs to no key and to no field."""
+
+    def svg(self, title: str) -> str:
+        """The picture, with a title in SVG."""
+        head = f'<svg xmlns="http://www.w3.org/2000/svg" {self.size} role="img"><title>{title}</title>'
+        return f"{head}<style>{_STYLE}</style>\n{self.body}\n</svg>\n"
+
+
+class Drawings:
+    """Draws frames with their fields: the id where keys or fields stand in it, and the data bytes."""
+
+    def __init__(self) -> None:
+        self._fields: dict[tuple[int, int], tuple[_Run, ...]] = {}
+        """Those of a variant, below so many rows of the id. Variants are told by identity: many messages share one."""
+
+    def drawing(self, message: Message, variant: Variant) -> Drawing:
+        """The frame of a message under some parameter values."""
+        id_rows = _id_rows(message, variant)
+        key = (id(variant), len(id_rows))
+        if key not in self._fields:
+            self._fields[key] = tuple(_fields(variant, len(id_rows)))
+        return _drawn(id_rows, message.dlc, (*_keys(message, len(id_rows)), *self._fields[key]))
 
 
 @functools.lru_cache(maxsize=1 << 10)
-def _drawn(rows: tuple[_Row, ...], runs: tuple[_Run, ...]) -> tuple[str, str]:
-    """The size of a picture, and what is in it: the same in every language, and in most editions."""
+def _drawn(id_rows: tuple[_Row, ...], dlc: int, runs: tuple[_Run, ...]) -> Drawing:
+    """A picture, which many commands and most editions share."""
+    rows = (*id_rows, *(_Row(f"DATA[{byte}]", 8, 0) for byte in range(dlc)))
     taken = {(run.row, run.low + i) for run in runs for i in range(run.width)}
+    free = [[bit for bit in range(row.width) if (i, bit) not in taken] for i, row in enumerate(rows)]
     width, height = LEFT + 8 * CELL + 8, TOP + len(rows) * ROW + 8
     parts = [f'<rect class="g" x="0" y="0" width="{width}" height="{height}" rx="6"/>']
     parts += [f'<text class="n" x="{LEFT + (7 - b) * CELL + CELL // 2}" y="{TOP // 2}">{b}</text>' for b in range(8)]
     for i, row in enumerate(rows):
         parts.append(f'<text class="n e" x="{LEFT - 10}" y="{TOP + i * ROW + ROW // 2}">{row.title}</text>')
-        free = [bit for bit in range(row.width) if (i, bit) not in taken]
-        parts += [_box(_Run(i, bit, 1, str(row.rest >> bit & 1), "r")) for bit in free]
+        parts += [_box(_Run(i, bit, 1, str(row.rest >> bit & 1), "r")) for bit in free[i]]
     parts += map(_box, runs)
-    return f'viewBox="0 0 {width} {height}" width="{width}" height="{height}"', "\n".join(parts)
+    size = f'viewBox="0 0 {width} {height}" width="{width}" height="{height}"'
+    return Drawing(size, "\n".join(parts), any(free[len(id_rows) :]))
 
 
-def _id_rows(message: Message, variant: Variant) -> list[_Row]:
+def _id_rows(message: Message, variant: Variant) -> tuple[_Row, ...]:
     """The id from its upper bits down, eight to a row; none where the id has nothing but node and base."""
     if Space.ID not in {*(key.space for key in message.keys), *(field.space for field in variant.fields)}:
-        return []
+        return ()
     width, base = (29 if message.id.extended else 11), message.id.base
     lows = reversed(range(0, width, 8))
-    return [_Row(f"id {min(low + 8, width) - 1}..{low}", min(8, width - low), base >> low & 0xFF) for low in lows]
+    return tuple(_Row(f"id {min(low + 8, width) - 1}..{low}", min(8, width - low), base >> low & 0xFF) for low in lows)
 
 
-def _runs(message: Message, variant: Variant, id_rows: int) -> Iterator[_Run]:
+def _keys(message: Message, id_rows: int) -> Iterator[_Run]:
     for key in message.keys:
         yield from _places(key.space, key.segments, f"0x{key.value:02X}", "k", id_rows)
     if id_rows and message.id.nodes is not None:
         yield from _places(Space.ID, [_node(message.id, message.id.nodes)], "node", "k", id_rows)
+
+
+def _fields(variant: Variant, id_rows: int) -> Iterator[_Run]:
     places = [(f.space, name, segments) for f in variant.fields for name, segments in words.elements(f)]
     for i, (space, name, segments) in enumerate(places):
         yield from _places(space, segments, name, "ab"[i % 2], id_rows)

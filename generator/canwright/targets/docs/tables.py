@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 from ... import words
-from ...model import Assignment, Command, Encoding, Field, Layout, Message, Order, ReplyForm, Text, Type
+from ...model import Assignment, Command, Encoding, Field, Key, Layout, Message, Order, ReplyForm, Text, Type
 from .text import code, markdown
 
 Labels = Mapping[str, str]
@@ -48,33 +48,55 @@ def index(message: Message | None) -> str:
     return " ".join(f"0x{key.value:02X}" for key in message.keys if key.is_index) if message else ""
 
 
-def rows(message: Message, command: Command, labels: Labels, language: str) -> Iterator[Row]:
-    """The selector and the fields of a frame, in the order of the spec."""
-    for i, key in enumerate(message.keys):
-        accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept) if i == 0 else ""
+class Cells(NamedTuple):
+    """What is told alike in every language of some bits, in Markdown: the start of their row."""
+
+    place: str
+    field: str
+    type: str
+    raw: str
+
+
+def key_cells(key: Key) -> Cells:
+    """A key as it stands in the frame."""
+    order = " big-endian" if key.order is Order.BIG and len(key.segments) > 1 else ""
+    return Cells(code(words.place(key.space, key.segments)), "", "", code(f"u{key.width}{order}"))
+
+
+def field_cells(field: Field) -> list[Cells]:
+    """A field as it stands in its layout; an array has several places."""
+    type_ = field.type
+    link = f"[{markdown(type_.name)}](../types.md#types.{type_.name})" if type_.path[0] == "types" else ""
+    return [
+        Cells(code(words.place(field.space, segments)), code(name), link, code(words.raw_format(type_, segments)))
+        for name, segments in words.elements(field)
+    ]
+
+
+def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels: Labels) -> Iterator[Row]:
+    """The selector of a frame."""
+    for i, (key, start) in enumerate(zip(message.keys, cells, strict=True)):
         note = labels["selector_of_entry" if command.entry and key.is_index else "selector"]
-        note += f"{labels['and']}{labels['accepted']} {accepted}" if accepted else ""
-        order = " big-endian" if key.order is Order.BIG and len(key.segments) > 1 else ""
-        raw, value = code(f"u{key.width}{order}"), code(f"0x{key.value:02X}")
-        yield Row(code(words.place(key.space, key.segments)), "", "", raw, "", value, "", "", note)
-    for field in message.layout.fields:
-        if not _there(message.layout, field, command):
-            continue
-        for name, segments in words.elements(field):
-            yield Row(
-                code(words.place(field.space, segments)),
-                code(name),
-                f"[{markdown(field.type.name)}](../types.md#types.{field.type.name})"
-                if field.type.path[0] == "types"
-                else "",
-                code(words.raw_format(field.type, segments)),
-                *_numbers(field, message.layout, command, labels),
-                _only(message.layout, field),
+        if i == 0 and message.accept:
+            accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept)
+            note += f"{labels['and']}{labels['accepted']} {accepted}"
+        yield Row(*start, "", code(f"0x{key.value:02X}"), "", "", note)
+
+
+def field_rows(
+    fields: Sequence[tuple[Field, Sequence[Cells]]], layout: Layout, command: Command, labels: Labels, language: str
+) -> Iterator[Row]:
+    """The fields of a layout that a command has, in the order of the spec."""
+    for field, places in fields:
+        if _there(layout, field, command):
+            numbers = _numbers(field, layout, command, labels)
+            what = (
                 said(field, labels, language)
                 + (f"{labels['and']}{labels['holds_node']}" if field.holds_node else "")
-                + _section(field, message, command, labels)
-                + _members(field.type, labels),
+                + _section(field, layout, command, labels)
+                + _members(field.type, labels)
             )
+            yield from (Row(*cells, *numbers, _only(layout, field), what) for cells in places)
 
 
 def _there(layout: Layout, field: Field, command: Command) -> bool:
@@ -102,9 +124,9 @@ def _members(type_: Type, labels: Labels) -> str:
     return f"<br>{labels['bits'] if type_.flags else ''}{told}"
 
 
-def _section(field: Field, message: Message, command: Command, labels: Labels) -> str:
+def _section(field: Field, layout: Layout, command: Command, labels: Labels) -> str:
     """Where in the manual a field is, when not where its layout or command is."""
-    known = ("", message.layout.manual, command.manual, command.entry.manual if command.entry else "")
+    known = ("", layout.manual, command.manual, command.entry.manual if command.entry else "")
     return "" if field.manual in known else f" ({labels['manual']} {markdown(field.manual)})"
 
 
@@ -157,11 +179,11 @@ def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
     return cases(found)
 
 
-def facts(message: Message, labels: Labels) -> Iterator[tuple[str, str]]:
+def facts(message: Message, id_: str, nodes: str, labels: Labels) -> Iterator[tuple[str, str]]:
     """Id, nodes and frame of a message."""
-    yield labels["id"], code(words.id_rule(message.id))
-    if message.id.nodes is not None:
-        yield labels["nodes"], code(f"{message.id.nodes[0]}..{message.id.nodes[-1]}")
+    yield labels["id"], id_
+    if nodes:
+        yield labels["nodes"], nodes
     kind = labels["extended" if message.id.extended else "standard"]
     frame = labels["remote_frame" if message.remote else "data_frame"]
     yield labels["frame"], labels["comma"].join((kind, frame, f"`{message.dlc}` {labels['data_bytes']}"))

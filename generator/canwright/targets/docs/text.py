@@ -43,6 +43,7 @@ def code(text: str) -> str:
     return f"`{line}`" if line else ""
 
 
+@functools.lru_cache(maxsize=1 << 14)
 def xml(text: str) -> str:
     """A text within SVG."""
     return html.escape(visible(text))

@@ -15,7 +15,7 @@ from . import codec_names, messages, routes, text, types
 from .examples import example
 from .problems import problems as problems
 
-_TEXTS = re.compile(r'""".*?"""|"(?:\\.|[^"\\\n])*"', re.DOTALL)
+_TEXTS = re.compile(r'""".*?"""|"[^"\\\n]*(?:\\.[^"\\\n]*)*"', re.DOTALL)
 """Docstrings and other texts of a module, whose words are no names."""
 
 
@@ -54,13 +54,19 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     for item in described:
         view = _module(item.edition)
         text_of_body = body.render(view)
-        used = set(re.findall(r"\w+", _TEXTS.sub("", text_of_body)))
+        used = _words(text_of_body)
         imports = sorted(name for name in codec_names.NAMES if name in used or name in codec_names.PUBLIC)
         structs = [name for name in ("Struct", "pack") if name in used]
         yield Output(
             f"{item.edition.family}/{item.edition.identifier}.py",
             module.render(view, body=text_of_body, used=used, imports=imports, structs=structs),
         )
+
+
+def _words(module: str) -> set[str]:
+    """The names in the code of a module. Most of its pieces stand there many times."""
+    pieces = set(_TEXTS.sub("", module).split())
+    return set(re.findall(r"\w+", " ".join(pieces)))
 
 
 def _module(edition: Edition) -> dict[str, object]:

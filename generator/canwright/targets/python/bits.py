@@ -21,7 +21,7 @@ class Place(NamedTuple):
 
     @property
     def first_byte(self) -> int:
-        return min(s.byte for s in self.segments)
+        return min(self.segments[0].byte, self.segments[-1].byte)
 
     @property
     def whole_bytes(self) -> bool:

@@ -42,11 +42,11 @@ def example(described: Sequence[Described]) -> Example | None:
 
 
 def _examples(described: Described) -> Iterator[Example]:
-    frames = [f for f in described.frames.frames if not f.decode_only] if described.frames else []
+    frames = described.frames.of_command if described.frames else {}
     for command in described.edition.commands:
-        sent = [f for f in frames if f.request == command.name]
-        answered = [f for f in frames if f.reply == command.name and f.values and not f.remote]
-        pairs = ((q, r) for q in sent for r in answered if q.node == r.node and not _clash(q.parameters, r.parameters))
+        sent = frames.get((command.name, Direction.REQUEST), ())
+        answered = [f for f in frames.get((command.name, Direction.REPLY), ()) if f.values and not f.remote]
+        pairs = ((q, r) for q in sent for r in answered if _belong(q, r))
         for request, reply in pairs:
             made = _example(described.edition, command, request, reply)
             if made:
@@ -54,8 +54,10 @@ def _examples(described: Described) -> Iterator[Example]:
                 break
 
 
-def _clash(one: Mapping[str, object], other: Mapping[str, object]) -> bool:
-    return any(other.get(name, value) != value for name, value in one.items())
+def _belong(request: Frame, reply: Frame) -> bool:
+    """Whether a reply answers a request: from the same node, with nothing else known of it, and both can be sent."""
+    agree = all(reply.parameters.get(name, value) == value for name, value in request.parameters.items())
+    return agree and request.node == reply.node and not (request.decode_only or reply.decode_only)
 
 
 def _example(edition: Edition, command: Command, request: Frame, reply: Frame) -> Example | None:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ...model import Command, Edition, Field, Layout, Message, Order, Parameter, ReplyForm, Space, Variant
+from ...model import Command, Direction, Edition, Field, Layout, Message, Order, Parameter, ReplyForm, Space, Variant
 from . import bits, facts, text, types
 from .types import TypeView
 
@@ -150,7 +150,8 @@ class MessageViews:
         shared = base_group in self._shared
         bare = "ToNode" if message.id.nodes is not None else "ToAll"
         base = self._bases[base_group] if shared else "" if message.layout.fields else bare
-        if message.direction.value == "request":
+        is_request = message.direction is Direction.REQUEST
+        if is_request:
             answer = text.class_name(command.reply.name) if command.reply else "Message"
             role = f'Request["{answer}"]'
         else:
@@ -175,9 +176,7 @@ class MessageViews:
             self._can_id(message),
             message.layout.parameter or "",
             self._encodes(message) if message.layout.fields and base_group not in self._alike else (),
-            facts.of_class(command, self._parameters)
-            if message.direction.value == "request" or command.request is None
-            else (),
+            facts.of_class(command, self._parameters) if is_request or command.request is None else (),
         )
 
     def _body(self, layout: Layout, dlc: int, has_node: bool) -> BodyView:
@@ -254,8 +253,8 @@ class MessageViews:
         return message.id.base + sum(k.value << k.segments[0].low for k in keys)
 
     def _can_id(self, message: Message) -> str:
-        in_id = [p for _, p in self._places(message.layout.fields) if p.space is Space.ID]
-        parts = (f" + ({bits.write(p, message.dlc)})" for p in in_id)
+        in_id = self._places([f for f in message.layout.fields if f.space is Space.ID])
+        parts = (f" + ({bits.write(p, message.dlc)})" for _, p in in_id)
         return f"super().can_id{''.join(parts)}" if in_id else ""
 
     def _constant_data(self, message: Message) -> str:
@@ -286,7 +285,7 @@ class MessageViews:
         to_raw = f"{convert}({attribute}, self.parameters, {name})"
         manual = f"Manual {text.plain(field.manual)}." if field.manual != manual_of_layout else ""
         facts = (
-            types.meaning(field.type),
+            view.meaning,
             text.english(field.about) or text.english(field.type.about),
             f"There under {', '.join(field.only)} only" if field.only else "",
             manual,
@@ -326,7 +325,7 @@ def _message_doc(command: Command, message: Message) -> tuple[str, ...]:
     code = f" (0x{command.code:02X})" if command.code is not None else ""
     title = f"{text.english(command.title)}{code}, {message.direction.value}."
     manual = f"Manual {text.plain(command.manual)}." if command.manual else ""
-    if message.direction.value == "reply":
+    if message.direction is Direction.REPLY:
         echo = "The request, sent back." if command.reply_form is ReplyForm.ECHO else ""
         return (title, f"{echo} {manual}".strip())
     effects = " ".join(text.sentence(text.english(e.title)) for e in command.effects)

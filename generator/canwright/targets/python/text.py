@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import functools
 import keyword
 from collections.abc import Iterable, Sequence
 
@@ -13,6 +14,7 @@ _RESERVED = {*keyword.kwlist, *keyword.softkwlist, *dir(builtins), "self", "cls"
 _MEMBERS = {"node", "parameters", "can_id", "encode", "fields", "from_raw", "raw", "mro", "unpack"}
 
 
+@functools.lru_cache(maxsize=1 << 12)
 def plain(text: str) -> str:
     """One line of a text for a docstring: no quote, backslash, line break, control or bidirectional character."""
     return visible(text).replace("\\", "\N{REVERSE SOLIDUS OPERATOR}").replace('"', "'")
@@ -39,6 +41,7 @@ def sentence(text: str) -> str:
     return text if not text or text.endswith((".", "!", "?")) else text + "."
 
 
+@functools.lru_cache(maxsize=1 << 14)
 def class_name(name: str) -> str:
     """`read_level_reply` as `ReadLevelReply`."""
     camel = "".join(part[:1].upper() + part[1:] for part in name.split("_"))

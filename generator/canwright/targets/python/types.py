@@ -29,6 +29,8 @@ class TypeView(NamedTuple):
     mask: str
     members: tuple[MemberView, ...]
     doc: str
+    meaning: str
+    """Unit, scale and range in a sentence."""
     python: str
     """The type that a value has."""
     given: str
@@ -69,6 +71,7 @@ def _view(type_: Type, parameters: Mapping[str, Parameter]) -> TypeView:
         f"0x{sum(1 << m.value for m in type_.flags):X}",
         members,
         text.english(type_.title),
+        _meaning(type_),
         python,
         f"{enum} | int" if enum else "Real",
     )
@@ -127,8 +130,7 @@ def exact(number: Fraction) -> str:
     return str(number.numerator) if number.denominator == 1 else f"Fraction({number.numerator}, {number.denominator})"
 
 
-def meaning(type_: Type) -> str:
-    """Unit, scale and range in a sentence, for a docstring."""
+def _meaning(type_: Type) -> str:
     parts = []
     if type_.unit:
         parts.append(f"In {type_.unit.name}")

@@ -1,0 +1,236 @@
+"""The signals of messages: one for each field, flag and element of an array."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import NamedTuple
+
+from ... import words
+from ...model import IDENTITY, Assignment, Direction, Element, Encoding, Field, Level, Linear, Order, Space, Type
+from .frames import Part
+from .selectors import runs, selector_bits
+from .text import in_ascii, number
+from .view import Signal
+
+RAW_UNIT = "raw"
+"""Stands for the unit where there is no scale, so that counts are not taken for a quantity."""
+
+LETTER = {Direction.REPLY: "r", Direction.REQUEST: "c"}
+"""What the names of signals start with, so that those of the two directions differ."""
+
+_FLOAT_KINDS = {32: 1, 64: 2}
+
+
+class Place(NamedTuple):
+    """A signal's name, the selector value it stands under, and its bits from the least significant up."""
+
+    name: str
+    mux: str
+    bits: tuple[int, ...]
+    order: Order = Order.LITTLE
+
+    @property
+    def start(self) -> int:
+        return self.bits[-1] if self.order is Order.BIG else self.bits[0]
+
+
+class _Numbers(NamedTuple):
+    """The numbers of a signal, as text, and what they are in."""
+
+    signed: bool
+    factor: str
+    offset: str
+    minimum: str
+    maximum: str
+    unit: str
+
+
+class _Reading(NamedTuple):
+    """What all signals of a type have; `step` is a sentence on the scale of what stays raw."""
+
+    numbers: _Numbers
+    values: tuple[tuple[int, str], ...]
+    start_value: int
+    float_kind: int
+    step: str
+
+
+def bare(
+    place: Place, comment: str, values: Sequence[tuple[int, str]] = (), limits: tuple[int, int] | None = None
+) -> Signal:
+    """A signal of bits without a type."""
+    low, high = limits or (0, (1 << len(place.bits)) - 1)
+    return _signal(place, comment, _Numbers(False, "1", "0", str(low), str(high), ""), tuple(values))
+
+
+class Fields:
+    """Makes the signals of messages under some parameter values, with names that may be too long or not unique."""
+
+    def __init__(self, direction: Direction, assignment: Assignment, numbers: Mapping[str, Fraction]) -> None:
+        self._direction = direction
+        self._assignment = assignment
+        self._numbers = numbers
+        self._messages: dict[tuple[Part, str, range], Sequence[Signal]] = {}
+        self._types: dict[Type, _Reading] = {}
+
+    def of(self, part: Part, mux: str, taken: range = range(0)) -> Sequence[Signal]:
+        """The fields of a message that are not `taken`; where there is none, the reserved bits, for readers' sake."""
+        key = (part, mux, taken)
+        if key not in self._messages:
+            self._messages[key] = list(self._message(*key)) or list(self._reserved(*key))
+        return self._messages[key]
+
+    def _message(self, part: Part, mux: str, taken: range) -> Iterator[Signal]:
+        layout = part.message.layout
+        variant = layout.variant(self._assignment)
+        fields = variant.fields if variant else tuple(f for f in layout.fields if not f.only)
+        places = [(f, e) for f in fields if f.space is Space.DATA for e in f.elements if e.bits[0] not in taken]
+        prefix, title, about = self._prefix(part), in_ascii(part.command.title), _about(part)
+        for field, element in places:
+            yield from self._field(f"{prefix}_{field.name}", mux, title, field, element, about)
+            about = ""
+
+    def _reserved(self, part: Part, mux: str, taken: range) -> Iterator[Signal]:
+        free = runs(set(range(part.message.dlc * 8)) - selector_bits(part) - set(taken))
+        if free:
+            place = Place(f"{self._prefix(part)}_reserved", mux, max(free, key=len))
+            comment = f"{in_ascii(part.command.title)}: reserved, sent as 0.{_about(part)}"
+            yield bare(place, comment, limits=self._sent((0, 0)))
+
+    def _prefix(self, part: Part) -> str:
+        return f"{LETTER[self._direction]}{part.code}"
+
+    def _sent(self, limits: tuple[int, int]) -> tuple[int, int] | None:
+        """Limits that encoders are held to; None for what is only decoded, where any bits are read."""
+        return limits if self._direction is Direction.REQUEST else None
+
+    def _field(self, name: str, mux: str, title: str, field: Field, element: Element, about: str) -> Iterator[Signal]:
+        type_ = field.type
+        index = "" if element.index is None else str(element.index)
+        place = Place(f"{name}_{index}" if index else name, mux, element.bits, type_.order)
+        which = f"{in_ascii(field.title)} {index}".strip()
+        is_told = f": {title}".lower().endswith(f": {which}".lower())
+        whole = title if is_told else f"{title}: {which}"
+        reading = self._reading(type_)
+        comment = f"{whole}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{reading.step}{about}"
+        if field.constant is not None:
+            numbers, _ = self._integers(type_, (field.constant, field.constant))
+            yield _signal(place, f"{comment} Always {field.constant}.", numbers, start_value=field.constant)
+        elif type_.flags:
+            yield from self._flags(place, comment, type_)
+        else:
+            yield _signal(place, comment, reading.numbers, reading.values, reading.start_value, reading.float_kind)
+
+    def _flags(self, place: Place, comment: str, type_: Type) -> Iterator[Signal]:
+        """One signal for each flag, and one for each run of bits without a name, so that none is lost."""
+        named = {flag.value: flag for flag in type_.flags}
+        for run in runs(range(type_.width), split=named):
+            raw_bits = tuple(place.bits[i] for i in run)
+            flag = named.get(run[0])
+            if flag:
+                one = Place(f"{place.name}_{flag.name}", place.mux, raw_bits)
+                yield bare(one, f"{comment} {in_ascii(flag.title)}.")
+            else:
+                name = "_".join((place.name, "bits", *(str(i) for i in sorted({run[0], run[-1]}))))
+                unnamed = Place(name, place.mux, raw_bits, place.order)
+                yield bare(unnamed, f"{comment} Bits without a name.", limits=self._sent((0, 0)))
+
+    def _reading(self, type_: Type) -> _Reading:
+        if type_ not in self._types:
+            self._types[type_] = self._made_reading(type_)
+        return self._types[type_]
+
+    def _made_reading(self, type_: Type) -> _Reading:
+        if type_.encoding is Encoding.FLOAT:
+            return _Reading(self._floats(type_), (), 0, _FLOAT_KINDS[type_.width], self._step(type_))
+        values = tuple(sorted((member.value, member.name) for member in type_.enum))
+        documented = (values[0][0], values[-1][0]) if values else self._documented(type_)
+        numbers, start_value = self._integers(type_, documented)
+        return _Reading(numbers, values, start_value, 0, self._step(type_))
+
+    def _documented(self, type_: Type) -> tuple[int, int]:
+        """The raw integers that the spec allows, as far as the parameters that are set tell."""
+        low, high = type_.raw_limits
+        first, last = self._range(type_)
+        return (
+            low if first is None else max(low, math.ceil(first)),
+            high if last is None else min(high, math.floor(last)),
+        )
+
+    def _range(self, type_: Type) -> tuple[Fraction | None, Fraction | None]:
+        """The ends of a type's range; None where there is no such end, or a parameter that is not set decides."""
+        span = type_.raw_range.at(self._assignment)
+        return (span.low.at(self._numbers), span.high.at(self._numbers)) if span else (None, None)
+
+    def _integers(self, type_: Type, documented: tuple[int, int]) -> tuple[_Numbers, int]:
+        """The numbers of integers, and that to start with."""
+        limits = self._sent(documented) or type_.raw_limits
+        linear, unit = self._scale(type_)
+        low, high = sorted(end * linear.scale + linear.offset for end in limits)
+        signed = type_.encoding is Encoding.SIGNED
+        numbers = _Numbers(signed, number(linear.scale), number(linear.offset), number(low), number(high), unit)
+        return numbers, 0 if limits[0] <= 0 <= limits[1] else limits[0]
+
+    def _floats(self, type_: Type) -> _Numbers:
+        linear, unit = self._scale(type_)
+        low, high = self._range(type_)
+        limits = ("0", "0")
+        if self._direction is Direction.REQUEST and low is not None and high is not None:
+            limits = (number(low), number(high))
+        return _Numbers(True, number(linear.scale), number(linear.offset), *limits, unit)
+
+    def _scale(self, type_: Type) -> tuple[Linear, str]:
+        line = type_.linear.at(self._assignment)
+        linear = line.at(self._numbers) if line else None
+        if linear is None:
+            return IDENTITY, RAW_UNIT
+        return linear, type_.unit.dbc if type_.unit else ""
+
+    def _step(self, type_: Type) -> str:
+        """The scale of a signal that stays raw since the number that it is a multiple of is not set."""
+        line = type_.linear.at(self._assignment)
+        if line is None or line.at(self._numbers) is not None:
+            return ""
+        unit = f" {type_.unit.dbc}" if type_.unit else ""
+        offset = f", counted from {words.offset(line)}{unit}" if line.offset else ""
+        return _sentence(f"Raw: one step is {words.step(line)}{unit}{offset}")
+
+
+def _signal(
+    place: Place,
+    comment: str,
+    numbers: _Numbers,
+    values: tuple[tuple[int, str], ...] = (),
+    start_value: int = 0,
+    float_kind: int = 0,
+) -> Signal:
+    is_big = place.order is Order.BIG
+    return Signal(
+        place.name,
+        place.mux,
+        place.start,
+        len(place.bits),
+        is_big,
+        *numbers,
+        comment,
+        values,
+        start_value,
+        float_kind,
+    )
+
+
+def _about(part: Part) -> str:
+    """What is worth knowing of a command before it is sent, as sentences with a space before."""
+    command = part.command
+    sentences: list[str] = []
+    if part.message.direction is Direction.REQUEST:
+        sentences += [in_ascii(e.title) for e in command.effects if e.level is not Level.NOTE]
+        sentences += [] if command.implemented else ["Not implemented yet, the manual says"]
+    sentences += [f"Manual {command.manual}"] if command.manual else []
+    return "".join(map(_sentence, sentences))
+
+
+def _sentence(text: str) -> str:
+    return f" {text.rstrip('.')}." if text else ""

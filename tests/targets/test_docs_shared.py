@@ -1,0 +1,79 @@
+"""What several commands share is worked out once, and each page still says what is its command's own."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from canwright.load import described
+from canwright.targets import docs
+from canwright.targets.docs.picture import ROW
+
+from ..spec_texts import ROOT
+
+SHARED = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses:
+  short: {id: node << 4, nodes: 1..4}
+  long: {id: node << 4, nodes: 1..4, extended: true}
+selector: {at: 0, raw: u8}
+parameters: {model: {values: {A: {}, B: {}}}}
+types:
+  level: {raw: u16, unit: A, scale: {by: model, A: 1/10, B: 1/100}}
+layouts:
+  outcome:
+    manual: "7"
+    fields: {part: {at: id.0, raw: u4, manual: "2"}, level: {at: 1, type: level, manual: "3"}, rest: {at: 3, raw: u40}}
+commands:
+  both: {code: 0x10, manual: "2", request: none, reply: outcome}
+  one: {code: 0x11, manual: "3", only: {model: [A]}, request: none, reply: outcome}
+  other: {code: 0x12, manual: "3", only: {model: [B]}, request: none, reply: outcome}
+  far: {code: 0x13, manual: "3", address: long, request: none, reply: outcome}
+"""
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    spec = tmp_path_factory.mktemp("spec") / "spec.yaml"
+    spec.write_text(SHARED, "utf-8")
+    return {output.path.removeprefix("en/v1/"): output.text for output in docs.generate([described(spec)], {})}
+
+
+def _row(page: str, field: str) -> str:
+    return next(line for line in page.splitlines() if f"| `{field}` |" in line)
+
+
+def test_a_scale_is_told_for_the_values_that_have_the_command(pages: dict[str, str]) -> None:
+    both, one, other = (_row(pages[f"commands/{name}.md"], "level") for name in ("both", "one", "other"))
+    assert "A: `1/10 A`<br>B: `1/100 A`" in both
+    assert "A: `1/10 A` |" in one
+    assert "B: `1/100 A` |" in other
+    assert "`1/100 A`" not in one
+    assert "`1/10 A`" not in other
+
+
+def test_a_section_is_told_where_it_is_not_that_of_the_command(pages: dict[str, str]) -> None:
+    for name, part, level in (("both", "Part", "Level (Manual 3)"), ("far", "Part (Manual 2)", "Level")):
+        page = pages[f"commands/{name}.md"]
+        assert _row(page, "part").endswith(f"| {part} |")
+        assert _row(page, "level").endswith(f"| {level} |")
+
+
+def test_a_layout_is_drawn_below_the_rows_that_an_id_has(pages: dict[str, str]) -> None:
+    """An id of 29 bits has two rows more than one of 11."""
+
+    def rows(name: str) -> list[int]:
+        picture = pages[f"pictures/{name}-reply.svg"]
+        return [int(y) // ROW for y in re.findall(r'<rect class="[kab]"[^>]* y="([0-9]+)"', picture)]
+
+    assert rows("far") == [row + 2 for row in rows("both")]
+
+
+def test_bits_are_called_reserved_where_they_are_data(pages: dict[str, str]) -> None:
+    assert not [path for path, text in pages.items() if "Other bits are reserved" in text]
+    blower = described(ROOT / "tests/specs/blower/v1.yaml")
+    asked = next(o.text for o in docs.generate([blower], {}) if o.path == "en/v1/commands/read_voltage.md")
+    assert "remote frame, `4` data bytes" in asked
+    assert "Other bits are reserved" not in asked
