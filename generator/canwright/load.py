@@ -63,14 +63,9 @@ def _load(file: Path, name: str | None, frames: Callable[[], Beside]) -> Loaded:
     findings = [*read.diagnostics, *unresolved.findings, *beside.findings]
     is_partial = not all(map(is_text, (*read.dropped, *unresolved.paths)))
     subject = Subject(edition, spec, beside.golden, is_partial)
-    found = list(rules.check(subject, doubts, Phase.PARTS))
-    widely = [f.about for f in _errors(found) if f.about is not None]
-    if widely:
-        subject, doubts = subject._replace(partial=True), Doubts(spec, [*amiss, *widely], first)
-    found += rules.check(subject, doubts, Phase.WHOLE)
-    errors = [f.path if f.about is None else f.about for f in _errors(found)]
-    of_frames = Doubts(spec, [*amiss, *errors], first)
-    found += rules.check(subject, of_frames, Phase.FRAMES)
+    found, of_frames = list(rules.check(subject, doubts, *Phase)), doubts
+    if _errors(found):
+        found, of_frames = _found_by_phase(subject, amiss, first)
     wrong = bool(findings or _errors(found))
     known = {_place(d): d.rule for d in findings}
     for rule, finding in itertools.islice(found, MOST_FINDINGS):
@@ -82,6 +77,21 @@ def _load(file: Path, name: str | None, frames: Callable[[], Beside]) -> Loaded:
         raise SpecError(findings)
     findings.sort(key=_place)
     return Loaded(Described(edition, beside.golden), document, tuple(findings))
+
+
+def _found_by_phase(
+    subject: Subject, amiss: Sequence[ItemPath], first: str
+) -> tuple[list[tuple[Rule, Finding]], Doubts]:
+    """What rules find where there are errors: each phase leaves out what one before it doubts; what the last doubts."""
+    doubts = Doubts(subject.spec, amiss, first)
+    found = list(rules.check(subject, doubts, Phase.PARTS))
+    widely = [f.about for f in _errors(found) if f.about is not None]
+    if widely:
+        subject, doubts = subject._replace(partial=True), Doubts(subject.spec, [*amiss, *widely], first)
+    found += rules.check(subject, doubts, Phase.WHOLE)
+    errors = [f.path if f.about is None else f.about for f in _errors(found)]
+    of_frames = Doubts(subject.spec, [*amiss, *errors], first)
+    return [*found, *rules.check(subject, of_frames, Phase.FRAMES)], of_frames
 
 
 def _written(file: Path, name: str | None) -> tuple[Document, bytes, Validated[EditionSpec], EditionSpec]:

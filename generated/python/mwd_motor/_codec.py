@@ -64,9 +64,12 @@ def check_choice(value: object, name: str, *values: object) -> None:
 
 
 def check_number(value: Real | None, name: str, low: Real | None, high: Real | None) -> None:
-    """Raises ValueError when a parameter is given and out of its limits, TypeError when it is no number."""
+    """Raises ValueError when a parameter is given and out of its limits, or too large, TypeError when it is no number."""
     if value is not None:
-        number = finite(value, name)
+        try:
+            number = finite(value, name)
+        except OverflowError:
+            raise ValueError(f"{name} is larger than any float; leave it out when not known") from None
         if (low is not None and number < low) or (high is not None and number > high):
             ends = (f"at least {low}" if low is not None else "", f"at most {high}" if high is not None else "")
             raise ValueError(f"{name}={value!r} has to be {' and '.join(filter(None, ends))}; leave it out when not known")
@@ -600,7 +603,13 @@ class Router:
                 if ours:
                     return route, node
         kind = ("29-bit " if extended else "") + ("remote " if remote else "")
-        raise CodecError(Refusal.UNKNOWN_ID, f"no {self.direction} has the {kind}id 0x{can_id:X}")
+        text = f"no {self.direction} has the {kind}id 0x{can_id:X}"
+        other = next((route for route in self.routes if route.node(can_id)[0]), None)
+        if other is not None:
+            given = (("extended", extended, other.extended), ("remote", remote, other.remote))
+            wanted = ", ".join(f"{name}={there}" for name, here, there in given if here != there)
+            text += f"; with {wanted} there is one"
+        raise CodecError(Refusal.UNKNOWN_ID, text)
 
     def ids(self, node: int) -> Iterator[tuple[int, int, bool, bool]]:
         """The ids of a node, each with its mask, and whether it is a 29-bit one and of remote frames."""

@@ -142,10 +142,10 @@ EVERY: dict[str, Rule] = {rule.id: rule for rule in (*READING, *RULES)}
 """All rules by id, those of reading first."""
 
 
-def check(subject: Subject, doubts: Doubts, phase: Phase) -> Iterator[tuple[Rule, Finding]]:
-    """Everything that the rules of a phase find; those that need the `whole` spec look at what is certain of it."""
+def check(subject: Subject, doubts: Doubts, *phases: Phase) -> Iterator[tuple[Rule, Finding]]:
+    """Everything that the rules of some phases find; those that need the `whole` spec look at what is certain of it."""
     certain = {depth: subject._replace(edition=doubts.certain(subject.edition, depth)) for depth in Depth}
-    rules = [rule for rule in RULES if rule.phase is phase]
+    rules = sorted((rule for rule in RULES if rule.phase in phases), key=lambda rule: phases.index(rule.phase))
 
     def found(rule: Rule) -> Sequence[Finding]:
         return list(rule.check(certain[rule.depth] if rule.whole else subject)) if rule.check else ()
