@@ -73,9 +73,8 @@ def node(rule: IdRule, id_: int) -> int | None:
     """The node of an id without the bits of keys and fields; None when there is none."""
     if rule.nodes is None:
         return None
-    rest = id_ - rule.base
-    found = rest >> rule.node_shift
-    return found if rest >= 0 and found << rule.node_shift == rest and found in rule.nodes else None
+    found, beside = divmod(id_ - rule.base, rule.node_step)
+    return found if not beside and found in rule.nodes else None
 
 
 def node_of(message: Message, frame: CanFrame) -> int | None:

@@ -198,7 +198,7 @@ def _elsewhere(edition: Edition, message: Message, frame: CanFrame) -> str:
     reply, node = edition.command(message.command).reply, node_of(message, frame)
     if reply is None or reply.id == message.id or reply.id.nodes is None or node is None:
         return ""
-    return f", though replies come on 0x{reply.id.base + (node << reply.id.node_shift):X}"
+    return f", though replies come on 0x{reply.id.base + node * reply.id.node_step:X}"
 
 
 def _placed(key: Key, value: int) -> int:

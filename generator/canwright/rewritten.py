@@ -80,13 +80,9 @@ def nodes(written: object) -> str:
 
 
 def id_(written: object) -> str:
-    """A rule for ids: `(0x100 | node)`, `0x100 + ID`, `node * 32`."""
+    """A rule for ids: `(0x100 | node)`, `0x100 + ID`."""
     text = str(written).replace("(", "").replace(")", "").replace("|", "+").replace("_ID", "_id")
-    text = re.sub(_NODE, "node", text)
-    found = re.search(r"node *\* *([0-9]{1,9})", text)
-    if found and int(found[1]).bit_count() == 1:
-        text = text.replace(found[0], f"node << {int(found[1]).bit_length() - 1}")
-    return _if_read(text, language.id_expression)
+    return _if_read(re.sub(_NODE, "node", text), language.id_expression)
 
 
 def rational(written: object) -> str:

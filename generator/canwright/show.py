@@ -99,9 +99,7 @@ def id_rule(rule: IdRule) -> str:
     """`0x100 + node (1..32)`."""
     if rule.nodes is None:
         return f"0x{rule.base:X}"
-    node = f"node << {rule.node_shift}" if rule.node_shift else "node"
-    base = f"0x{rule.base:X} + " if rule.base else ""
-    return f"{base}{node} ({rule.nodes[0]}..{rule.nodes[-1]})"
+    return f"{words.id_rule(rule)} ({rule.nodes[0]}..{rule.nodes[-1]})"
 
 
 def _table(command: Command, message: Message, language: str) -> RenderableType:

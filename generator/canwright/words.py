@@ -148,8 +148,15 @@ def elements(field: Field) -> list[tuple[str, tuple[Segment, ...]]]:
 
 
 def id_rule(rule: IdRule) -> str:
-    """`0x100 + node`, `node << 5`, or a fixed id."""
+    """`0x100 + node`, `node << 5`, `node * 10`, or a fixed id."""
     if rule.nodes is None:
         return f"0x{rule.base:X}"
-    node = f"node << {rule.node_shift}" if rule.node_shift else "node"
+    node = f"node{times(rule.node_step)}"
     return f"0x{rule.base:X} + {node}" if rule.base else node
+
+
+def times(step: int) -> str:
+    """What stands behind `node` where a node is so many ids from the next: ` << 5`, ` * 10`, or nothing."""
+    if step == 1:
+        return ""
+    return f" << {step.bit_length() - 1}" if step.bit_count() == 1 else f" * {step}"

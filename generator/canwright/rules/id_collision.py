@@ -1,8 +1,8 @@
-"""No id belongs to two addresses of one direction, unless all their ids are the same."""
+"""No id belongs to the messages of two addresses of one direction, unless all ids of both are the same."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from ..model import Address, Direction, Edition, Path, Space
 from ..schema import EditionSpec
@@ -27,11 +27,12 @@ def check(subject: Subject) -> Found:
 def _shared(subject: Subject, direction: Direction) -> dict[tuple[int, int], int]:
     """The places of every two addresses that share an id, the later one first, with the first id that they share."""
     edition = subject.edition
+    used = {message.address for message in edition.all_messages()}
     owned = [
         (place, its)
         for place, one in enumerate(edition.addresses)
         if not (subject.partial and _is_selected_by_id(subject.spec, one.name))
-        for its in _ids(edition, direction, one)
+        for its in _ids(edition, direction, one, used)
     ]
     found: dict[tuple[int, int], int] = {}
     for i, j in alike.pairs([ids.known(its) for _, its in owned]):
@@ -50,9 +51,14 @@ def _is_selected_by_id(spec: EditionSpec, address: str) -> bool:
     return any(selector is not None and selector.at.space is Space.ID for selector in selectors)
 
 
-def _ids(edition: Edition, direction: Direction, address: Address) -> Sequence[range]:
-    """The ids of an address; where the selector is in the id, those of its messages."""
+def _ids(edition: Edition, direction: Direction, address: Address, used: Collection[str]) -> Sequence[range]:
+    """The ids of an address; where the selector is in the id, those of its messages, and none without a message.
+
+    An address without any message, one that is not among the `used`, is taken at its word.
+    """
     rule = address.rule(direction)
     of_address = [m for m in edition.of_rule(direction, rule) if m.address == address.name]
+    if not of_address and address.name in used:
+        return []
     selected = [ids.of_message(m) for m in of_address if any(k.space is Space.ID for k in m.keys)]
     return list(dict.fromkeys(selected)) or [ids.of_rule(rule)]

@@ -86,7 +86,7 @@ class Frame(NamedTuple):
     parts: tuple[Part, ...]
 
     def id(self, node: int | None) -> int:
-        return self.rule.base + ((node or 0) << self.rule.node_shift) + self.id_bits
+        return self.rule.base + (node or 0) * self.rule.node_step + self.id_bits
 
 
 def fields_in_id(message: Message) -> Iterator[Field]:

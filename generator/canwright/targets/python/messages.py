@@ -73,7 +73,7 @@ class MessageView(NamedTuple):
     nodes: tuple[int, int] | None
     body: BodyView | None
     id: str
-    shift: int
+    step: int
     code: str
     data: str
     """The bytes of a frame without fields."""
@@ -169,7 +169,7 @@ class MessageViews:
             (nodes[0], nodes[-1]) if nodes is not None else None,
             self._body(message.layout, message.dlc, nodes is not None) if own else None,
             f"0x{self._fixed_id(message):X}",
-            message.id.node_shift,
+            message.id.node_step,
             f"0x{message.keys[0].value:02X}" if message.keys else "",
             "" if message.layout.fields else self._constant_data(message),
             self._can_id(message),

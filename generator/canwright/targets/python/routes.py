@@ -33,7 +33,7 @@ def routes(edition: Edition, direction: Direction, readers: Readers) -> Iterator
 def _route(messages: list[Message], readers: Readers) -> str:
     rule, mask = messages[0].id, reduce(or_, (m.id_mask for m in messages))
     nodes = f"range({rule.nodes[0]}, {rule.nodes[-1] + 1})" if rule.nodes is not None else "None"
-    arguments = [f"0x{rule.base:X}", str(rule.node_shift), nodes]
+    arguments = [f"0x{rule.base:X}", str(rule.node_step), nodes]
     if mask:
         arguments.append(f"mask=0x{mask:X}")
     if rule.extended:
