@@ -141,6 +141,7 @@ def test_ids_that_no_message_has_run_into_nothing(tmp_path: Path) -> None:
         ("300 + node * 10", "302 + node * 6", "0x140"),
         ("300 + node * 10", "301 + node * 6", ""),
         ("302 + node * 6", "350 + node * 4", "0x15E"),
+        ("350 + node * 4", "302 + node * 6", "0x15E"),
         ("300 + node * 10", "330", "0x14A"),
         ("300 + node * 10", "331", ""),
     ],
