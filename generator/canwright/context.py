@@ -121,7 +121,9 @@ def _defined(kind: str, number: int) -> str:
     there = f"stand under `{_DEFINED.get(kind, '')}`"
     if kind not in _DEFINED:
         return ""
-    return f"none of the {number} that {there} is like it; define it there" if number else f"none is defined; they {there}"
+    return (
+        f"none of the {number} that {there} is like it; define it there" if number else f"none is defined; they {there}"
+    )
 
 
 def _plural(kind: str) -> str:

@@ -109,7 +109,7 @@ def raw_of(field: Field, frame: CanFrame) -> Raw:
 
 def wrong_constants(fields: Iterable[Field], frame: CanFrame) -> list[Field]:
     """The fields that should hold a constant and hold something else."""
-    return [f for f in fields if f.constant is not None and raw_of(f, frame) != f.constant]
+    return [f for f in fields if f.demanded is not None and raw_of(f, frame) != f.demanded]
 
 
 def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:

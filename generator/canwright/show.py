@@ -132,7 +132,7 @@ def _relevant(command: Command, layout: Layout, field: Field) -> tuple[str, ...]
 def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
     type_ = field.type
     if field.constant is not None:
-        return "constant", str(field.constant)
+        return "constant" if field.checked else "reserved, sent as", str(field.constant)
     if type_.enum:
         return "\n".join(f"{m.value} {m.name}" for m in type_.enum), ""
     if type_.flags:

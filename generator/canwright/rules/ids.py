@@ -30,7 +30,7 @@ def of_message(message: Message) -> range:
 
 def free_bits(message: Message) -> int:
     """Bits of the id that fields fill, and may hold anything."""
-    fields = (f for f in message.layout.fields if f.space is Space.ID and f.constant is None)
+    fields = (f for f in message.layout.fields if f.space is Space.ID and f.demanded is None)
     segments = [s for f in fields for e in f.elements for s in e.segments]
     return sum(((1 << s.width) - 1) << s.low for s in segments)
 

@@ -84,7 +84,7 @@ class DocsAdapter:
             return Refused(Refusal.WRONG_LENGTH)
         rows = self._rows(page, parameters)
         there = [row for row in page.rows if not row.only[0]] if isinstance(rows, Refused) else rows
-        if any(row.constant is not None and _raw(row, frame) != row.constant for row in there):
+        if any(r.checked and r.constant is not None and _raw(r, frame) != r.constant for r in there):
             return Refused(Refusal.WRONG_CONSTANT)
         if isinstance(rows, Refused):
             return rows

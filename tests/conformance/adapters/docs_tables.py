@@ -147,6 +147,7 @@ class FieldRow:
     scales: Mapping[str, Scale | None]
     ranges: Mapping[str, tuple[End, End]]
     constant: int | None
+    checked: bool
     only: tuple[str, tuple[str, ...]]
     holds_node: bool
 
@@ -236,6 +237,7 @@ def _field(line: Mapping[str, str]) -> FieldRow:
         if constant is not None
         else {name: ends(text.partition(" ")[0] if is_float else text) for name, text in cases(limits).items() if text},
         constant,
+        "ignored when read" not in line.get("Value range", ""),
         (parameter, tuple(values.split(", "))),
         "the node: an answer comes from" in line["What it is"],
     )

@@ -176,7 +176,7 @@ def frame_id(message: Message, frame: str = "frame") -> str:
 
 def constant_mismatch(message: Message) -> str:
     """A condition that holds when a constant of this message is another value; empty when it has none."""
-    constants = [f for f in message.layout.fields if f.constant is not None and not f.only]
+    constants = [f for f in message.layout.fields if f.demanded is not None and not f.only]
     return " || ".join(c.replace(" == ", " != ") for f in constants for c in bits.constant_holds(f))
 
 

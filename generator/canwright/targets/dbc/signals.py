@@ -126,7 +126,7 @@ class Signals:
         )
         comment = f"{whole}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{self._open(type_)}{about}"
         if field.constant is not None:
-            always = f"{comment} Always {field.constant}."
+            always = f"{comment} Always {field.constant}." if field.checked else f"{comment} Sent as {field.constant}."
             yield self._integer(place, always, type_, documented=(field.constant,) * 2, start=field.constant)
         elif type_.flags:
             yield from self._flags(place, comment, type_)

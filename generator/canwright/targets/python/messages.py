@@ -220,7 +220,8 @@ class MessageViews:
             for i, element in enumerate(field.elements):
                 slot = f"self.{text.attribute(field.name)}_raw" + (f"[{i}]" if field.is_array else "")
                 target = slot if field.constant is None else hex(field.constant & (1 << field.type.width) - 1)
-                found.append((field, bits.place(target, field, element)))
+                place = bits.place(target, field, element)
+                found.append((field, place if field.constant is None else place._replace(signed=False)))
         return found
 
     def _encodes(self, message: Message, code: str = "") -> tuple[tuple[str, str], ...]:
@@ -307,12 +308,12 @@ class MessageViews:
 
 
 def _constants(fields: Iterable[Field], dlc: int) -> Iterator[tuple[str, str, str]]:
-    """How each constant is read, what it is, and its name."""
+    """How each constant that is checked is read, what it is, and its name."""
     for field in fields:
-        if field.constant is not None:
+        if field.demanded is not None:
             yield (
                 bits.read(bits.place("", field, field.elements[0]), dlc),
-                str(field.constant),
+                str(field.demanded),
                 text.literal(field.name),
             )
 
