@@ -38,7 +38,8 @@ NODES_PATTERN = rf"^{_WHOLE}\.\.{_WHOLE}$"
 RAW_PATTERN = r"^(?:[ui](?:[1-9]|[1-5][0-9]|6[0-4])|f32|f64)$"
 AT_PATTERN = rf"^(?:{_WHOLE}(?:\.[0-7])?|id\.{_WHOLE})$"
 _ID_NUMBER = rf"(?:0x[0-9A-Fa-f]+|{_WHOLE})"
-_TERM = rf"(?:{_ID_NUMBER}|(?:{_ID_NUMBER} *\* *)?node|node(?: *<< *{_WHOLE}| *\* *{_ID_NUMBER}))"
+_NODE = rf"(?:(?:{_ID_NUMBER} *\* *)?node|node(?: *<< *{_WHOLE}| *\* *{_ID_NUMBER}))"
+_TERM = rf"(?:{_ID_NUMBER}|{_NODE}|\( *{_NODE} *\))"
 ID_PATTERN = rf"^{_TERM}(?: *\+ *{_TERM})*$"
 
 
@@ -149,11 +150,12 @@ class IdExpression:
 
 
 def id_expression(text: str) -> IdExpression:
-    """A sum of numbers and at most one `node`, which may be shifted or multiplied: `0x100 + node`, `node << 5`."""
+    """A sum of numbers and at most one `node`, which may be shifted or multiplied: `0x100 + node`, `1 + (node << 5)`."""
     base = 0
     step: int | None = None
     for term in (part.strip() for part in text.split("+")):
-        match = re.fullmatch(rf"(?:({_ID_NUMBER}) *\* *)?node|node *(<<|\*) *({_ID_NUMBER})", term)
+        bare = re.sub(rf"^\( *({_NODE}) *\)$", r"\1", term)
+        match = re.fullmatch(rf"(?:({_ID_NUMBER}) *\* *)?node|node *(<<|\*) *({_ID_NUMBER})", bare)
         if match and step is not None:
             raise ValueError(f"`{text}` names node twice")
         if match:

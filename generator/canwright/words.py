@@ -148,15 +148,11 @@ def elements(field: Field) -> list[tuple[str, tuple[Segment, ...]]]:
 
 
 def id_rule(rule: IdRule) -> str:
-    """`0x100 + node`, `node << 5`, `node * 10`, or a fixed id."""
+    """`0x100 + node`, `0x1 + (node << 5)`, `node * 10`, or a fixed id."""
     if rule.nodes is None:
         return f"0x{rule.base:X}"
-    node = f"node{times(rule.node_step)}"
+    node, step = "node", rule.node_step
+    if step > 1:
+        shift = f"node << {step.bit_length() - 1}"
+        node = f"node * {step}" if step.bit_count() > 1 else f"({shift})" if rule.base else shift
     return f"0x{rule.base:X} + {node}" if rule.base else node
-
-
-def times(step: int) -> str:
-    """What stands behind `node` where a node is so many ids from the next: ` << 5`, ` * 10`, or nothing."""
-    if step == 1:
-        return ""
-    return f" << {step.bit_length() - 1}" if step.bit_count() == 1 else f" * {step}"

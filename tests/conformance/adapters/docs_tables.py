@@ -206,9 +206,9 @@ def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> Me
 def _id(text: str) -> tuple[int, int]:
     base, step = 0, 1
     for term in text.split(" + "):
-        if term.startswith("node"):
+        if term.strip("(").startswith("node"):
             shift, factor = term.partition(" << ")[2], term.partition(" * ")[2]
-            step = 1 << int(shift) if shift else int(factor or 1)
+            step = 1 << int(shift.strip(")")) if shift else int(factor or 1)
         else:
             base = int(term, 0)
     return base, step
