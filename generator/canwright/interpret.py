@@ -9,6 +9,8 @@ import struct
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
+from operator import or_
 from typing import NamedTuple
 
 from . import notation, words
@@ -36,6 +38,22 @@ def has_id(message: Message, frame: CanFrame) -> bool:
         return False
     rest = frame.id & ~message.id_mask
     return rest == message.id.base if message.id.nodes is None else node(message.id, rest) is not None
+
+
+def by_rule(messages: Iterable[Message]) -> list[list[Message]]:
+    """The messages of each rule from node to id, in the order in which the rule of a frame is looked for.
+
+    An id that is written out goes before one of which a code or a field is a part, a small part before a large one.
+    """
+    groups: dict[tuple[IdRule, bool], list[Message]] = {}
+    for message in messages:
+        groups.setdefault((message.id, message.remote), []).append(message)
+    return sorted(groups.values(), key=lambda group: open_bits(group).bit_count())
+
+
+def open_bits(messages: Iterable[Message]) -> int:
+    """Bits of the id that keys and fields of some of these messages fill."""
+    return reduce(or_, (message.id_mask for message in messages), 0)
 
 
 def is_message(message: Message, frame: CanFrame) -> bool:
