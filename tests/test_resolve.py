@@ -123,36 +123,6 @@ def test_addresses_that_run_into_each_other_are_found(tmp_path: Path) -> None:
     assert marked(findings(tmp_path, text)) == ["id-collision: 0x102"]
 
 
-def test_ids_that_no_message_has_run_into_nothing(tmp_path: Path) -> None:
-    """An address that only frames without a request come from has no requests, whatever `id` says of them."""
-    of_all = "all: {id: 0x102}}"
-    text = MINIMAL.replace("nodes: 1..4}}", f"nodes: 1..4}}, {of_all}")
-    only_request = text.replace("reply: echo", "reply: none")
-    beat = "  beat: {address: all, code: 2, request: none, reply: {level: {at: 2, type: level}}}\n"
-    assert marked(findings(tmp_path, only_request + beat)) == []
-    assert marked(findings(tmp_path, text + beat)) == ["id-collision: 0x102"]
-
-
-@pytest.mark.parametrize(
-    ("one", "other", "met"),
-    [
-        ("300 + node * 10", "305 + node * 10", ""),
-        ("300 + node * 10", "310 + node * 10", "0x136"),
-        ("300 + node * 10", "302 + node * 6", "0x140"),
-        ("300 + node * 10", "301 + node * 6", ""),
-        ("302 + node * 6", "350 + node * 4", "0x15E"),
-        ("350 + node * 4", "302 + node * 6", "0x15E"),
-        ("300 + node * 10", "330", "0x14A"),
-        ("300 + node * 10", "331", ""),
-    ],
-)
-def test_ids_that_are_not_powers_of_two_apart(tmp_path: Path, one: str, other: str, met: str) -> None:
-    nodes = ", nodes: 0..15" if "node" in other else ""
-    addresses = f"{{lamp: {{id: {one}, nodes: 0..15}}, all: {{id: {other}{nodes}}}}}"
-    found = findings(tmp_path, MINIMAL.replace("{lamp: {id: 0x100 + node, nodes: 1..4}}", addresses))
-    assert [f.message.split()[3] for f in found if f.rule == "id-collision"] == ([met] if met else [])
-
-
 def test_texts_are_given_in_every_language(tmp_path: Path) -> None:
     text = MINIMAL.replace("edition: v1", "edition: v1\nlanguages: [en, zh]\ntitle: {en: Lamps}")
     assert places(findings(tmp_path, text)) == ["5:8 missing-language"]

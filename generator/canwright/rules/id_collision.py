@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
+from ..interpret import by_rule, open_bits
 from ..model import Address, Direction, Edition, Path, Space
 from ..schema import EditionSpec
 from . import alike, ids
@@ -22,6 +23,33 @@ def check(subject: Subject) -> Found:
                 seen.add((path, two.name))
                 text = f"the {direction.value} id 0x{shared:X} belongs to `{two.name}` as well"
                 yield Finding(path, text, "check `id` and `nodes` of both")
+        if not seen and not subject.partial:
+            yield from _mistaken(edition, direction)
+
+
+def _mistaken(edition: Edition, direction: Direction) -> Found:
+    """Messages whose ids are those of another address first, though no message there has their code."""
+    groups = by_rule(edition.messages(direction))
+    told: set[tuple[str, str]] = set()
+    for place, group in enumerate(groups):
+        earlier = [(open_bits(other), other[0]) for other in groups[:place]]
+        open_ = [(mask, ids.known(ids.of_rule(other.id), mask), other) for mask, other in earlier if mask]
+        for message in group:
+            free = ids.free_bits(message)
+            own = ids.known(ids.of_message(message), free)
+            for mask, known, other in open_:
+                if (message.id.extended, message.remote) != (other.id.extended, other.remote):
+                    continue
+                if (known.value ^ own.value) & known.mask & own.mask or (message.address, other.address) in told:
+                    continue
+                shared = ids.meet(ids.of_message(message), ids.of_rule(other.id), mask | free)
+                if shared is not None:
+                    told.add((message.address, other.address))
+                    taken = f"the ids of this {direction.value} are taken for those of the address `{other.address}`"
+                    text = f"{taken}, which has no such code"
+                    yield Finding(
+                        message.path, text, "check `id` and `selector` of both addresses, or give it another code"
+                    )
 
 
 def _shared(subject: Subject, direction: Direction) -> dict[tuple[int, int], int]:
