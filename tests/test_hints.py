@@ -125,3 +125,10 @@ def test_short_values_and_mappings_mean_the_same(tmp_path: Path) -> None:
 def test_words_of_c_and_of_other_tools() -> None:
     formats = {"int8_t": "i8", "uint32_t": "u32", "s16": "i16", "double": "f64", "u0": "", "x": ""}
     assert {word: rewritten.raw_format(word) for word in formats} == formats
+
+
+def test_a_name_like_none_of_many_is_not_said_to_be_the_first(tmp_path: Path) -> None:
+    many = "types:\n" + "".join(f"  kind_{n}: {{raw: u8}}\n" for n in range(14))
+    text = MINIMAL.replace("types:\n", many).replace("type: level", "type: qq")
+    hints = [f.hint for f in findings(tmp_path, text) if f.rule == "unknown-reference"]
+    assert hints == ["none of the 15 that stand under `types` is like it; define it there"]

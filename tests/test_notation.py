@@ -60,10 +60,25 @@ def test_what_is_no_range_is_refused(text: str) -> None:
 
 
 def test_id_expressions() -> None:
-    assert notation.id_expression("0x140 + node") == notation.IdExpression(0x140, 0)
-    assert notation.id_expression("node << 5 + 1") == notation.IdExpression(1, 5)
+    assert notation.id_expression("0x140 + node") == notation.IdExpression(0x140, 1)
+    assert notation.id_expression("node << 5 + 1") == notation.IdExpression(1, 32)
+    assert notation.id_expression("300 + node * 10") == notation.IdExpression(300, 10)
+    assert notation.id_expression("1 + (node << 5)") == notation.IdExpression(1, 32)
+    assert notation.id_expression("0x10*node + 1") == notation.IdExpression(1, 16)
     assert notation.id_expression("640") == notation.IdExpression(640, None)
-    for text in ("node + node", "0x140 - node", "node << x", ""):
+    for text in (
+        "node + node",
+        "0x140 - node",
+        "node << x",
+        "node * 0",
+        "2 * node * 3",
+        "10 << node",
+        "(1 + node)",
+        "(node",
+        "((node))",
+        "node *",
+        "",
+    ):
         with pytest.raises(ValueError, match="`"):
             notation.id_expression(text)
 

@@ -51,7 +51,7 @@ class Context:
         if name not in known and (name in self._lost or self.is_lost(_plural(kind)) or self._near_lost(kind, name)):
             self.amiss.append(path)
         elif name not in known:
-            hint = hint or self._other_kind(name) or nearest(name, known) or _DEFINED.get(kind, "")
+            hint = hint or self._other_kind(name) or nearest(name, known) or _defined(kind, len(known))
             self.report(path, "unknown-reference", f"there is no {kind} `{name}`", hint, key=key)
         return known.get(name)
 
@@ -122,18 +122,25 @@ _KINDS = {
 }
 
 _DEFINED = {
-    kind: f"none is defined; they stand under `{key}`"
-    for kind, key in {
-        "type": "types",
-        "layout": "layouts",
-        "table": "tables",
-        "parameter": "parameters",
-        "setting": "settings",
-        "effect": "effects",
-        "mode": "bus.modes",
-    }.items()
+    "type": "types",
+    "layout": "layouts",
+    "table": "tables",
+    "parameter": "parameters",
+    "setting": "settings",
+    "effect": "effects",
+    "mode": "bus.modes",
 }
-"""What to do where there is nothing of a kind."""
+"""Where what there can be of a kind is defined."""
+
+
+def _defined(kind: str, number: int) -> str:
+    """What to do where none of a kind is alike: where the others stand."""
+    there = f"stand under `{_DEFINED.get(kind, '')}`"
+    if kind not in _DEFINED:
+        return ""
+    return (
+        f"none of the {number} that {there} is like it; define it there" if number else f"none is defined; they {there}"
+    )
 
 
 def _plural(kind: str) -> str:

@@ -9,6 +9,8 @@ import struct
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
+from operator import or_
 from typing import NamedTuple
 
 from . import notation, words
@@ -36,6 +38,22 @@ def has_id(message: Message, frame: CanFrame) -> bool:
         return False
     rest = frame.id & ~message.id_mask
     return rest == message.id.base if message.id.nodes is None else node(message.id, rest) is not None
+
+
+def by_rule(messages: Iterable[Message]) -> list[list[Message]]:
+    """The messages of each rule from node to id, in the order in which the rule of a frame is looked for.
+
+    An id that is written out goes before one of which a code or a field is a part, a small part before a large one.
+    """
+    groups: dict[tuple[IdRule, bool], list[Message]] = {}
+    for message in messages:
+        groups.setdefault((message.id, message.remote), []).append(message)
+    return sorted(groups.values(), key=lambda group: open_bits(group).bit_count())
+
+
+def open_bits(messages: Iterable[Message]) -> int:
+    """Bits of the id that keys and fields of some of these messages fill."""
+    return reduce(or_, (message.id_mask for message in messages), 0)
 
 
 def is_message(message: Message, frame: CanFrame) -> bool:
@@ -73,9 +91,8 @@ def node(rule: IdRule, id_: int) -> int | None:
     """The node of an id without the bits of keys and fields; None when there is none."""
     if rule.nodes is None:
         return None
-    rest = id_ - rule.base
-    found = rest >> rule.node_shift
-    return found if rest >= 0 and found << rule.node_shift == rest and found in rule.nodes else None
+    found, beside = divmod(id_ - rule.base, rule.node_step)
+    return found if not beside and found in rule.nodes else None
 
 
 def node_of(message: Message, frame: CanFrame) -> int | None:
@@ -110,7 +127,7 @@ def raw_of(field: Field, frame: CanFrame) -> Raw:
 
 def wrong_constants(fields: Iterable[Field], frame: CanFrame) -> list[Field]:
     """The fields that should hold a constant and hold something else."""
-    return [f for f in fields if f.constant is not None and raw_of(f, frame) != f.constant]
+    return [f for f in fields if f.demanded is not None and raw_of(f, frame) != f.demanded]
 
 
 def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:

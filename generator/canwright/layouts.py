@@ -58,6 +58,7 @@ class Field:
 
     `only` names the value of the layout's parameter under which the field is there; empty means always.
     `constant` is the raw value of a field that always holds it: it is written, checked, and not part of the message.
+    Where it is not `checked`, these are reserved bits that are sent as something else than 0.
     `holds_node` marks the field that says which node the frame is to or from.
     """
 
@@ -68,11 +69,17 @@ class Field:
     is_array: bool
     only: tuple[str, ...]
     constant: int | None
+    checked: bool
     holds_node: bool
     title: Text
     about: Text
     manual: str
     path: Path = field(compare=False)
+
+    @property
+    def demanded(self) -> int | None:
+        """What a reader insists on; None where anything may stand."""
+        return self.constant if self.checked else None
 
 
 @dataclass(frozen=True)

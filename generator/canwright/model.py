@@ -70,13 +70,13 @@ class ReplyForm(str, Enum):
 
 @dataclass(frozen=True)
 class IdRule:
-    """A rule from node to CAN id, and back: `id = base + (node << node_shift)`, without the bits of keys and fields.
+    """A rule from node to CAN id, and back: `id = base + node * node_step`, without the bits of keys and fields.
 
     `nodes` is None for a fixed id. `extended` means 29 bits instead of 11.
     """
 
     base: int
-    node_shift: int
+    node_step: int
     nodes: range | None
     extended: bool
 

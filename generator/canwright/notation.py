@@ -38,7 +38,9 @@ NODES_PATTERN = rf"^{_WHOLE}\.\.{_WHOLE}$"
 RAW_PATTERN = r"^(?:[ui](?:[1-9]|[1-5][0-9]|6[0-4])|f32|f64)$"
 CODE_PATTERN = r"^u(?:[1-9]|[1-5][0-9]|6[0-4])$"
 AT_PATTERN = rf"^(?:{_WHOLE}(?:\.[0-7])?|id\.{_WHOLE})$"
-_TERM = rf"(?:0x[0-9A-Fa-f]+|{_WHOLE}|node(?: *<< *{_WHOLE})?)"
+_ID_NUMBER = rf"(?:0x[0-9A-Fa-f]+|{_WHOLE})"
+_NODE = rf"(?:(?:{_ID_NUMBER} *\* *)?node|node(?: *<< *{_WHOLE}| *\* *{_ID_NUMBER}))"
+_TERM = rf"(?:{_ID_NUMBER}|{_NODE}|\( *{_NODE} *\))"
 ID_PATTERN = rf"^{_TERM}(?: *\+ *{_TERM})*$"
 
 
@@ -142,30 +144,42 @@ def _numbers(text: str) -> range:
 
 @dataclass(frozen=True)
 class IdExpression:
-    """`0x100 + node`, `node << 5`, or a fixed id; `node_shift` is None when no node is in it."""
+    """`0x100 + node`, `node << 5`, `300 + node * 10`, or a fixed id; `node_step` is None when no node is in it."""
 
     base: int
-    node_shift: int | None
+    node_step: int | None
 
 
 def id_expression(text: str) -> IdExpression:
-    """A sum of numbers and at most one `node`, which may be shifted: `0x100 + node`, `(node << 5)` without brackets."""
+    """A sum of numbers and at most one `node`, which may be shifted or multiplied: `0x100 + node`, `1 + (node << 5)`."""
     base = 0
-    shift: int | None = None
+    step: int | None = None
     for term in (part.strip() for part in text.split("+")):
-        match = re.fullmatch(rf"node(?: *<< *({_WHOLE}))?", term)
-        if match and int(match.group(1) or 0) > LAST_ID_BIT:
-            raise ValueError(f"`{term}` is beyond the last bit of a CAN id, {LAST_ID_BIT}")
-        if match and shift is None:
-            shift = int(match.group(1) or 0)
-        elif match:
+        bare = re.sub(rf"^\( *({_NODE}) *\)$", r"\1", term)
+        match = re.fullmatch(rf"(?:({_ID_NUMBER}) *\* *)?node|node *(<<|\*) *({_ID_NUMBER})", bare)
+        if match and step is not None:
             raise ValueError(f"`{text}` names node twice")
-        elif re.fullmatch(rf"0x[0-9A-Fa-f]+|{_WHOLE}", term):
+        if match:
+            step = _node_step(term, match[1] or match[3] or "1", match[2] == "<<")
+        elif re.fullmatch(_ID_NUMBER, term):
             base += int(term, 0)
         else:
             more = "; what else stands in the id is told by `selector`, and by fields at id.0" if "|" in term else ""
             raise ValueError(f"`{term}` does not belong in an id; write it like 0x100 + node, node << 5 or 0x200{more}")
-    return IdExpression(base, shift)
+    return IdExpression(base, step)
+
+
+def _node_step(term: str, written: str, shifted: bool) -> int:
+    """How far the id of a node is from that of the next."""
+    number = int(written, 0)
+    if shifted and number > LAST_ID_BIT:
+        raise ValueError(f"`{term}` is beyond the last bit of a CAN id, {LAST_ID_BIT}")
+    step = 1 << number if shifted else number
+    if not 1 <= step <= LAST_ID:
+        raise ValueError(
+            f"`{term}` gives no node an id of its own" if not step else f"`{term}` is beyond 0x{LAST_ID:X}"
+        )
+    return step
 
 
 @dataclass(frozen=True)

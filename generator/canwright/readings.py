@@ -166,6 +166,8 @@ class _Form:
     def _checks_of(self, field: Field) -> list[tuple[bool, list[tuple[int, int, int]], Callable[[int], Reason | None]]]:
         type_ = field.type
         bounded = any(type_.raw_range.at(a) for a in _assignments(type_.raw_range.parameter, type_.raw_range.cases))
+        if field.constant is not None and not field.checked:
+            return []
         if not (field.constant is not None or type_.enum or type_.flags or type_.plausible or bounded):
             return []
         check = functools.cache(functools.partial(self._reason, field))
@@ -198,7 +200,7 @@ def _elsewhere(edition: Edition, message: Message, frame: CanFrame) -> str:
     reply, node = edition.command(message.command).reply, node_of(message, frame)
     if reply is None or reply.id == message.id or reply.id.nodes is None or node is None:
         return ""
-    return f", though replies come on 0x{reply.id.base + (node << reply.id.node_shift):X}"
+    return f", though replies come on 0x{reply.id.base + node * reply.id.node_step:X}"
 
 
 def _placed(key: Key, value: int) -> int:

@@ -6,13 +6,11 @@ This is what every target does, in the same order, and refuses in the same words
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import reduce
-from operator import or_
 from typing import NamedTuple
 
 from . import words
 from .golden import Refusal
-from .interpret import CanFrame, data_bits, difference, held, node, node_of, wrong_constants
+from .interpret import CanFrame, by_rule, data_bits, difference, held, node, node_of, open_bits, wrong_constants
 from .model import Assignment, Direction, Edition, Key, Message, ReplyForm, Variant
 
 
@@ -44,7 +42,9 @@ class Receiver:
 
     def __init__(self, edition: Edition) -> None:
         self._edition = edition
-        self._routes = {direction: _routes(edition.messages(direction)) for direction in Direction}
+        self._routes = {
+            direction: [_Route(group) for group in by_rule(edition.messages(direction))] for direction in Direction
+        }
         self._of_id: dict[tuple[Direction, int, bool, bool], tuple[_Route, int | None] | None] = {}
 
     def read(self, direction: Direction, frame: CanFrame) -> Read | Refused:
@@ -108,7 +108,7 @@ class _Route:
 
     def __init__(self, messages: Sequence[Message]) -> None:
         self.first = messages[0]
-        self.mask = reduce(or_, (m.id_mask for m in messages))
+        self.mask = open_bits(messages)
         self._lengths = sorted({m.dlc for m in messages})
         self._claims: dict[object, tuple[Key, dict[int, list[Message]]]] = {}
         for message in messages:
@@ -174,14 +174,6 @@ class _Route:
             for message in claims.get(held(key, frame), ())
             if all(held(further, frame) == further.value for further in message.keys[1:])
         ]
-
-
-def _routes(messages: Iterable[Message]) -> list[_Route]:
-    """One route for each rule; an id that is written out goes before one of which a code or a field is a part."""
-    groups: dict[tuple[object, bool], list[Message]] = {}
-    for message in messages:
-        groups.setdefault((message.id, message.remote), []).append(message)
-    return sorted((_Route(group) for group in groups.values()), key=lambda route: route.mask != 0)
 
 
 def _wrong_length(frame: CanFrame, lengths: Iterable[int]) -> Refused:

@@ -25,9 +25,10 @@ from .model import (
     Table,
 )
 from .notation import LAST_ID, SHORT_ID, IdExpression
+from .resolve_forms import Form
 from .resolve_keys import keyed_by_constants, with_claims
 from .resolve_layouts import LayoutResolver
-from .resolve_messages import ENTRY, Form, MessageResolver
+from .resolve_messages import ENTRY, MessageResolver
 from .resolve_parameters import resolve_parameters
 from .resolve_types import read_units, resolve_types
 from .source import Document
@@ -201,7 +202,7 @@ def _mode(context: Context, path: Path, written: schema.Command, modes: Mapping[
 
 def _address(context: Context, number: int, name: str, written: schema.Address) -> Address:
     path: Path = ("addresses", name)
-    lost = IdRule(LAST_ID + 1 + number, 0, None, True)
+    lost = IdRule(LAST_ID + 1 + number, 1, None, True)
     """An id that no other address has, in place of one that could not be read."""
     if context.is_partly_dropped(path, ("id", "request", "reply", "nodes", "extended")):
         return Address(name, lost, lost, context.title(path, written.title, name), context.text(path, None), "", path)
@@ -215,7 +216,7 @@ def _address(context: Context, number: int, name: str, written: schema.Address) 
         context.report(
             (*path, "id"), "address-id", "`id` is that of both directions, and one has its own", hint, key=True
         )
-    elif written.nodes is not None and request.node_shift is None and reply.node_shift is None:
+    elif written.nodes is not None and request.node_step is None and reply.node_step is None:
         hint = f"write the id with `node`, like 0x{request.base:X} + node, or leave `nodes` out"
         context.report((*path, "nodes"), "address-id", "there are nodes, but no id depends on `node`", hint, key=True)
     asked = _id_rule(context, _id_path(path, written, Direction.REQUEST), request, written, lost)
@@ -241,13 +242,13 @@ def _id_path(address: Path, written: schema.Address, direction: Direction) -> Pa
 def _id_rule(context: Context, path: Path, id_: IdExpression | None, written: schema.Address, lost: IdRule) -> IdRule:
     if id_ is None:
         return lost
-    if id_.node_shift is not None and written.nodes is None:
+    if id_.node_step is not None and written.nodes is None:
         text = "the id depends on `node`, but `nodes` is missing"
         context.report(path[:-1], "missing-key", text, "nodes: 1..32", key=True)
         return lost
-    nodes = written.nodes if id_.node_shift is not None else None
+    nodes = written.nodes if id_.node_step is not None else None
     limit = LAST_ID if written.extended else SHORT_ID
-    rule = IdRule(id_.base, id_.node_shift or 0, nodes, written.extended)
+    rule = IdRule(id_.base, id_.node_step or 1, nodes, written.extended)
     highest = _highest(rule)
     if highest > limit:
         longer = "" if written.extended or highest > LAST_ID else "; with `extended: true` there are 29 bits"
@@ -257,7 +258,7 @@ def _id_rule(context: Context, path: Path, id_: IdExpression | None, written: sc
 
 
 def _highest(rule: IdRule) -> int:
-    return rule.base + ((rule.nodes[-1] << rule.node_shift) if rule.nodes else 0)
+    return rule.base + (rule.nodes[-1] * rule.node_step if rule.nodes else 0)
 
 
 def _erratum(context: Context, index: int, written: schema.ErratumSpec) -> Erratum:

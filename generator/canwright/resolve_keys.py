@@ -90,7 +90,7 @@ def _by_themselves(message: Message) -> Constants:
 
 def _constants(message: Message) -> Constants:
     """The constants that are always there, by place."""
-    fields = (f for f in message.layout.fields if f.constant is not None and not f.only and not f.is_array)
+    fields = (f for f in message.layout.fields if f.demanded is not None and not f.only and not f.is_array)
     return {(field.space, field.elements[0].segments): field for field in fields}
 
 

@@ -120,13 +120,22 @@ class LayoutResolver:
             tuple(elements),
             written.array is not None,
             tuple(v for values in self.only(path, written.only).values() for v in values),
-            written.constant if written.raw is not None or self._has_raw(written.type) else None,
+            self._fixed(path, written) if written.raw is not None or self._has_raw(written.type) else None,
+            written.reserved is None,
             written.holds == "node",
             title,
             self._context.text((*path, "about"), written.about),
             written.manual or manual,
             path,
         )
+
+    def _fixed(self, path: Path, written: schema.FieldSpec) -> int | None:
+        """What is always sent in a field, if anything."""
+        if written.constant is not None and written.reserved is not None:
+            hint = "keep `constant` where a reader insists on the value, `reserved` where it ignores it"
+            text = f"`{path[-1]}` is both `constant` and `reserved`"
+            self._context.report((*path, "reserved"), "field-type", text, hint, key=True)
+        return written.reserved if written.constant is None else written.constant
 
     def _type(self, path: Path, written: schema.FieldSpec) -> Type:
         if (written.type is None) == (written.raw is None):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
 
 from . import hints, schema
 from .context import Context
@@ -17,6 +16,7 @@ from .model import (
     Path,
     ReplyForm,
 )
+from .resolve_forms import Form, Reply
 from .resolve_layouts import LayoutResolver, segments_at
 
 ENTRY = "entry"
@@ -29,32 +29,6 @@ LONGEST_DATA = 8
 """Data bytes of a frame whose `dlc` could not be read: nothing is beyond these for that reason."""
 LONGEST_CHAIN = 20
 """How many commands may take their reply one from the next."""
-
-
-@dataclass(frozen=True)
-class Form:
-    """A command, or what one entry of a table makes of it."""
-
-    command: str
-    entry: str | None
-    layout: Layout | None
-    keys: tuple[Key, ...]
-    kind: str | None = None
-    dlc: int | None = None
-
-    @property
-    def name(self) -> str:
-        return self.command if self.entry is None else f"{self.command}_{self.entry}"
-
-
-@dataclass(frozen=True)
-class Reply:
-    """What a command gets back."""
-
-    message: Message | None
-    form: ReplyForm
-    of: str | None = None
-    from_each: tuple[int, ...] = ()
 
 
 class MessageResolver:
@@ -143,7 +117,7 @@ class MessageResolver:
         if written == "echo":
             return self._echo(form, request)
         if isinstance(written, schema.MessageSpec) and written.of is not None:
-            return self._other(path, written, written.of)
+            return self._other(path, form, written, written.of)
         message = self._message(form, Direction.REPLY, f"{form.name}_reply", written)
         shared = ReplyForm.LAYOUT if message.layout.shared else ReplyForm.OWN
         from_each = tuple(written.from_each or ()) if isinstance(written, schema.MessageSpec) else ()
@@ -168,7 +142,7 @@ class MessageResolver:
         for key in sorted(written.model_fields_set & set(keys)):
             self._context.report((*path, key), "no-effect", f"`{key}` says nothing of {what}", hint, key=True)
 
-    def _other(self, path: Path, written: schema.MessageSpec, of: str) -> Reply:
+    def _other(self, path: Path, form: Form, written: schema.MessageSpec, of: str) -> Reply:
         others = set(schema.MessageSpec.model_fields) - OF_REPLIES
         hint = "leave it out, or leave `of` out and lay the reply out here"
         self._without_effect(path, written, others, "the reply of another command", hint)
@@ -187,12 +161,30 @@ class MessageResolver:
             text = f"this is the end of a chain of {LONGEST_CHAIN} commands that take their reply from the next"
             self._context.report((*path, "of"), "circular-reference", text, "name the command that has the reply")
             return Reply(None, ReplyForm.NONE)
-        if self._spec.commands[of].table is not None:
-            hint = "write `entry`, or the name of a layout"
-            self._context.report((*path, "of"), "reply-of-table", f"`{of}` has a reply for each entry of a table", hint)
+        other = self._other_form((*path, "of"), form, of)
+        if other is None:
             return Reply(None, ReplyForm.NONE)
-        _, reply = self.of(Form(of, None, None, ()))
-        return Reply(reply.message, ReplyForm.OTHER, of, tuple(written.from_each or ()))
+        _, reply = self.of(other)
+        return Reply(reply.message, ReplyForm.OTHER, other.name, tuple(written.from_each or ()))
+
+    def _other_form(self, path: Path, form: Form, of: str) -> Form | None:
+        """The form of the command `of` that has the reply: that of the same entry, where it has a table."""
+        table = self._spec.commands[of].table
+        if table is None:
+            return Form(of, None, None, ())
+        if table != self._spec.commands[form.command].table:
+            hint = f"name the table `{table}` here as well, or write the name of a layout"
+            self._context.report(path, "reply-of-table", f"`{of}` has a reply for each entry of a table", hint)
+            return None
+        if table not in self._tables:
+            return None
+        found = next((other for other in self.forms(of) if other.entry == form.entry), None)
+        if found is None:
+            at: Path = ("tables", table, "entries", form.entry or "", "commands")
+            hint = f"add `{of}` to its `commands`, or lay the reply of `{form.command}` out"
+            text = f"`{of}` has no `{form.entry}`, and so no reply that `{form.command}` could take"
+            self._context.report(at, "reply-of-table", text, hint)
+        return found
 
     def _message(
         self, form: Form, direction: Direction, layout_name: str, written: str | schema.Fields | schema.MessageSpec

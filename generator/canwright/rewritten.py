@@ -91,7 +91,7 @@ def nodes(written: object) -> str:
 
 
 def id_(written: object) -> str:
-    """A rule for ids: `(0x100 | node)`, `0x100 + ID`, `node * 32`, `100h + node`; `0x101..0x104` are those of nodes 1 to 4."""
+    """A rule for ids: `(0x100 | node)`, `0x100 + ID`, `100h + node`; `0x101..0x104` are those of nodes 1 to 4."""
     text = re.sub(r"\b([0-9][0-9A-Fa-f]*)[hH]\b", r"0x\1", str(written))
     several = re.fullmatch(r"(0x[0-9A-Fa-f]+|[0-9]+) *(?:\.\.|-|–) *(0x[0-9A-Fa-f]+|[0-9]+)", text)
     if several and 0 < (first := int(several[1], 0)) < int(several[2], 0):
@@ -99,9 +99,6 @@ def id_(written: object) -> str:
     text = re.sub(r"[\[({})\]$]", " ", text).replace("|", "+").replace("_ID", "_id")
     text = re.sub(_NODE, "node", text).strip()
     text = re.sub(r"\b[a-z_]+\b", lambda word: near(word[0], ["node"]) or word[0], text)
-    found = re.search(r"node *\* *(0x[0-9A-Fa-f]{1,8}|[0-9]{1,9})", text)
-    if found and int(found[1], 0).bit_count() == 1:
-        text = text.replace(found[0], f"node << {int(found[1], 0).bit_length() - 1}")
     return _if_read(re.sub(" +", " ", text), language.id_expression)
 
 

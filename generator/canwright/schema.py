@@ -53,7 +53,8 @@ class Address(Titled):
     model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": ["id"]}, {"required": ["request", "reply"]}]})
 
     id: Annotated[
-        IdText | None, Field(description="Id of both directions: `0x100 + node`, `node << 5`, or a fixed one.")
+        IdText | None,
+        Field(description="Id of both directions: `0x100 + node`, `node << 5`, `300 + node * 10`, or a fixed one."),
     ] = None
     request: Annotated[IdText | None, Field(description="Id of requests, when replies have another.")] = None
     reply: Annotated[IdText | None, Field(description="Id of replies, when requests have another.")] = None

@@ -37,6 +37,13 @@ class FieldSpec(Titled):
     constant: Annotated[
         int | None, Field(description="The raw value that it always holds, in the data or in the id.")
     ] = None
+    reserved: Annotated[
+        int | None,
+        Field(
+            description="The raw value that is sent here, while a reader ignores what it finds: padding, or a priority "
+            "in the id. Bits that no field covers are sent as 0 and ignored."
+        ),
+    ] = None
     holds: Annotated[
         Literal["node"] | None,
         Field(

@@ -99,9 +99,7 @@ def id_rule(rule: IdRule) -> str:
     """`0x100 + node (1..32)`."""
     if rule.nodes is None:
         return f"0x{rule.base:X}"
-    node = f"node << {rule.node_shift}" if rule.node_shift else "node"
-    base = f"0x{rule.base:X} + " if rule.base else ""
-    return f"{base}{node} ({rule.nodes[0]}..{rule.nodes[-1]})"
+    return f"{words.id_rule(rule)} ({rule.nodes[0]}..{rule.nodes[-1]})"
 
 
 def _table(command: Command, message: Message, language: str) -> RenderableType:
@@ -134,7 +132,7 @@ def _relevant(command: Command, layout: Layout, field: Field) -> tuple[str, ...]
 def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
     type_ = field.type
     if field.constant is not None:
-        return "constant", str(field.constant)
+        return "constant" if field.checked else "reserved, sent as", str(field.constant)
     if type_.enum:
         return "\n".join(f"{m.value} {m.name}" for m in type_.enum), ""
     if type_.flags:

@@ -156,8 +156,11 @@ def elements(field: Field) -> list[tuple[str, tuple[Segment, ...]]]:
 
 
 def id_rule(rule: IdRule) -> str:
-    """`0x100 + node`, `node << 5`, or a fixed id."""
+    """`0x100 + node`, `0x1 + (node << 5)`, `node * 10`, or a fixed id."""
     if rule.nodes is None:
         return f"0x{rule.base:X}"
-    node = f"node << {rule.node_shift}" if rule.node_shift else "node"
+    node, step = "node", rule.node_step
+    if step > 1:
+        shift = f"node << {step.bit_length() - 1}"
+        node = f"node * {step}" if step.bit_count() > 1 else f"({shift})" if rule.base else shift
     return f"0x{rule.base:X} + {node}" if rule.base else node

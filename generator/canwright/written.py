@@ -64,7 +64,7 @@ Start = Annotated[At, _written(notation.at, "4, 4.3 or id.5"), _number_or(notati
 IdText = Annotated[
     IdExpression,
     _written(notation.id_expression, "0x100 + node"),
-    _number_or(notation.ID_PATTERN, "0x100 + node", "node << 5", 640),
+    _number_or(notation.ID_PATTERN, "0x100 + node", "node << 5", "300 + node * 10", 640),
 ]
 Raw = Annotated[
     tuple[Encoding, int], _written(notation.raw_format, "u8"), _text_of(notation.RAW_PATTERN, "u8", "i16", "i56", "f32")

@@ -117,6 +117,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "FieldSpec.array": {"commands.colours.reply.colours.array": "1..4"},
     "FieldSpec.only": {"commands.dim.request.small.only": {"size": ["big"]}},
     "FieldSpec.constant": {"commands.read.request.fixed.constant": 4},
+    "FieldSpec.reserved": {"commands.read.request.fixed.constant": None, "commands.read.request.fixed.reserved": 3},
     "FieldSpec.holds": {"tables.store.entries.gain.layout.gain.holds": "node"},
     "FieldSpec.manual": {f"{FIELD}.manual": "9"},
     "Flag.title": {"types.state.flags.hot.title": TEXT},

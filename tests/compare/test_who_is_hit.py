@@ -75,3 +75,16 @@ def test_of_tables(tmp_path: Path) -> None:
     assert told(tmp_path, V2_36, (index, index.replace("at: 1, raw: u8", "at: 1.1, raw: u7"))) == [
         "loud sending+receiving: table control_parameters: index-moved"
     ]
+
+
+def test_of_reserved_bits(tmp_path: Path) -> None:
+    """Who sends them sends something else; who reads them did not look, until they are a constant."""
+    cells = (ROOT / "tests/specs/cells/v1.yaml").read_text("utf-8")
+    reply = "padding: {at: 1, raw: i16, reserved: -2}"
+    safe = ["safe receiving: command balance: constant-changed"]
+    assert told(tmp_path, cells, (reply, reply.replace("-2", "-1"))) == safe
+    loud = ["loud receiving: command balance: constant-changed"]
+    assert told(tmp_path, cells, (reply, reply.replace("reserved", "constant"))) == loud
+    request = "priority: {at: id.26, raw: u3, reserved: 6}"
+    loud = ["loud sending: command balance: constant-changed"]
+    assert told(tmp_path, cells, (request, request.replace("6}", "3}"))) == loud

@@ -57,6 +57,8 @@ def _address(path: Path, address: Data) -> Iterator[Mutant]:
         yield _set((*path, key), moved)
         if "<<" in written:
             yield _set((*path, key), written.replace("<< ", "<< 1"))
+        elif "*" in written:
+            yield _set((*path, key), re.sub(r"([0-9]+) \* node|node \* ([0-9]+)", "node * 11", written))
         elif "node" in written:
             yield _set((*path, key), written.replace("node", "node << 1"))
     yield _set((*path, "extended"), not address.get("extended", False))
@@ -144,10 +146,13 @@ def _fields(path: Path, fields: Data) -> Iterator[Mutant]:
             yield _drop((*at, "holds"))
         if "constant" in field:
             yield _set((*at, "constant"), field["constant"] ^ 1)
+        if "reserved" in field:
+            yield _set((*at, "reserved"), field["reserved"] ^ 1)
+            yield f"{_dotted(at)} checked", _renamed(at, "reserved", "constant")
         if "array" in field:
             low, high = map(int, field["array"].split(".."))
             yield _set((*at, "array"), f"{low}..{high - 1}")
-        if "raw" in field and "constant" not in field:
+        if "raw" in field and not {"constant", "reserved"} & set(field):
             yield from _raw((*at, "raw"), field["raw"])
     for one, other in zip(list(fields), list(fields)[1:], strict=False):
         if fields[one]["at"] != fields[other]["at"]:  # in one place under two parameter values: nothing would change
@@ -283,6 +288,14 @@ def _swap(path: Path, one: str, other: str) -> Change:
     def change(data: Data) -> None:
         fields = _walk(data, path)
         fields[one]["at"], fields[other]["at"] = fields[other]["at"], fields[one]["at"]
+
+    return change
+
+
+def _renamed(path: Path, old: str, new: str) -> Change:
+    def change(data: Data) -> None:
+        inner = _walk(data, path)
+        inner[new] = inner.pop(old)
 
     return change
 

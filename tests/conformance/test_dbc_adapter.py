@@ -11,6 +11,7 @@ from canwright.golden import Refusal
 from canwright.load import described
 from canwright.model import Direction
 
+from ..spec_texts import ROOT
 from .adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
 from .adapters.dbc import DbcAdapter
 
@@ -102,6 +103,12 @@ def test_nodes_and_parameters_that_are_missing() -> None:
         (
             "constants",
             lambda: adapter("packed").decode(Direction.REQUEST, CanFrame(0x2C, bytes(8), extended=True), {}, None),
+        ),
+        (
+            "reserved_in_id",
+            lambda: DbcAdapter(described(ROOT / "tests/specs/cells/v1.yaml")).decode(
+                Direction.REPLY, CanFrame(0x1D05FF41, bytes(8), extended=True), {}, None
+            ),
         ),
         ("reply_limits", lambda: write_raw(Direction.REPLY, "gauge", {"dim": 1001}, {"size": "small"})),
         ("lengths", lambda: write("short", {}, {})),

@@ -211,7 +211,7 @@ def _frame(message: Message, node: int | None, raw: dict[str, Raw], parameters: 
         for element, number in zip(field.elements, numbers, strict=True):
             _place(spaces[field.space], element.bits, number)
     data = sum(bit << i for i, bit in enumerate(spaces[Space.DATA])).to_bytes(8, "little")[: message.dlc]
-    id_ = message.id.base + ((node or 0) << message.id.node_shift)
+    id_ = message.id.base + (node or 0) * message.id.node_step
     id_ += sum(bit << i for i, bit in enumerate(spaces[Space.ID]))
     return CanFrame(id_, b"" if message.remote else data, message.id.extended, message.remote)
 

@@ -163,7 +163,7 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
     flat = {f.name: raw[f.name] if f.is_array else raw[f.name][0] for f in variant.fields if f.name in raw}
     node = data.draw(st.sampled_from(message.id.nodes)) if message.id.nodes else None
     keys_in_id = sum(key.value << key.segments[0].low for key in message.keys if key.space is Space.ID)
-    id_ = message.id.base + ((node or 0) << message.id.node_shift) + keys_in_id
+    id_ = message.id.base + (node or 0) * message.id.node_step + keys_in_id
     frame = CanFrame(id_, packed(message, raw), message.id.extended)
 
     written = adapter(spec).encode_raw(message.direction, message.command, node, flat, assignment)

@@ -265,3 +265,14 @@ def test_facts_for_tools_stand_on_every_class(v2_35: ModuleType) -> None:
     assert v2_35.SetTorqueRequest.EFFECTS == ("moves",)
     for message in (v2_35.ReadEncoderRequest, v2_35.SetTorqueReply, v2_35.Message):
         assert (message.ONLY, message.EFFECTS) == ({}, ())
+
+
+def test_an_id_of_the_other_length_is_told(tmp_path: Path) -> None:
+    """Ids of 29 bits look like those of 11 to who forgets to say which they are."""
+    spec = ROOT / "tests/specs/cells/v1.yaml"
+    cells = load(write(tmp_path, spec), described(spec).edition)
+    with pytest.raises(cells.CodecError, match=r"no reply has the id 0x14B; with extended=True there is one"):
+        cells.decode_reply(0x14B, bytes(8))
+    with pytest.raises(cells.CodecError, match=r"no reply has the id 0x14A$"):
+        cells.decode_reply(0x14A, bytes(8))
+    assert cells.decode_reply(0x14B, bytes(8), extended=True).node == 3

@@ -92,8 +92,8 @@ def _rule(
     new: IdRule,
 ) -> None:
     use = Use(tuple(map(Side.of, directions)))
-    if (old.base, old.node_shift, old.extended, old.nodes is None) != (
-        *(new.base, new.node_shift, new.extended),
+    if (old.base, old.node_step, old.extended, old.nodes is None) != (
+        *(new.base, new.node_step, new.extended),
         new.nodes is None,
     ):
         said = Said(" and ".join(d.value for d in directions))
@@ -118,8 +118,8 @@ def _taken(old: IdRule, new: IdRule) -> bool:
     """Whether an id of one node now is that of another."""
     if old.extended is not new.extended or old.nodes is None or new.nodes is None:
         return False
-    node = {new.base + (n << new.node_shift): n for n in new.nodes}
-    return any(node.get(old.base + (n << old.node_shift), n) != n for n in old.nodes)
+    node = {new.base + n * new.node_step: n for n in new.nodes}
+    return any(node.get(old.base + n * old.node_step, n) != n for n in old.nodes)
 
 
 def _bus(found: Found, old: Bus, new: Bus) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from .. import words
 from ..model import Edition, Encoding, Field, Layout, Path, Type
 from . import api, match, quantities
-from .change import Impact, Item, Said, Side
+from .change import Fact, Impact, Item, Said, Side
 from .found import Found, Use, listed
 
 
@@ -50,7 +50,7 @@ def compare(found: Found, both: Editions, command: str, old: Layout, new: Layout
     for fresh in added:
         taken = any(match.overlap(fresh, f) for f in old.fields)
         impact = Impact.SILENT if taken or Side.SENDING in use.sides else Impact.SAFE
-        impact = Impact.LOUD if fresh.constant else impact
+        impact = Impact.LOUD if fresh.demanded else impact
         facts = {"name": fresh.name, "place": places([fresh])}
         found.add("field-added", item, old.path, fresh.path, impact, use, **facts)
 
@@ -78,13 +78,8 @@ def _field(found: Found, both: Editions, item: Item, old: Field, new: Field, use
         add("array-changed", Impact.SILENT, "array", *(_array(f) for f in (old, new)))
     if old.only != new.only:
         add("field-condition-changed", Impact.SILENT, "only", old_only(old), old_only(new))
-    if old.constant != new.constant:
-        add(
-            "constant-changed",
-            Impact.LOUD,
-            "constant",
-            *(Said("any value") if c is None else str(c) for c in _constants(old, new)),
-        )
+    if (old.constant, old.checked) != (new.constant, new.checked):
+        _constant(found, item, old, new, use)
     if old.holds_node != new.holds_node:
         add(
             "holds-changed",
@@ -98,8 +93,17 @@ def _field(found: Found, both: Editions, item: Item, old: Field, new: Field, use
     _type(found, both, item, old, new, use)
 
 
-def _constants(old: Field, new: Field) -> tuple[int | None, int | None]:
-    return old.constant, new.constant
+def _constant(found: Found, item: Item, old: Field, new: Field, use: Use) -> None:
+    ignored = old.demanded is None and new.demanded is None and Side.SENDING not in use.sides
+    before, after = ((*f.path, "constant" if f.checked else "reserved") for f in (old, new))
+    impact = Impact.SAFE if ignored else Impact.LOUD
+    found.add("constant-changed", item, before, after, impact, use, name=new.name, old=_held(old), new=_held(new))
+
+
+def _held(field: Field) -> Fact:
+    if field.constant is None:
+        return Said("any value")
+    return str(field.constant) if field.checked else (Said("any value"), ", ", Said("sent as"), f" {field.constant}")
 
 
 def old_only(field: Field) -> str:

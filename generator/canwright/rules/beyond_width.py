@@ -57,16 +57,17 @@ def _constants(edition: Edition) -> Found:
     fields = {f.path: f for m in edition.all_messages() for f in m.layout.fields if f.constant is not None}
     for field in fields.values():
         low, high = field.type.raw_limits
+        key, what = ("constant", "the constant") if field.checked else ("reserved", "what is reserved")
         if field.constant is not None and not low <= field.constant <= high:
             text = f"{field.constant} is not within {low}..{high}, all that {field.type.width} bits hold"
-            yield Finding((*field.path, "constant"), text, "check the constant, and sign and width of the field")
+            yield Finding((*field.path, key), text, f"check {what}, and sign and width of the field")
         elif field.type.enum and field.constant not in (values := {m.value: m.name for m in field.type.enum}):
             there = ", ".join(f"{value} is {name}" for value, name in values.items())
             text = f"no name of `{field.type.name}` has the value {field.constant}"
-            yield Finding((*field.path, "constant"), text, f"{there}; or write `raw` in place of `type`")
+            yield Finding((*field.path, key), text, f"{there}; or write `raw` in place of `type`")
         elif field.constant is not None and not field.type.enum and (limits := _forbidding(field.type, field.constant)):
             text = f"{field.constant} is not within {words.span(limits)}, the raw range of `{field.type.name}`"
-            yield Finding((*field.path, "constant"), text, "check the constant, or write `raw` in place of `type`")
+            yield Finding((*field.path, key), text, f"check {what}, or write `raw` in place of `type`")
 
 
 def _forbidding(type_: Type, raw: int) -> Range | None:

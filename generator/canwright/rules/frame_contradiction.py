@@ -9,8 +9,8 @@ from fractions import Fraction
 from .. import words
 from ..diagnostics import nearest
 from ..golden import Frame
-from ..interpret import CanFrame, Raw, Value, difference, held, node_of, raws, value_of, wrong_constants
-from ..model import Assignment, Direction, Edition, Field, Message
+from ..interpret import CanFrame, Raw, Value, difference, held, node_of, raw_of, raws, value_of, wrong_constants
+from ..model import Assignment, Direction, Edition, Field, Message, Space
 from ..receiving import Read, Receiver, Refused
 from ..sending import Sender, Senders
 from .entries import KEY, Problem, judged, named
@@ -98,6 +98,11 @@ def _sent(
         if held(key, can) != key.value:
             place = words.place(key.space, key.segments)
             yield ("data",), f"a sender writes 0x{key.value:02X} in {place}", hint
+    for field in fields.values():
+        there = not field.checked and (field.space is Space.ID or not can.remote)
+        if there and raw_of(field, can) != field.constant:
+            part = "id" if field.space is Space.ID else "data"
+            yield (part,), f"`{field.name}` is sent as {field.constant}", hint
     if can.remote:
         if can.data:
             yield ("data",), "a remote frame has no data", 'data: ""'

@@ -38,7 +38,8 @@ def _bits(rule: IdRule) -> int:
     """The bits that are set in some id of a rule."""
     found = ids.of_rule(rule)
     if len(found) > ids.ENUMERATED:
-        counted = ((1 << (found[-1] - rule.base).bit_length()) - 1) >> rule.node_shift << rule.node_shift
+        below = (rule.node_step & -rule.node_step) - 1
+        counted = ((1 << (found[-1] - rule.base).bit_length()) - 1) & ~below
         carried = counted << 1 if rule.base & counted else 0
         return rule.base | counted | carried
     return reduce(lambda bits, id_: bits | id_, found, 0)

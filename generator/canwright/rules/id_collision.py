@@ -1,9 +1,10 @@
-"""No id belongs to two addresses of one direction, unless all their ids are the same."""
+"""No id belongs to the messages of two addresses of one direction, unless all ids of both are the same."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
+from ..interpret import by_rule, open_bits
 from ..model import Address, Direction, Edition, Path, Space
 from ..schema import EditionSpec
 from . import alike, ids
@@ -22,16 +23,44 @@ def check(subject: Subject) -> Found:
                 seen.add((path, two.name))
                 text = f"the {direction.value} id 0x{shared:X} belongs to `{two.name}` as well"
                 yield Finding(path, text, "check `id` and `nodes` of both")
+        if not seen and not subject.partial:
+            yield from _mistaken(edition, direction)
+
+
+def _mistaken(edition: Edition, direction: Direction) -> Found:
+    """Messages whose ids are those of another address first, though no message there has their code."""
+    groups = by_rule(edition.messages(direction))
+    told: set[tuple[str, str]] = set()
+    for place, group in enumerate(groups):
+        earlier = [(open_bits(other), other[0]) for other in groups[:place]]
+        open_ = [(mask, ids.known(ids.of_rule(other.id), mask), other) for mask, other in earlier if mask]
+        for message in group:
+            free = ids.free_bits(message)
+            own = ids.known(ids.of_message(message), free)
+            for mask, known, other in open_:
+                if (message.id.extended, message.remote) != (other.id.extended, other.remote):
+                    continue
+                if (known.value ^ own.value) & known.mask & own.mask or (message.address, other.address) in told:
+                    continue
+                shared = ids.meet(ids.of_message(message), ids.of_rule(other.id), mask | free)
+                if shared is not None:
+                    told.add((message.address, other.address))
+                    taken = f"the ids of this {direction.value} are taken for those of the address `{other.address}`"
+                    text = f"{taken}, which has no such code"
+                    yield Finding(
+                        message.path, text, "check `id` and `selector` of both addresses, or give it another code"
+                    )
 
 
 def _shared(subject: Subject, direction: Direction) -> dict[tuple[int, int], int]:
     """The places of every two addresses that share an id, the later one first, with the first id that they share."""
     edition = subject.edition
+    used = {message.address for message in edition.all_messages()}
     owned = [
         (place, its)
         for place, one in enumerate(edition.addresses)
         if not (subject.partial and _is_selected_by_id(subject.spec, one.name))
-        for its in _ids(edition, direction, one)
+        for its in _ids(edition, direction, one, used)
     ]
     found: dict[tuple[int, int], int] = {}
     for i, j in alike.pairs([ids.known(its) for _, its in owned]):
@@ -50,9 +79,14 @@ def _is_selected_by_id(spec: EditionSpec, address: str) -> bool:
     return any(selector is not None and selector.at.space is Space.ID for selector in selectors)
 
 
-def _ids(edition: Edition, direction: Direction, address: Address) -> Sequence[range]:
-    """The ids of an address; where the selector is in the id, those of its messages."""
+def _ids(edition: Edition, direction: Direction, address: Address, used: Collection[str]) -> Sequence[range]:
+    """The ids of an address; where the selector is in the id, those of its messages, and none without a message.
+
+    An address without any message, one that is not among the `used`, is taken at its word.
+    """
     rule = address.rule(direction)
     of_address = [m for m in edition.of_rule(direction, rule) if m.address == address.name]
+    if not of_address and address.name in used:
+        return []
     selected = [ids.of_message(m) for m in of_address if any(k.space is Space.ID for k in m.keys)]
     return list(dict.fromkeys(selected)) or [ids.of_rule(rule)]

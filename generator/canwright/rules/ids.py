@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import islice
+from math import gcd
 
 from ..model import IdRule, Message, Space
 from .alike import Known
@@ -16,8 +17,8 @@ def of_rule(rule: IdRule) -> range:
     """All ids of a rule, without the bits of keys and fields."""
     if rule.nodes is None:
         return range(rule.base, rule.base + 1)
-    first, last = (rule.base + (node << rule.node_shift) for node in (rule.nodes[0], rule.nodes[-1]))
-    return range(first, last + 1, 1 << rule.node_shift)
+    first, last = (rule.base + node * rule.node_step for node in (rule.nodes[0], rule.nodes[-1]))
+    return range(first, last + 1, rule.node_step)
 
 
 def of_message(message: Message) -> range:
@@ -29,14 +30,14 @@ def of_message(message: Message) -> range:
 
 def free_bits(message: Message) -> int:
     """Bits of the id that fields fill, and may hold anything."""
-    fields = (f for f in message.layout.fields if f.space is Space.ID and f.constant is None)
+    fields = (f for f in message.layout.fields if f.space is Space.ID and f.demanded is None)
     segments = [s for f in fields for e in f.elements for s in e.segments]
     return sum(((1 << s.width) - 1) << s.low for s in segments)
 
 
 def known(ids: range, free: int = 0) -> Known:
     """The bits that all of these ids have in common, but for the `free` ones."""
-    differing = (1 << (ids[0] ^ ids[-1]).bit_length()) - ids.step
+    differing = (1 << (ids[0] ^ ids[-1]).bit_length()) - (ids.step & -ids.step)
     mask = ALL_BITS & ~(max(differing, 0) | free)
     return Known(mask, ids[0] & mask)
 
@@ -47,11 +48,14 @@ def meet(one: range, other: range, free: int = 0) -> int | None:
         ids = {id_ & ~free for id_ in islice(one, ENUMERATED)}
         shared = ids & {id_ & ~free for id_ in islice(other, ENUMERATED)}
         return min(shared, default=None)
-    fine, coarse = sorted((one, other), key=lambda ids: ids.step)
-    first = coarse.start
-    if first < fine.start:
-        first += -((first - fine.start) // coarse.step) * coarse.step
-    return first if first in fine and first in coarse else None
+    between, common = other.start - one.start, gcd(one.step, other.step)
+    if between % common:
+        return None
+    turns = other.step // common
+    first = one.start + between // common * pow(one.step // common, -1, turns) % turns * one.step
+    every = one.step * turns
+    first += max(0, -((first - other.start) // every)) * every
+    return first if first in one and first in other else None
 
 
 def messages_meet(one: Message, other: Message) -> bool:

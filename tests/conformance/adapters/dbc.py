@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from canwright.golden import Refusal
-from canwright.interpret import CanFrame as ModelFrame, has_id, is_message, node, wrong_constants
+from canwright.interpret import CanFrame as ModelFrame, has_id, is_message, node, raw_of, wrong_constants
 from canwright.model import Assignment, Direction, Message, Space
 from canwright.targets import Described, dbc
 from canwright.targets.dbc.frames import Traffic, obstacle
@@ -42,6 +42,7 @@ class DbcAdapter:
         "reply_limits": "in a reply file minimum and maximum are all that the bits hold",
         "codes_in_id": "a DBC has ids, and does not know which part of them is a code",
         "constants": "no reader checks what a constant signal holds",
+        "reserved_in_id": "a DBC has ids as they are sent, and does not know that a part of them is ignored",
         "not_finite": "a float signal takes NaN and infinity",
         "rounding": "a reader works in doubles, rounds ties its own way, and compares with limits before it rounds",
         "left_out": "an id that carries a field, a remote frame, and fixed bytes above fields have no form in a DBC",
@@ -73,6 +74,8 @@ class DbcAdapter:
             raise Cannot("codes_in_id")
         if any(self._constant_in_id(m, frame) for m in known):
             raise Cannot("constants")
+        if any(self._reserved_in_id(m, frame) for m in known):
+            raise Cannot("reserved_in_id")
         if frame.remote:
             return Refused(Refusal.UNKNOWN_ID)
         read = self._read(direction, frame, parameters)
@@ -108,6 +111,12 @@ class DbcAdapter:
         """Whether a constant in the id is another one."""
         in_id = (field for field in message.layout.fields if field.space is Space.ID)
         return bool(wrong_constants(in_id, ModelFrame(**vars(frame))))
+
+    @staticmethod
+    def _reserved_in_id(message: Message, frame: CanFrame) -> bool:
+        """Whether reserved bits in the id are not those that are sent."""
+        reserved = (f for f in message.layout.fields if f.space is Space.ID and not f.checked)
+        return any(raw_of(f, ModelFrame(**vars(frame))) != f.constant for f in reserved)
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters

@@ -55,7 +55,7 @@ class DbcFile:
             places = cells(found, prefix, field)
             if places:
                 read = [place.raw(numbers) for place in places]
-                if field.constant is not None and read != [field.constant] * len(read):
+                if field.demanded is not None and read != [field.demanded] * len(read):
                     raise Cannot("constants")
                 if field.constant is None:
                     raw[field.name] = read if field.is_array else read[0]

@@ -84,7 +84,7 @@ class DocsAdapter:
             return Refused(Refusal.WRONG_LENGTH)
         rows = self._rows(page, parameters)
         there = [row for row in page.rows if not row.only[0]] if isinstance(rows, Refused) else rows
-        if any(row.constant is not None and _raw(row, frame) != row.constant for row in there):
+        if any(r.checked and r.constant is not None and _raw(r, frame) != r.constant for r in there):
             return Refused(Refusal.WRONG_CONSTANT)
         if isinstance(rows, Refused):
             return rows
@@ -157,8 +157,8 @@ class DocsAdapter:
         rest = (frame.id & ~free) - page.base
         if page.nodes is None:
             return (None,) if rest == 0 else ()
-        node = rest >> page.shift
-        return (node,) if rest >= 0 and node << page.shift == rest and node in page.nodes else ()
+        node, beside = divmod(rest, page.step)
+        return (node,) if not beside and node in page.nodes else ()
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
@@ -169,7 +169,7 @@ class DocsAdapter:
             return rows
         if page.nodes is not None and node not in page.nodes:
             return Refused(Refusal.UNKNOWN_NODE)
-        can_id, word = page.base + ((node or 0) << page.shift), 0
+        can_id, word = page.base + (node or 0) * page.step, 0
         parts = [(key.bits, key.value) for key in page.keys]
         seen: dict[str, int] = {}
         for row in rows:

@@ -147,6 +147,7 @@ class FieldRow:
     scales: Mapping[str, Scale | None]
     ranges: Mapping[str, tuple[End, End]]
     constant: int | None
+    checked: bool
     only: tuple[str, tuple[str, ...]]
     holds_node: bool
 
@@ -165,7 +166,7 @@ class MessagePage:
     """One direction of a command page."""
 
     base: int
-    shift: int
+    step: int
     nodes: range | None
     extended: bool
     remote: bool
@@ -178,19 +179,19 @@ class MessagePage:
     @property
     def rule(self) -> tuple[object, ...]:
         """What tells the node from the id; pages with the same rule share their ids."""
-        return self.base, self.shift, self.nodes, self.extended, self.remote
+        return self.base, self.step, self.nodes, self.extended, self.remote
 
 
 def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> MessagePage:
     """A direction of a command page from its two tables."""
     said = dict(zip(*facts, strict=True))
     lines = [dict(zip(rows[0], row, strict=True)) for row in rows[1:]]
-    base, shift = _id(plain(said["Id"]))
+    base, step = _id(plain(said["Id"]))
     first, last = plain(said["Nodes"]).split("..") if "Nodes" in said else ("", "")
     each = plain(said.get("One from each of", ""))
     return MessagePage(
         base,
-        shift,
+        step,
         range(int(first), int(last) + 1) if first else None,
         "29-bit" in said["Frame"],
         "remote frame" in said["Frame"],
@@ -203,13 +204,14 @@ def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> Me
 
 
 def _id(text: str) -> tuple[int, int]:
-    base, shift = 0, 0
+    base, step = 0, 1
     for term in text.split(" + "):
-        if term.startswith("node"):
-            shift = int(term.partition("<< ")[2] or 0)
+        if term.strip("(").startswith("node"):
+            shift, factor = term.partition(" << ")[2], term.partition(" * ")[2]
+            step = 1 << int(shift.strip(")")) if shift else int(factor or 1)
         else:
             base = int(term, 0)
-    return base, shift
+    return base, step
 
 
 def _key(line: Mapping[str, str]) -> Key:
@@ -235,6 +237,7 @@ def _field(line: Mapping[str, str]) -> FieldRow:
         if constant is not None
         else {name: ends(text.partition(" ")[0] if is_float else text) for name, text in cases(limits).items() if text},
         constant,
+        "ignored when read" not in line.get("Value range", ""),
         (parameter, tuple(values.split(", "))),
         "the node: an answer comes from" in line["What it is"],
     )

@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import Any
 
 from canwright.golden import Refusal
-from canwright.model import Direction, Edition
+from canwright.model import Direction, Edition, Space
 from canwright.targets import Described, python as target
 from canwright.targets.python.text import attribute, class_name
 
@@ -70,7 +70,7 @@ class PythonAdapter:
             else:
                 request = getattr(module, class_name(f"{answering}_request"))
                 message = module.decode_answer(request, frame.id, frame.data, known, **flags)
-            if message.encode() is None or message.can_id != frame.id:
+            if message.encode() is None or (message.can_id ^ frame.id) & ~self._reserved(message, direction):
                 raise AssertionError(f"{message} does not go back to id 0x{frame.id:X}")
         except ValueError as error:
             return _refused(error)
@@ -78,6 +78,12 @@ class PythonAdapter:
         names = {attribute(f): f for f in self._field_names()}
         raw = {names[n]: list(v) if isinstance(v, tuple) else int(v) for n, v in message.raw().items()}
         return Decoded(command, message.node, raw, dict(self._values(message, names)))
+
+    def _reserved(self, message: Any, direction: Direction) -> int:
+        """The bits of the id that a reader ignores."""
+        ours = [m for m in self._edition.messages(direction) if m.command == message.COMMAND]
+        ignored = [f for m in ours for f in m.layout.fields if f.space is Space.ID and not f.checked]
+        return sum(1 << bit for f in ignored for element in f.elements for bit in element.bits)
 
     def _field_names(self) -> set[str]:
         return {f.name for m in self._edition.all_messages() for f in m.layout.fields}

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from ...model import Command, Direction, Edition, IdRule, Message, ReplyForm
+from ...interpret import by_rule
+from ...model import Command, Direction, Edition, Message, ReplyForm
 from . import bits
 from .forms import address_mask
 from .messages import Forms, RuleView, frame_id
@@ -63,10 +64,7 @@ class AnswerView(NamedTuple):
 
 def entries(names: Names, edition: Edition, forms: Forms, direction: Direction) -> list[Entry]:
     """Where the search for a message of any frame starts: one entry for each id rule."""
-    grouped: dict[tuple[IdRule, bool], list[Message]] = {}
-    for message in edition.messages(direction):
-        if message.claims or not message.keys:
-            grouped.setdefault((message.id, message.remote), []).append(message)
+    found = (message for message in edition.messages(direction) if message.claims or not message.keys)
     return [
         Entry(
             forms.rule(edition.address(messages[0].address), direction),
@@ -74,7 +72,7 @@ def entries(names: Names, edition: Edition, forms: Forms, direction: Direction) 
             " && ".join(_other_length(dlc) for dlc in dict.fromkeys(m.dlc for m in messages if not m.remote)),
             _Tree(names, forms, messages, address_mask(edition, messages[0].address, direction)).from_key(messages, 0),
         )
-        for messages in grouped.values()
+        for messages in by_rule(found)
     ]
 
 

@@ -104,7 +104,7 @@ def _packed(layout: Layout, variant: Variant, shared: set[int]) -> list[str]:
 
 def _unpacked(layout: Layout, variant: Variant) -> Iterator[str]:
     for field in layout.fields:
-        if field.constant is not None and field.only and field in variant.fields:
+        if field.demanded is not None and field.only and field in variant.fields:
             other = " || ".join(c.replace(" == ", " != ") for c in bits.constant_holds(field))
             yield f"if ({other}) {{\n    return CANWRIGHT_WRONG_CONSTANT;\n}}"
         elif field.constant is None:

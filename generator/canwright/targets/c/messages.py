@@ -25,8 +25,12 @@ class RuleView(NamedTuple):
     node_function: str
     base: str
     mask: str
-    shift: int
-    below_node: str
+    times: str
+    """What a node is multiplied with, as C writes it; empty where it is 1."""
+    over: str
+    """What the id less its base is divided by, as C writes it."""
+    beside: str
+    """The bits or the rest that are 0 in the id of a node, as C writes it."""
     has_nodes: bool
     refused: str
 
@@ -153,11 +157,20 @@ def rule_view(names: Names, edition: Edition, address: Address, direction: Direc
         f"{base}_node",
         f"0x{rule.base | (EXTENDED if rule.extended else 0):X}u",
         f" & 0x{0xFFFFFFFF & ~mask:08X}u" if mask else "",
-        rule.node_shift,
-        f"0x{(1 << rule.node_shift) - 1:X}u",
+        *_step(rule.node_step),
         rule.nodes is not None,
         _refused_nodes(rule),
     )
+
+
+def _step(step: int) -> tuple[str, str, str]:
+    """How C multiplies a node with the step from one to the next, divides by it, and finds what is beside it."""
+    if step == 1:
+        return "", "", ""
+    if step.bit_count() > 1:
+        return f" * {step}u", f" / {step}u", f" % {step}u"
+    shift = step.bit_length() - 1
+    return f" << {shift}", f" >> {shift}", f" & 0x{step - 1:X}u"
 
 
 def frame_id(message: Message, frame: str = "frame") -> str:
@@ -167,7 +180,7 @@ def frame_id(message: Message, frame: str = "frame") -> str:
 
 def _constant_mismatch(message: Message) -> str:
     """A condition that holds when a constant of this message is another value; empty when it has none."""
-    constants = [f for f in message.layout.fields if f.constant is not None and not f.only]
+    constants = [f for f in message.layout.fields if f.demanded is not None and not f.only]
     return " || ".join(c.replace(" == ", " != ") for f in constants for c in bits.constant_holds(f))
 
 

@@ -117,7 +117,8 @@ class Fields:
         comment = f"{whole}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{reading.step}{about}"
         if field.constant is not None:
             numbers, _ = self._integers(type_, (field.constant, field.constant))
-            yield _signal(place, f"{comment} Always {field.constant}.", numbers, start_value=field.constant)
+            always = f"Always {field.constant}." if field.checked else f"Sent as {field.constant}."
+            yield _signal(place, f"{comment} {always}", numbers, start_value=field.constant)
         elif type_.flags:
             yield from self._flags(place, comment, type_)
         else:

@@ -70,7 +70,7 @@ class Frame(NamedTuple):
     hidden: Mapping[str, str]
 
     def id(self, node: int | None) -> int:
-        return self.rule.base + ((node or 0) << self.rule.node_shift) + self.id_bits
+        return self.rule.base + (node or 0) * self.rule.node_step + self.id_bits
 
 
 class Traffic:

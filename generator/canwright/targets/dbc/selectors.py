@@ -54,5 +54,5 @@ def _fixed(part: Part) -> Iterator[tuple[tuple[int, ...], int]]:
     """Bits that are the same in every frame of the part, with what they hold: selectors and constants."""
     yield from ((bits(key), value) for key, value in part.selectors)
     for field in part.message.layout.fields:
-        if field.constant is not None and field.space is Space.DATA and not field.only:
-            yield from ((element.bits, field.constant) for element in field.elements)
+        if field.demanded is not None and field.space is Space.DATA and not field.only:
+            yield from ((element.bits, field.demanded) for element in field.elements)

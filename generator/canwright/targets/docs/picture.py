@@ -108,7 +108,8 @@ def _fields(variant: Variant, id_rows: int) -> Iterator[_Run]:
 
 def _node(rule: IdRule, nodes: range) -> Segment:
     """The bits of the id that differ from node to node."""
-    return Segment(0, rule.node_shift, max(1, nodes[-1].bit_length()), 0)
+    low = (rule.node_step & -rule.node_step).bit_length() - 1
+    return Segment(0, low, max(1, (nodes[-1] * rule.node_step).bit_length() - low), 0)
 
 
 def _places(space: Space, segments: Sequence[Segment], label: str, style: str, id_rows: int) -> Iterator[_Run]:

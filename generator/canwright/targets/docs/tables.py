@@ -132,7 +132,7 @@ def _section(field: Field, layout: Layout, command: Command, labels: Labels) -> 
 
 def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> tuple[str, str, str]:
     if field.constant is not None:
-        return "", code(str(field.constant)), labels["constant"]
+        return "", code(str(field.constant)), labels["constant" if field.checked else "sent_so"]
     here = field.only if layout.parameter == field.type.linear.parameter else ()
     among = here or command.only.get(field.type.linear.parameter or "", ())
     return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)

@@ -73,7 +73,7 @@ class MessageView(NamedTuple):
     nodes: tuple[int, int] | None
     body: BodyView | None
     id: str
-    shift: int
+    step: int
     code: str
     data: str
     """The bytes of a frame without fields."""
@@ -170,7 +170,7 @@ class MessageViews:
             (nodes[0], nodes[-1]) if nodes is not None else None,
             self._body(message.layout, message.dlc, nodes is not None) if own else None,
             f"0x{self._fixed_id(message):X}",
-            message.id.node_shift,
+            message.id.node_step,
             f"0x{message.keys[0].value:02X}" if message.keys else "",
             "" if message.layout.fields else self._constant_data(message),
             self._can_id(message),
@@ -219,7 +219,8 @@ class MessageViews:
             for i, element in enumerate(field.elements):
                 slot = f"self.{text.attribute(field.name)}_raw" + (f"[{i}]" if field.is_array else "")
                 target = slot if field.constant is None else hex(field.constant & (1 << field.type.width) - 1)
-                found.append((field, bits.place(target, field, element)))
+                place = bits.place(target, field, element)
+                found.append((field, place if field.constant is None else place._replace(signed=False)))
         return found
 
     def _encodes(self, message: Message, code: str = "") -> tuple[tuple[str, str], ...]:
@@ -306,12 +307,12 @@ class MessageViews:
 
 
 def _constants(fields: Iterable[Field], dlc: int) -> Iterator[tuple[str, str, str]]:
-    """How each constant is read, what it is, and its name."""
+    """How each constant that is checked is read, what it is, and its name."""
     for field in fields:
-        if field.constant is not None:
+        if field.demanded is not None:
             yield (
                 bits.read(bits.place("", field, field.elements[0]), dlc),
-                str(field.constant),
+                str(field.demanded),
                 text.literal(field.name),
             )
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from functools import reduce
-from operator import or_
 
+from ...interpret import by_rule, open_bits
 from ...model import Direction, Edition, Key, Message, ReplyForm
 from . import bits, text
 
@@ -23,17 +22,14 @@ class Readers:
 
 def routes(edition: Edition, direction: Direction, readers: Readers) -> Iterator[str]:
     """One `Route(...)` expression for every rule from node to id."""
-    groups: dict[tuple[object, bool], list[Message]] = {}
-    for message in edition.messages(direction):
-        groups.setdefault((message.id, message.remote), []).append(message)
-    for messages in groups.values():
+    for messages in by_rule(edition.messages(direction)):
         yield _route(messages, readers)
 
 
 def _route(messages: list[Message], readers: Readers) -> str:
-    rule, mask = messages[0].id, reduce(or_, (m.id_mask for m in messages))
+    rule, mask = messages[0].id, open_bits(messages)
     nodes = f"range({rule.nodes[0]}, {rule.nodes[-1] + 1})" if rule.nodes is not None else "None"
-    arguments = [f"0x{rule.base:X}", str(rule.node_shift), nodes]
+    arguments = [f"0x{rule.base:X}", str(rule.node_step), nodes]
     if mask:
         arguments.append(f"mask=0x{mask:X}")
     if rule.extended:
