@@ -380,8 +380,8 @@ class Message:
     """Number of data bytes."""
     ID: ClassVar[int]
     """The CAN id, without the node."""
-    NODE_SHIFT: ClassVar[int] = 0
-    """How far the node is shifted to the left in the CAN id."""
+    NODE_STEP: ClassVar[int] = 1
+    """How far the CAN id of a node is from that of the next."""
     NODES: ClassVar[tuple[int, int]]
     """First and last node."""
     CODE: ClassVar[int]
@@ -411,7 +411,7 @@ class Message:
     @property
     def can_id(self) -> int:
         """The CAN id of this frame."""
-        return self.ID + ((self.node or 0) << self.NODE_SHIFT)
+        return self.ID + (self.node or 0) * self.NODE_STEP
 
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
@@ -504,7 +504,7 @@ class Route:
     def __init__(
         self,
         base: int,
-        shift: int,
+        step: int,
         nodes: range | None,
         *,
         mask: int = 0,
@@ -519,7 +519,7 @@ class Route:
         answers: frozenset[type[Message]] = frozenset(),
     ) -> None:
         self.base = base
-        self.shift = shift
+        self.step = step
         self.nodes = nodes
         self.mask = mask
         self.extended = extended
@@ -543,8 +543,8 @@ class Route:
         rest = (can_id & ~self.mask) - self.base
         if self.nodes is None:
             return rest == 0, None
-        node = rest >> self.shift
-        return rest >= 0 and rest == node << self.shift and node in self.nodes, node
+        node = rest // self.step
+        return rest == node * self.step and node in self.nodes, node
 
     def message(self, can_id: int, data: bytes) -> type[Message]:
         """The message that a frame is. Raises CodecError (wrong_length, unknown_code)."""
@@ -589,7 +589,7 @@ class Router:
         for route in reversed(routes):
             if not route.mask and not route.extended and not route.remote:
                 for node in [None] if route.nodes is None else route.nodes:
-                    self.direct[route.base + ((node or 0) << route.shift)] = (route, node)
+                    self.direct[route.base + (node or 0) * route.step] = (route, node)
 
     def find(self, can_id: int, extended: bool, remote: bool) -> tuple[Route, int | None]:
         """The route and the node of an id. Raises CodecError (unknown_id)."""
@@ -615,7 +615,7 @@ class Router:
         """The ids of a node, each with its mask, and whether it is a 29-bit one and of remote frames."""
         for route in self.routes:
             if route.nodes is not None and node in route.nodes:
-                yield route.base + (node << route.shift), route.mask, route.extended, route.remote
+                yield route.base + node * route.step, route.mask, route.extended, route.remote
 
 
 class Bare(Message):

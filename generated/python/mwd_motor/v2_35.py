@@ -2288,7 +2288,7 @@ def _key_1(can_id: int, data: bytes) -> int:
 
 
 _REQUESTS = Router("request", (
-    Route(0x140, 0, range(1, 33), selector=_key_1, messages={
+    Route(0x140, 1, range(1, 33), selector=_key_1, messages={
         0x80: ((MotorOffRequest, ()),),
         0x88: ((MotorOnRequest, ()),),
         0x81: ((MotorStopRequest, ()),),
@@ -2317,10 +2317,10 @@ _REQUESTS = Router("request", (
         0x9C: ((ReadStatus2Request, ()),),
         0x9D: ((ReadStatus3Request, ()),),
     }),
-    Route(0x280, 0, None, single=BroadcastTorqueRequest),
+    Route(0x280, 1, None, single=BroadcastTorqueRequest),
 ))
 _REPLIES = Router("reply", (
-    Route(0x140, 0, range(1, 33), selector=_key_1, messages={
+    Route(0x140, 1, range(1, 33), selector=_key_1, messages={
         0x80: ((MotorOffReply, ()),),
         0x88: ((MotorOnReply, ()),),
         0x81: ((MotorStopReply, ()),),

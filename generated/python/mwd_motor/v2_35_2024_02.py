@@ -2545,7 +2545,7 @@ def _key_2(can_id: int, data: bytes) -> int:
 
 
 _REQUESTS = Router("request", (
-    Route(0x140, 0, range(1, 33), selector=_key_1, messages={
+    Route(0x140, 1, range(1, 33), selector=_key_1, messages={
         0xB0: (
             (ReadControlParameterTorqueLimitRequest, ((_key_2, 0x0A),)),
             (ReadControlParameterAccelerationLimitRequest, ((_key_2, 0x0C),)),
@@ -2583,7 +2583,7 @@ _REQUESTS = Router("request", (
     }),
 ))
 _REPLIES = Router("reply", (
-    Route(0x140, 0, range(1, 33), selector=_key_1, messages={
+    Route(0x140, 1, range(1, 33), selector=_key_1, messages={
         0xB0: (
             (ReadControlParameterTorqueLimitReply, ((_key_2, 0x0A),)),
             (ReadControlParameterAccelerationLimitReply, ((_key_2, 0x0C),)),

@@ -2962,7 +2962,7 @@ def _key_2(can_id: int, data: bytes) -> int:
 
 
 _REQUESTS = Router("request", (
-    Route(0x140, 0, range(1, 33), selector=_key_1, messages={
+    Route(0x140, 1, range(1, 33), selector=_key_1, messages={
         0xC0: (
             (ReadControlParameterAnglePidRequest, ((_key_2, 0x0A),)),
             (ReadControlParameterSpeedPidRequest, ((_key_2, 0x0B),)),
@@ -3008,7 +3008,7 @@ _REQUESTS = Router("request", (
     }),
 ))
 _REPLIES = Router("reply", (
-    Route(0x180, 0, range(1, 33), selector=_key_1, messages={
+    Route(0x180, 1, range(1, 33), selector=_key_1, messages={
         0xC0: (
             (ReadControlParameterAnglePidReply, ((_key_2, 0x0A),)),
             (ReadControlParameterSpeedPidReply, ((_key_2, 0x0B),)),

@@ -4653,7 +4653,7 @@ def _key_3(can_id: int, data: bytes) -> int:
 
 
 _REQUESTS = Router("request", (
-    Route(0x140, 0, range(1, 33), selector=_key_1, messages={
+    Route(0x140, 1, range(1, 33), selector=_key_1, messages={
         0x40: (
             (ReadStoredSettingDriverIdRequest, ((_key_2, 0x05), (_key_3, 0x0A))),
             (ReadStoredSettingBusTypeRequest, ((_key_2, 0x05), (_key_3, 0x0B))),
@@ -4729,7 +4729,7 @@ _REQUESTS = Router("request", (
     }),
 ))
 _REPLIES = Router("reply", (
-    Route(0x180, 0, range(1, 33), selector=_key_1, messages={
+    Route(0x180, 1, range(1, 33), selector=_key_1, messages={
         0x40: (
             (ReadStoredSettingDriverIdReply, ((_key_2, 0x05), (_key_3, 0x0A))),
             (ReadStoredSettingBusTypeReply, ((_key_2, 0x05), (_key_3, 0x0B))),
