@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Mapping, Sequence
 
 from . import rewritten, schema
@@ -171,8 +172,12 @@ def segments_at(start: At, width: int, order: Order) -> tuple[Segment, ...]:
     return segments_of(frame_bits(start, width, order), start.space)
 
 
-def segments_of(bits: Sequence[int], space: Space) -> tuple[Segment, ...]:
-    """Runs of frame bits, from the least significant raw bit up, as segments within one byte each."""
+@functools.lru_cache(maxsize=1 << 12)
+def segments_of(bits: tuple[int, ...], space: Space) -> tuple[Segment, ...]:
+    """Runs of frame bits, from the least significant raw bit up, as segments within one byte each.
+
+    Kept: fields of many messages stand at the same place.
+    """
     if space is Space.ID:
         return (Segment(0, bits[0], len(bits), 0),)
     starts = [raw for raw, bit in enumerate(bits) if raw == 0 or bit != bits[raw - 1] + 1 or bit % 8 == 0]
