@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from typing import Protocol
 
 from .model import Bound, Dependent, Encoding, Field, IdRule, Linear, Order, Parameter, Range, Segment, Space, Type
 
@@ -143,6 +144,25 @@ def ranges(type_: Type) -> Sequence[tuple[str, str]]:
     """Allowed raw integers: (under which parameter values, `-2048..2048`)."""
     found: Dependent[Range] = type_.raw_range
     return [(", ".join(names), span(limits)) for names, limits in found.distinct() if limits is not None]
+
+
+class Sent(Protocol):
+    """A frame as it is on the bus."""
+
+    @property
+    def id(self) -> int: ...
+    @property
+    def extended(self) -> bool: ...
+    @property
+    def remote(self) -> bool: ...
+    @property
+    def data(self) -> bytes: ...
+
+
+def sent(frame: Sent) -> str:
+    """A frame as can-utils write it: `12B#0102`, `0000012B#0102` with a 29-bit id, `12B#R` for a remote one."""
+    digits = 8 if frame.extended else 3
+    return f"{frame.id:0{digits}X}#{'R' if frame.remote else frame.data.hex().upper()}"
 
 
 def condition(only: Mapping[str, tuple[str, ...]]) -> str:

@@ -179,3 +179,16 @@ def test_the_front_page_tells_editions_apart(tmp_path: Path) -> None:
         "| [lamp `v2`](v2/index.md) | `2024-01` | Lamp | `0x180 + node` | `0x12` | [What changed](v2/changes.md) |",
     ]
     assert "Edition [v1](../index.md) · also in [v2](../../v2/commands/dim.md)\n" in pages["en/v1/commands/dim.md"]
+
+
+def test_a_frame_is_written_as_can_utils_take_it() -> None:
+    """They tell a 29-bit id by its eight digits."""
+    found = {}
+    for name in ("cells", "blower"):
+        for page in docs.generate([described(ROOT / f"tests/specs/{name}/v1.yaml")], {}):
+            found |= dict.fromkeys(
+                re.findall(r"^\| `([0-9A-F]+)#([0-9A-F]*|R)` \|", page.text, re.MULTILINE), page.path
+            )
+    assert {len(id_) for id_, _ in found} == {3, 8}
+    assert ("0D05FF41", "64FFFE0000000000") in found
+    assert any(data == "R" for _, data in found)

@@ -11,10 +11,9 @@ from pathlib import Path
 import click
 
 from ..identify import Candidate, Evidence, Finding, identify as look
-from ..interpret import CanFrame
 from ..logs import LogError, frames
 from ..model import Edition
-from ..words import counted
+from ..words import counted, sent
 from .common import FINDINGS, FilePath, read, spec_option, stop
 
 SHOWN = 4
@@ -59,7 +58,7 @@ def _text(family: str, findings: Sequence[Finding], foreign: Counter[int], count
         node = "no node" if finding.node is None else f"node {finding.node}"
         click.echo(f"{family}, {node}, {counted(finding.frames, 'frame')}: {_verdict(finding)}")
         if finding.strange:
-            told = _some([f"{_frame(frame)} ({n})" for frame, n in finding.strange])
+            told = _some([f"{sent(frame)} ({n})" for frame, n in finding.strange])
             click.echo(f"  no edition has {counted(finding.frames - finding.judged, 'frame')}, left out: {told}")
         for candidate in finding.candidates if finding.judged else ():
             click.echo(f"  {candidate.edition.name:<16} {_summary(candidate, finding.judged)}")
@@ -98,12 +97,7 @@ def _summary(candidate: Candidate, count: int) -> str:
 def _evidence(evidence: Evidence) -> str:
     rare = "" if evidence.counts else ", too few to count"
     among = f"{evidence.count} of {evidence.among}{rare}"
-    return f"{evidence.text} ({among}, as in {_frame(evidence.example)})"
-
-
-def _frame(frame: CanFrame) -> str:
-    id_ = f"{frame.id:08X}" if frame.extended else f"{frame.id:03X}"
-    return f"{id_}#{'R' if frame.remote else frame.data.hex().upper()}"
+    return f"{evidence.text} ({among}, as in {sent(evidence.example)})"
 
 
 def _json(family: str, findings: Sequence[Finding], foreign: Counter[int]) -> str:
@@ -114,7 +108,7 @@ def _json(family: str, findings: Sequence[Finding], foreign: Counter[int]) -> st
                 "points": e.points if e.counts else 0,
                 "frames": e.count,
                 "among": e.among,
-                "example": _frame(e.example),
+                "example": sent(e.example),
             }
             for e in one.against
         ]

@@ -46,7 +46,7 @@ def worked(golden: GoldenFrames, message: Message, command: str) -> Iterator[Wor
     units = {f.name: f" {f.type.unit.symbol}" for f in message.layout.fields if f.type.unit}
     for frame in sorted(usual, key=lambda f: -len(f.values))[:MOST]:
         yield Worked(
-            f"`{frame.id:03X}#{frame.data.hex().upper()}`",
+            f"`{words.sent(frame)}`",
             ", ".join(code(f"{name} = {value}") for name, value in frame.parameters.items()),
             "<br>".join(_meanings(frame, units)) or "%(none)s",
             frame.source,
