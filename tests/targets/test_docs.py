@@ -183,7 +183,7 @@ def test_the_front_page_tells_editions_apart(tmp_path: Path) -> None:
 
 def test_a_frame_is_written_as_can_utils_take_it() -> None:
     """They tell a 29-bit id by its eight digits."""
-    found = {}
+    found: dict[tuple[str, str], str] = {}
     for name in ("cells", "blower"):
         for page in docs.generate([described(ROOT / f"tests/specs/{name}/v1.yaml")], {}):
             found |= dict.fromkeys(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from ..interpret import by_rule, open_bits
-from ..model import Address, Direction, Edition, Path, Space
+from ..model import Address, Direction, Edition, Message, Path, Space
 from ..schema import EditionSpec
 from . import alike, ids
 from .rule import Finding, Found, Subject
@@ -29,15 +29,14 @@ def check(subject: Subject) -> Found:
 
 def _mistaken(edition: Edition, direction: Direction) -> Found:
     """Messages whose ids are those of another address first, though no message there has their code."""
-    groups = by_rule(edition.messages(direction))
     told: set[tuple[str, str]] = set()
-    for place, group in enumerate(groups):
-        earlier = [(open_bits(other), other[0]) for other in groups[:place]]
-        open_ = [(mask, ids.known(ids.of_rule(other.id), mask), other) for mask, other in earlier if mask]
-        for message in group:
+    earlier: list[tuple[int, alike.Known, Message]] = []
+    """Of each rule before, where it has bits of the id that are open: these, what is known of the rest, a message."""
+    for group in by_rule(edition.messages(direction)):
+        for message in group if earlier else ():
             free = ids.free_bits(message)
             own = ids.known(ids.of_message(message), free)
-            for mask, known, other in open_:
+            for mask, known, other in earlier:
                 if (message.id.extended, message.remote) != (other.id.extended, other.remote):
                     continue
                 if (known.value ^ own.value) & known.mask & own.mask or (message.address, other.address) in told:
@@ -50,6 +49,8 @@ def _mistaken(edition: Edition, direction: Direction) -> Found:
                     yield Finding(
                         message.path, text, "check `id` and `selector` of both addresses, or give it another code"
                     )
+        if mask := open_bits(group):
+            earlier.append((mask, ids.known(ids.of_rule(group[0].id), mask), group[0]))
 
 
 def _shared(subject: Subject, direction: Direction) -> dict[tuple[int, int], int]:
