@@ -144,6 +144,13 @@ def test_texts_stay_texts(tmp_path: Path, text: str) -> None:
     assert trees[0] == trees[1]
 
 
+def test_an_edition_that_says_no_more_than_its_title_has_a_docstring_of_one_line(tmp_path: Path) -> None:
+    spec = tmp_path / "v1.yaml"
+    spec.write_text(f"title: Desk lamps\n{MINIMAL}", "utf-8")
+    written = (write(tmp_path, spec) / "lamp/v1.py").read_text("utf-8")
+    assert written.splitlines()[1:3] == ['"""lamp v1: Desk lamps"""', ""]
+
+
 def _without_strings(tree: ast.AST) -> str:
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
