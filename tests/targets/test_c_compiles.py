@@ -159,6 +159,12 @@ def test_example_builds_and_runs(tmp_path: Path) -> None:
         assert done.stdout
 
 
+def test_an_id_that_code_or_fields_go_into_is_said_to_lack_them() -> None:
+    said = [o.text for o in c.generate([described(CASES / "packed.yaml")], {}) if o.path == "include/drive/v1.h"]
+    assert "/** The id of a request to a node, less the bits of code and fields. */" in said[0]
+    assert "/** The id of a request. */" in said[0]
+
+
 def test_without_an_exchange_to_show_nothing_is_said_of_examples(tmp_path: Path) -> None:
     spec = tmp_path / "v1.yaml"
     spec.write_text(MINIMAL.replace("reply: echo", "reply: none"), "utf-8")
