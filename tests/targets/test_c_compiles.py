@@ -15,7 +15,7 @@ from canwright.targets import Described, c
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, compilers
 from ..conformance.adapters.c_harness import harness
 from ..conformance.adapters.c_signatures import functions
-from ..spec_texts import SPECS as WHOLE, called
+from ..spec_texts import MINIMAL, SPECS as WHOLE, called
 
 ROOT = Path(__file__).parents[2]
 CASES = Path(__file__).parent / "dbc"
@@ -157,6 +157,20 @@ def test_example_builds_and_runs(tmp_path: Path) -> None:
     for program in programs:
         done = subprocess.run([program], capture_output=True, text=True, check=True)
         assert done.stdout
+
+
+def test_an_id_that_code_or_fields_go_into_is_said_to_lack_them() -> None:
+    said = [o.text for o in c.generate([described(CASES / "packed.yaml")], {}) if o.path == "include/drive/v1.h"]
+    assert "/** The id of a request to a node, less the bits of code and fields. */" in said[0]
+    assert "/** The id of a request. */" in said[0]
+
+
+def test_without_an_exchange_to_show_nothing_is_said_of_examples(tmp_path: Path) -> None:
+    spec = tmp_path / "v1.yaml"
+    spec.write_text(MINIMAL.replace("reply: echo", "reply: none"), "utf-8")
+    folder = write([described(spec)], tmp_path / "c")
+    assert not (folder / "examples").exists()
+    assert "examples" not in (folder / "README.md").read_text("utf-8")
 
 
 def _cmake(*arguments: str | Path) -> None:

@@ -233,6 +233,12 @@ def test_constants_and_floats_are_marked() -> None:
     assert f"SIG_VALTYPE_ {id_ + 1} r0D_precise : 2;" in texts["drive-v1-reply.dbc"]
 
 
+def test_flags_have_the_byte_order_of_their_field() -> None:
+    text = files(CASES / "packed.yaml")["drive-v1-reply-node1.dbc"]
+    orders = dict(re.findall(r"SG_ r01_(\w+) (?:\w+ )?: \d+\|\d+@(\d)", text))
+    assert orders == {"state_ready": "0", "state_bits_1_8": "0", "state_on": "0", "state_bits_10": "0", "level": "1"}
+
+
 def test_an_id_that_both_directions_use_is_said_to_be_one() -> None:
     text = files(CASES / "packed.yaml")["drive-v1-command-node1.dbc"]
     assert '"Move: command. A reply has the same id.";' in text
@@ -306,6 +312,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for output in dbc.generate([example()], {}):
         (folder / output.path).write_text(output.text, "ascii" if output.path.endswith(".dbc") else "utf-8")
     return folder
+
+
+def test_the_guide_speaks_of_files_for_one_node_where_there_are_some(tmp_path: Path) -> None:
+    spec = tmp_path / "v1.yaml"
+    for addresses, said in (("nodes: 1..4", True), ("nodes: 1..1", False)):
+        spec.write_text(MINIMAL.replace("nodes: 1..4", addresses), "utf-8")
+        assert ("`node…`" in made(spec)["README.md"]) == said
 
 
 def test_links_of_the_guide_lead_to_all_files(folder: Path) -> None:

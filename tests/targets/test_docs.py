@@ -103,6 +103,16 @@ def test_what_stands_in_the_id_is_in_table_and_picture(tmp_path: Path) -> None:
     assert {"0x21", "node", "part [3:0]", "part [5:4]", "level [3:0]", "level [7:4]"} <= set(picture)
 
 
+def test_an_id_that_holds_the_code_is_told_as_it_is_on_the_bus(tmp_path: Path) -> None:
+    spec = tmp_path / "spec.yaml"
+    spec.write_text(IN_THE_ID, "utf-8")
+    text = {output.path: output.text for output in docs.generate([described(spec)], {})}["en/v1/commands/set.md"]
+    request, reply = text.split("## Reply")
+    assert "Id with the code" not in request, "a field varies it"
+    assert "| Id | Id with the code | Nodes |" in reply
+    assert "| `node << 8` | `0x22 + (node << 8)` | `1..15` |" in reply
+
+
 HOSTILE = (
     "a | b | c",
     "[link](javascript:alert(1)) ![x](y)",

@@ -144,6 +144,13 @@ def test_texts_stay_texts(tmp_path: Path, text: str) -> None:
     assert trees[0] == trees[1]
 
 
+def test_an_edition_that_says_no_more_than_its_title_has_a_docstring_of_one_line(tmp_path: Path) -> None:
+    spec = tmp_path / "v1.yaml"
+    spec.write_text(f"title: Desk lamps\n{MINIMAL}", "utf-8")
+    written = (write(tmp_path, spec) / "lamp/v1.py").read_text("utf-8")
+    assert written.splitlines()[1:3] == ['"""lamp v1: Desk lamps"""', ""]
+
+
 def _without_strings(tree: ast.AST) -> str:
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
@@ -197,6 +204,25 @@ def test_an_id_of_the_other_format_is_named(tmp_path: Path) -> None:
         lamp.decode_reply(0x101, data, remote=True)
     with pytest.raises(lamp.CodecError, match=r"^no request has the 29-bit id 0x100$"):
         lamp.decode_request(0x100, data, extended=True)
+
+
+ENUM_AND_FLAGS = MINIMAL.replace(
+    'level: {raw: u16, unit: "%", scale: 0.1, raw_range: 0..1000}',
+    "level: {raw: u8, enum: {dim: 0, bright: 1}}\n  faults: {raw: u8, flags: {hot: 0}}",
+).replace("level: {at: 2, type: level}", "level: {at: 2, type: level}, faults: {at: 3, type: faults}")
+
+
+@pytest.mark.parametrize("wrong", [0.5, "dim", None])
+def test_what_is_no_integer_is_named_as_it_came(wrong: object, tmp_path: Path) -> None:
+    spec = tmp_path / "v1.yaml"
+    spec.write_text(ENUM_AND_FLAGS, "utf-8")
+    lamp = load(write(tmp_path, spec), described(spec).edition)
+    for field in ("level", "faults"):
+        with pytest.raises(TypeError, match=f"^{field}={wrong!r} is no integer$"):
+            lamp.DimRequest(node=1, **{"level": 0, "faults": 0, field: wrong})
+    if wrong is not None:
+        with pytest.raises(TypeError, match=f"^node={wrong!r} is no integer$"):
+            lamp.DimRequest(node=wrong, level=0, faults=0)
 
 
 def test_what_is_no_number_is_refused_and_what_is_too_large_is_out_of_range(v2_35: ModuleType) -> None:

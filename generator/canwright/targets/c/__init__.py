@@ -80,7 +80,8 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     for view, x in shown:
         if x.exchanges:
             yield Output(f"examples/{x.file}.c", env.get_template("examples/example.c.j2").render(e=view, x=x))
-    for file in ("CMakeLists.txt", "examples/CMakeLists.txt", "README.md") if shown else ():
-        headers = [view.header for _, view in views]
+    has_examples = any(x.exchanges for _, x in shown)
+    env.globals.update(headers=[view.header for _, view in views], families=families, has_examples=has_examples)
+    for file in ("CMakeLists.txt", *(["examples/CMakeLists.txt"] * has_examples), "README.md") if shown else ():
         e, x = shown[0]
-        yield Output(file, env.get_template(f"{file}.j2").render(headers=headers, families=families, e=e, x=x))
+        yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x))

@@ -33,6 +33,8 @@ class RuleView(NamedTuple):
     """The bits or the rest that are 0 in the id of a node, as C writes it."""
     has_nodes: bool
     refused: str
+    besides: str
+    """That more goes into the id, where it does."""
 
 
 class CodeView(NamedTuple):
@@ -160,6 +162,7 @@ def rule_view(names: Names, edition: Edition, address: Address, direction: Direc
         *_step(rule.node_step),
         rule.nodes is not None,
         _refused_nodes(rule),
+        ", less the bits of code and fields" if mask else "",
     )
 
 

@@ -131,7 +131,7 @@ class Fields:
             raw_bits = tuple(place.bits[i] for i in run)
             flag = named.get(run[0])
             if flag:
-                one = Place(f"{place.name}_{flag.name}", place.mux, raw_bits)
+                one = Place(f"{place.name}_{flag.name}", place.mux, raw_bits, place.order)
                 yield bare(one, f"{comment} {in_ascii(flag.title)}.")
             else:
                 name = "_".join((place.name, "bits", *(str(i) for i in sorted({run[0], run[-1]}))))

@@ -82,6 +82,7 @@ class Guide(NamedTuple):
     first: File | None
     reading: Example | None
     sending: Example | None
+    for_one_node: bool
 
 
 def guide(made: Sequence[Made]) -> Guide:
@@ -91,7 +92,8 @@ def guide(made: Sequence[Made]) -> Guide:
     sending = next((e for e in requests if len(e.values) == len(e.frame.raw)), None)
     best = max(reading, key=lambda e: len(e.values), default=None)
     first = next((file for one in made for file in one.files), None)
-    return Guide(sections, best.file if best else first, best, sending)
+    for_one_node = any(file.part for one in made for file in one.files)
+    return Guide(sections, best.file if best else first, best, sending, for_one_node)
 
 
 def _usual(described: Described, parameter: Parameter) -> str:

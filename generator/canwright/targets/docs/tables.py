@@ -4,10 +4,25 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from ... import words
-from ...model import Assignment, Command, Encoding, Field, Key, Layout, Message, Order, ReplyForm, Text, Type
+from ...model import (
+    Assignment,
+    Command,
+    Encoding,
+    Field,
+    IdRule,
+    Key,
+    Layout,
+    Message,
+    Order,
+    ReplyForm,
+    Space,
+    Text,
+    Type,
+)
 from .text import code, markdown
 
 Labels = Mapping[str, str]
@@ -179,9 +194,22 @@ def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
     return cases(found)
 
 
+def _id_with_code(message: Message) -> IdRule | None:
+    """The id as it is on the bus, where a key stands in it; None where no key does, or a field varies it."""
+    placed = [(key.segments[0].low, key.value) for key in message.keys if key.space is Space.ID]
+    fields = [field for field in message.layout.fields if field.space is Space.ID]
+    if not placed or any(field.constant is None for field in fields):
+        return None
+    placed += [(field.elements[0].segments[0].low, field.constant or 0) for field in fields]
+    return replace(message.id, base=message.id.base | sum(value << low for low, value in placed))
+
+
 def facts(message: Message, id_: str, nodes: str, labels: Labels) -> Iterator[tuple[str, str]]:
     """Id, nodes and frame of a message."""
     yield labels["id"], id_
+    whole = _id_with_code(message)
+    if whole:
+        yield labels["id_with_code"], code(words.id_rule(whole))
     if nodes:
         yield labels["nodes"], nodes
     kind = labels["extended" if message.id.extended else "standard"]

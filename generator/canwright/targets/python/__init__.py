@@ -78,8 +78,7 @@ def _module(edition: Edition) -> dict[str, object]:
     choices = tuple(_choice(p) for p in edition.parameters if p.is_choice and not p.is_numeric)
     return {
         "header": header(edition),
-        "title": f"{edition.family} {edition.name}: {text.english(edition.title)}",
-        "about": text.wrap(text.english(edition.about), 0),
+        "doc": (f"{edition.family} {edition.name}: {text.english(edition.title)}", text.english(edition.about)),
         "family": text.literal(edition.family),
         "edition": text.literal(edition.name),
         "hash": text.literal(edition.hash),
