@@ -323,6 +323,14 @@ class Float(Number):
 Check = Callable[[Any, Any, str], int]
 
 
+def integer(raw: int, field: str) -> int:
+    """The integer that an enum, a set of flags or a bool is. Raises TypeError when it is none."""
+    try:
+        return index(raw)
+    except TypeError:
+        raise TypeError(f"{field}={raw!r} is no integer") from None
+
+
 def member(enum: type[IntEnum]) -> Check:
     """A check that a raw integer has a name in an enum."""
     values = frozenset(int(one) for one in enum)
@@ -330,7 +338,8 @@ def member(enum: type[IntEnum]) -> Check:
     def check(raw: int, parameters: Any, field: str) -> int:
         if raw not in values:
             names = ", ".join(map(str, sorted(values)))
-            raise CodecError(Refusal.OUT_OF_RANGE, f"{field}={int(raw)} is none of the values {names}", field)
+            text = f"{field}={integer(raw, field)} is none of the values {names}"
+            raise CodecError(Refusal.OUT_OF_RANGE, text, field)
         return int(raw)
 
     return check
@@ -340,7 +349,7 @@ def flags(mask: int) -> Check:
     """A check that all set bits of a raw integer have a name."""
 
     def check(raw: int, parameters: Any, field: str) -> int:
-        if raw & ~mask:
+        if integer(raw, field) & ~mask:
             text = f"{field}=0x{int(raw):X} sets bits without a name; the named ones are 0x{mask:X}"
             raise CodecError(Refusal.OUT_OF_RANGE, text, field)
         return int(raw)
@@ -362,7 +371,7 @@ def each(check: Callable[[Any, Any, str], int], count: int) -> Callable[[Any, An
 
 def node_in(node: int | None, first: int, last: int) -> int:
     """The node itself. Raises CodecError (unknown_node) when the address has no such node, TypeError for no integer."""
-    if node is None or not first <= index(node) <= last:
+    if node is None or not first <= integer(node, "node") <= last:
         raise CodecError(Refusal.UNKNOWN_NODE, f"there is no node {node}; nodes are {first}..{last}", "node")
     return index(node)
 
