@@ -341,7 +341,7 @@ class WriteAccelerationRam(Message):
     def acceleration(self) -> int:
         """Acceleration.
 
-        In deg/s^2.
+        In °/s².
         """
         return self.acceleration_raw
 
@@ -388,7 +388,7 @@ class WriteEncoderOffsetRom(Message):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -475,7 +475,7 @@ class MotionFeedback(Message):
     def temperature(self) -> int:
         """Motor temperature.
 
-        In degC.
+        In °C.
         """
         return self.temperature_raw
 
@@ -501,7 +501,7 @@ class MotionFeedback(Message):
     def speed(self) -> int:
         """Motor speed.
 
-        In deg/s.
+        In °/s.
         """
         return self.speed_raw
 
@@ -509,7 +509,7 @@ class MotionFeedback(Message):
     def encoder(self) -> float:
         """Encoder position.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -567,7 +567,7 @@ class Status1(Message):
     def temperature(self) -> int:
         """Motor temperature.
 
-        In degC.
+        In °C.
         """
         return self.temperature_raw
 
@@ -824,7 +824,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In deg/s; one raw step is 0.01 °/s.
+        In °/s; one raw step is 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -883,7 +883,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -945,7 +945,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def max_speed(self) -> int:
         """Top speed of the move.
 
-        In deg/s.
+        In °/s.
         """
         return self.max_speed_raw
 
@@ -953,7 +953,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1020,7 +1020,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1091,7 +1091,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def max_speed(self) -> int:
         """Top speed of the move.
 
-        In deg/s.
+        In °/s.
         """
         return self.max_speed_raw
 
@@ -1099,7 +1099,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1157,7 +1157,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1219,7 +1219,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def max_speed(self) -> int:
         """Top speed of the move.
 
-        In deg/s.
+        In °/s.
         """
         return self.max_speed_raw
 
@@ -1227,7 +1227,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1855,7 +1855,7 @@ class ReadAccelerationReply(Reply):
     def acceleration(self) -> int:
         """Acceleration.
 
-        In deg/s^2.
+        In °/s².
         """
         return self.acceleration_raw
 
@@ -1931,7 +1931,7 @@ class ReadEncoderReply(Reply):
     def encoder(self) -> float:
         """Encoder position.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -1940,7 +1940,7 @@ class ReadEncoderReply(Reply):
     def encoder_measured(self) -> float:
         """Encoder position as measured.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
@@ -1949,7 +1949,7 @@ class ReadEncoderReply(Reply):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2018,7 +2018,7 @@ class WritePositionAsZeroRomReply(Reply):
     def encoder_offset(self) -> float:
         """The zero that was written.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2071,7 +2071,7 @@ class ReadMultiTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle over all turns.
 
-        In deg; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
+        In °; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
         """
         return self.angle_raw / 100
 
@@ -2124,7 +2124,7 @@ class ReadSingleTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle within one turn of the output.
 
-        In deg; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
+        In °; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
         starts again at 0 when it gets back there.
         """
         return self.angle_raw / 100
@@ -2250,7 +2250,7 @@ class ReadStatus3Reply(Reply):
     def temperature(self) -> int:
         """Motor temperature.
 
-        In degC.
+        In °C.
         """
         return self.temperature_raw
 

@@ -407,7 +407,7 @@ class WriteEncoderOffsetRom(Message):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -454,7 +454,7 @@ class SetAngle(Message):
     def angle(self) -> float:
         """What the present position is to read.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -540,7 +540,7 @@ class MotionFeedback(Message):
     def temperature(self) -> int:
         """Motor temperature.
 
-        In degC.
+        In °C.
         """
         return self.temperature_raw
 
@@ -564,7 +564,7 @@ class MotionFeedback(Message):
     def speed(self) -> int:
         """Motor speed.
 
-        In deg/s.
+        In °/s.
         """
         return self.speed_raw
 
@@ -572,7 +572,7 @@ class MotionFeedback(Message):
     def encoder(self) -> float:
         """Encoder position.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -638,7 +638,7 @@ class Status1(Message):
     def temperature(self) -> int:
         """Motor temperature.
 
-        In degC.
+        In °C.
         """
         return self.temperature_raw
 
@@ -962,7 +962,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In deg/s; one raw step is 0.01 °/s.
+        In °/s; one raw step is 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -1033,7 +1033,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In deg/s; one raw step is 0.01 °/s.
+        In °/s; one raw step is 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -1092,7 +1092,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1154,7 +1154,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def max_speed(self) -> int:
         """Top speed of the move.
 
-        In deg/s.
+        In °/s.
         """
         return self.max_speed_raw
 
@@ -1162,7 +1162,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1229,7 +1229,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1300,7 +1300,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def max_speed(self) -> int:
         """Top speed of the move.
 
-        In deg/s.
+        In °/s.
         """
         return self.max_speed_raw
 
@@ -1308,7 +1308,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1366,7 +1366,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1428,7 +1428,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def max_speed(self) -> int:
         """Top speed of the move.
 
-        In deg/s.
+        In °/s.
         """
         return self.max_speed_raw
 
@@ -1436,7 +1436,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -2184,7 +2184,7 @@ class ReadEncoderReply(Reply):
     def encoder(self) -> float:
         """Encoder position.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -2193,7 +2193,7 @@ class ReadEncoderReply(Reply):
     def encoder_measured(self) -> float:
         """Encoder position as measured.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
@@ -2202,7 +2202,7 @@ class ReadEncoderReply(Reply):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2271,7 +2271,7 @@ class WritePositionAsZeroRomReply(Reply):
     def encoder_offset(self) -> float:
         """The zero that was written.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2324,7 +2324,7 @@ class ReadMultiTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle over all turns.
 
-        In deg; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
+        In °; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
         """
         return self.angle_raw / 100
 
@@ -2377,7 +2377,7 @@ class ReadSingleTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle within one turn of the output.
 
-        In deg; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
+        In °; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
         starts again at 0 when it gets back there.
         """
         return self.angle_raw / 100
@@ -2503,7 +2503,7 @@ class ReadStatus3Reply(Reply):
     def temperature(self) -> int:
         """Motor temperature.
 
-        In degC.
+        In °C.
         """
         return self.temperature_raw
 

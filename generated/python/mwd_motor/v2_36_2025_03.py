@@ -1152,7 +1152,7 @@ class MotionFeedback(Message):
     def temperature(self) -> int:
         """Motor temperature.
 
-        In degC.
+        In °C.
         """
         return self.temperature_raw
 
@@ -1176,7 +1176,7 @@ class MotionFeedback(Message):
     def speed(self) -> int:
         """Motor speed.
 
-        In deg/s.
+        In °/s.
         """
         return self.speed_raw
 
@@ -1184,7 +1184,7 @@ class MotionFeedback(Message):
     def encoder(self) -> float:
         """Encoder position.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -1250,7 +1250,7 @@ class Status1(Message):
     def temperature(self) -> int:
         """Motor temperature.
 
-        In degC.
+        In °C.
         """
         return self.temperature_raw
 
@@ -1586,7 +1586,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In deg/s; one raw step is 0.01 °/s.
+        In °/s; one raw step is 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -1644,7 +1644,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1706,7 +1706,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def max_speed(self) -> int:
         """Top speed of the move.
 
-        In deg/s.
+        In °/s.
         """
         return self.max_speed_raw
 
@@ -1714,7 +1714,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1781,7 +1781,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1852,7 +1852,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def max_speed(self) -> int:
         """Top speed of the move.
 
-        In deg/s.
+        In °/s.
         """
         return self.max_speed_raw
 
@@ -1860,7 +1860,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1918,7 +1918,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1980,7 +1980,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def max_speed(self) -> int:
         """Top speed of the move.
 
-        In deg/s.
+        In °/s.
         """
         return self.max_speed_raw
 
@@ -1988,7 +1988,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In deg; one raw step is 0.01 °.
+        In °; one raw step is 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -3726,7 +3726,7 @@ class ReadEncoderReply(Reply):
     def encoder(self) -> float:
         """Encoder position.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -3735,7 +3735,7 @@ class ReadEncoderReply(Reply):
     def encoder_measured(self) -> float:
         """Encoder position as measured.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
@@ -3744,7 +3744,7 @@ class ReadEncoderReply(Reply):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -3868,7 +3868,7 @@ class WritePositionAsZeroRomReply(Reply):
     def encoder_offset(self) -> float:
         """The zero that was written.
 
-        In deg; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -3921,7 +3921,7 @@ class ReadMultiTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle over all turns.
 
-        In deg; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
+        In °; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
         """
         return self.angle_raw / 100
 
@@ -3974,7 +3974,7 @@ class ReadSingleTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle within one turn of the output.
 
-        In deg; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
+        In °; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
         starts again at 0 when it gets back there.
         """
         return self.angle_raw / 100
@@ -4101,7 +4101,7 @@ class ReadStatus3Reply(Reply):
     def temperature(self) -> int:
         """Motor temperature.
 
-        In degC.
+        In °C.
         """
         return self.temperature_raw
 

@@ -133,7 +133,7 @@ def exact(number: Fraction) -> str:
 def _meaning(type_: Type) -> str:
     parts = []
     if type_.unit:
-        parts.append(f"In {type_.unit.name}")
+        parts.append(f"In {type_.unit.symbol}")
     scales = words.scale(type_)
     is_bare = type_.encoding is Encoding.FLOAT and type_.linear == Dependent.always(IDENTITY)
     if not type_.is_plain and type_.is_number and not is_bare:
