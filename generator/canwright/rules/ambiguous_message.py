@@ -34,7 +34,9 @@ def check(subject: Subject) -> Found:
             for group in found - {most}:
                 others[group].discard(most)
             others = {group: left for group, left in others.items() if left}
-            yield _finding(first[most], sorted(found, key=order.index))
+            command = subject.spec.commands[most]
+            unsaid = direction is Direction.REQUEST and command.request is None and command.reply != "none"
+            yield _finding(first[most], sorted(found, key=order.index), unsaid)
             if edition.command(first[most].command).code is None:
                 without_code.add(most)
 
@@ -50,12 +52,15 @@ def _alike(edition: Edition, direction: Direction) -> Iterator[tuple[Message, Me
             yield message, other
 
 
-def _finding(message: Message, others: Sequence[str]) -> Finding:
+def _finding(message: Message, others: Sequence[str], unsaid: bool) -> Finding:
+    """The finding about a message and those like it; `unsaid` is a request that is there because nothing says otherwise."""
     more = f" and {len(others) - SHOWN} more" if len(others) > SHOWN else ""
     names = ", ".join(f"`{name}`" for name in others[:SHOWN]) + more
     those = "that" if len(others) == 1 else "those"
     text = f"nothing tells this {message.direction.value} from {those} of {names}, but their fields differ"
     hint = "give it a code, an id or a dlc of its own, a constant that the other has not, or let them share a layout"
+    if unsaid:
+        hint = f"write `request: none` if a node sends it unasked; or {hint}"
     return Finding((*message.path, "code"), text, hint, key=True)
 
 

@@ -31,11 +31,18 @@ def _ranges(subject: Subject) -> Found:
             elif part is not None:
                 text = f"{words.exact(part)} is no raw integer"
                 yield Finding((*type_.path, key), text, "write whole numbers, or `range` for values in the unit")
-            elif any(end < low or end > high for end in ends):
+            elif any(end < low or end > high for end in ends) or _is_never_within(limits, low):
                 text = (
                     f"the raw range {words.span(limits)} is not within {low}..{high}, all that {type_.width} bits hold"
                 )
-                yield Finding((*type_.path, key), text, "check the range, and sign and width in `raw`")
+                hint = "check the range, and sign and width in `raw`"
+                yield Finding((*type_.path, key), text, hint if limits.is_constant else f"{hint}, `scale` and `offset`")
+
+
+def _is_never_within(limits: Range, lowest: int) -> bool:
+    """Whether a range from minus to plus a number, -size..size, leaves the bits whatever the number is, other than 0."""
+    low, high = limits.low, limits.high
+    return low.coefficient < 0 < high.coefficient and low.constant == high.constant <= lowest
 
 
 def _plausible(edition: Edition) -> Found:
