@@ -281,6 +281,8 @@ def layout(written: str, known: Sequence[str], commands: Collection[str], types:
         return f"`{written}` is a command: its reply is {{of: {written}}}"
     if written in types:
         return f"`{written}` is a type, of a field: {{{written}: {{at: 0, type: {written}}}}}"
+    if written.lower() in ("remote", *_MEANT["remote"]):
+        return "a remote frame is {remote: true}"
     word = next((one for one in known if written.lower() in _MEANT.get(one, ())), None)
     found = word or near(written, known)
     return f"did you mean `{found}`?" if found else f"{nearest(written, known)}, or fields".removeprefix(", or ")

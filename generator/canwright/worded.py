@@ -23,9 +23,10 @@ Location = tuple[str | int, ...]
 Error = dict[str, Any]
 
 SECOND = ("subindex", "sub_index", "sub")
+REMOTE = ("rtr", "is_remote", "remote_frame", "is_remote_frame")
 TEXTS = ("string", "str", "text", "ascii", "chars", "char[]", "bytes", "bytearray", "hex")
 READ_ONLY = ("read_only", "readonly", "ro")
-"""What others call the second number of an index, a text, and an entry that cannot be written."""
+"""What others call the second number of an index, a remote frame, a text, and an entry that cannot be written."""
 
 
 def diagnostic(document: Document, concept: type[BaseModel], error: Error, path: Path) -> Diagnostic:
@@ -69,6 +70,8 @@ def _told(document: Document, concept: type[BaseModel], error: Error, path: Path
             hint = "number: {}, or with its limits, {min: 1, max: 10}; whoever uses the output gives the value"
         if last == "number":
             hint = hint or rewritten.limits(written)
+        if written is True and last.lower() in REMOTE:
+            hint = "did you mean `remote`?"
         hint = hint or _describe(concept, location)
         return "type", "expected a mapping here", hint, False
     if kind == "list_type":
@@ -143,7 +146,9 @@ def _instead(document: Document, concept: type[BaseModel], error: Error, path: P
     owner, last, value = at(concept, location[:-1]), str(location[-1]), error["input"]
     keys = list(owner.model_fields) if owner else []
     within = next((called for concept_, called in CONCEPTS.items() if concept_ is owner), "")
-    number = beside(document, path).get("index")
+    number, raw = beside(document, path).get("index"), beside(document, path).get("raw")
+    if str(raw).lower() in TEXTS and "array" in keys and isinstance(value, int):
+        return f"did you mean `array`? array: 1..{value}"
     if last in SECOND and "index" in keys and isinstance(number, int) and isinstance(value, int):
         return f"a second number stands behind the first: index: [0x{number:04X}, {value}]"
     if last in READ_ONLY and value is True and "commands" in keys:

@@ -52,11 +52,12 @@ def _plausible(edition: Edition) -> Found:
         lines = [line for _, line in type_.linear.distinct() if line is not None]
         if wanted is None or type_.encoding is Encoding.FLOAT or not lines or any(line.times for line in lines):
             continue
-        there = [raw * line.scale + line.offset for line in lines for raw in type_.raw_limits]
+        limits = type_.raw_range.constant
+        ends = (limits.low.constant, limits.high.constant) if limits and limits.is_constant else type_.raw_limits
+        there = [raw * line.scale + line.offset for line in lines for raw in ends]
         if max(there) < wanted.low.constant or min(there) > wanted.high.constant:
-            text = (
-                f"{type_.width} bits hold {words.exact(min(there))}..{words.exact(max(there))}, nothing of this range"
-            )
+            holds = f"{type_.width} bits hold" if ends == type_.raw_limits else "the range of this type is"
+            text = f"{holds} {words.exact(min(there))}..{words.exact(max(there))}, nothing of this range"
             yield Finding((*type_.path, "plausible"), text, "check the range, and `scale` and `offset`")
 
 
