@@ -101,10 +101,10 @@ def _sent(
             yield ("data",), f"a sender writes 0x{key.value:02X} in {place}", hint
     for field in fields.values():
         there = not field.checked and (field.space is Space.ID or not can.remote)
-        if there and raw_of(field, can) != field.constant:
+        if there and (raw := raw_of(field, can)) != field.constant:
             part = "id" if field.space is Space.ID else "data"
             told = f"check `reserved` in the spec; {hint}"
-            yield (part,), f"`{field.name}` is sent as {field.constant}", told
+            yield (part,), f"`{field.name}` is sent as {_hex(field.constant)}, and here is {_hex(raw)}", told
     if can.remote:
         if can.data:
             yield ("data",), "a remote frame has no data", 'data: ""'
@@ -112,7 +112,11 @@ def _sent(
     beside = int.from_bytes(can.data, "little") & sender.reserved(message)
     if beside:
         at = ((beside & -beside).bit_length() - 1) // 8
-        yield ("data",), f"DATA[{at}] has bits of no field, which a sender leaves 0", hint
+        yield (
+            ("data",),
+            f"DATA[{at}] has bits of no field, which a sender leaves 0",
+            f"check the layout in the spec; {hint}",
+        )
 
 
 def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
@@ -200,6 +204,11 @@ def _other_value(field: Field, value: Value | list[Value], assignment: Assignmen
     by = "names" if type_.enum or type_.flags else "scale"
     hint = f"check the value by hand, and the type in the spec{_where(field)}"
     return f"`{field.name}` is {_shown(value)} by the spec's {by}", hint
+
+
+def _hex(raw: Raw | None) -> str:
+    """What is sent in reserved bits, as it is seen in the bytes."""
+    return f"0x{raw:X}" if isinstance(raw, int) and raw >= 0 else str(raw)
 
 
 def _where(field: Field) -> str:
