@@ -64,7 +64,7 @@ def _told(document: Document, concept: type[BaseModel], error: Error, path: Path
         hint = rewritten.named(written) or rewritten.listed(written, last)
         if last == "selector" and str(written).lower() in ("none", "null", "no", "false", "id"):
             hint = "leave `selector` out where nothing in a frame tells its command"
-        if location[:1] == ("parameters",) and len(location) == 2 and not isinstance(written, (dict, list)):
+        if location[:1] == ("parameters",) and len(location) == 2 and isinstance(written, (int, Decimal)):
             hint = f"{last}: {{number: {{}}}}; whoever uses the output gives the value"
         if last == "number" and isinstance(written, (int, Decimal)):
             hint = "number: {}, or with its limits, {min: 1, max: 10}; whoever uses the output gives the value"
