@@ -57,9 +57,11 @@ def test_an_id_that_is_looked_for_at_another_address_is_found(tmp_path: Path) ->
     """The store has fixed two bits of the selector of the others, and is asked first."""
     assert findings(tmp_path, IN_THE_ID) == []
     found = findings(tmp_path, IN_THE_ID.replace("0x061", "0x361"))
-    assert [(f.rule, f.message) for f in found] == [
+    assert [(f.rule, f.message, f.hint) for f in found] == [
         (
             "id-collision",
             "the ids of this reply are taken for those of the address `store`, which has no such code",
+            "0x1C000 is that of node 0 there: check `id`, `nodes` and `selector` of both addresses, or give it another "
+            "code",
         )
     ]

@@ -72,6 +72,7 @@ def test_wrong_use_names_what_is_meant(folder: Path) -> None:
         (("check", "my.yaml"), "a spec is named like --spec my.yaml"),
         (("chek",), "there is no command `chek`; did you mean `check`?"),
         (("check", "--spec", "my.yaml", "--set", "size=big"), "--set size=big is not a parameter and its value"),
+        (("check", "--spec", ARM, "--set", "p_max=5", "--set", "p_max=6"), "`p_max` is set to 5 already"),
     ):
         result = run(*arguments)
         assert (result.exit_code, told in result.output) == (2, True), result.output

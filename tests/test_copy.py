@@ -57,6 +57,7 @@ def test_the_frames_may_be_left_behind(lamp: Path) -> None:
     ("arguments", "says"),
     [
         (("v1", "v1"), "spec/lamp/v1.yaml is there already; nothing was written"),
+        (("v1", "v2.yaml"), "`v2.yaml` is a file; name the new edition, v2, and its file gets that name"),
         (("v1", "../v2"), "`../v2` is no edition"),
         (("v1", "v2", "--date", "soon"), "`soon` is no date"),
         (("v11", "v2"), "did you mean `v1`?"),

@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from . import source
+from . import hints, source
 from .diagnostics import Diagnostic, SpecError, nearest
 from .golden import TAGS, GoldenFrames
 from .model import Path
@@ -23,6 +23,11 @@ _ASIDE: Mapping[str, tuple[str, ...]] = {"frames": ("note", "values"), "refused"
 """Keys of entries without which the rest of an entry is judged all the same."""
 _LACKING: Mapping[str, object] = {"canwright": 1, "family": "lost", "edition": "", "sources": LOST, "frames": []}
 """What stands in for what could not be read, so that the rest is judged."""
+
+
+def _as_text(text: str) -> str:
+    """A text as YAML: in quotes where it would be a number without."""
+    return f'"{text}"' if text.replace(".", "", 1).isdigit() or hints.doubt(text) else text
 
 
 @dataclass(frozen=True)
@@ -48,7 +53,7 @@ class Beside:
         """These frames beside a spec that says so of its family and edition; without them where they say otherwise."""
         others = [
             self.document.finding(
-                (key,), "other-edition", f"these frames stand beside {key} `{wanted}`", f"{key}: {wanted}"
+                (key,), "other-edition", f"these frames stand beside {key} `{wanted}`", f"{key}: {_as_text(wanted)}"
             )
             for key, wanted in said.items()
             if self.golden and self.document and getattr(self.golden, key) not in (wanted, self._lacking(key))

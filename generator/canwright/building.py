@@ -166,5 +166,10 @@ class Builder:
             self._document.report_without_value(Mark.of(event), path)
         elif value is None and (doubt := hints.doubt(text)):
             rule, message, hint = doubt
-            self._report(rule, message, hint, path)
+            self._report(
+                rule,
+                message,
+                hint if path is not None or len(text) > 40 else f'for a name write "{text}" in quotes',
+                path,
+            )
         return text if value is None else value

@@ -70,7 +70,7 @@ def _value(value: object) -> object:
     """A number in its unit, `none` for no value, or the name of an enum member."""
     if isinstance(value, str) and not notation.NUMBER.match(value):
         return value
-    return notation.rational(str(value))
+    return notation.rational(str(value).lower() if isinstance(value, bool) else str(value))
 
 
 Single = Annotated[
@@ -212,7 +212,10 @@ class GoldenFrames(Concept):
     canwright: Annotated[Literal[1], Field(description="Version of this language.")]
     family: Annotated[Name, Field(description="Family of the edition.")]
     edition: Annotated[str, Field(description="Name of the edition.")]
-    sources: Annotated[dict[Name, Text], Field(description="Where frames come from, by name.")]
+    sources: Annotated[
+        dict[Name, Text],
+        Field(description="Where frames come from, by name.", examples=[{"manual": "Examples of the manual."}]),
+    ]
     frames: Annotated[list[Frame], Field(description="Frames and what they mean.")]
     refused: Annotated[list[Refused], Field(description="Frames and values that must be refused.")] = []
     exchanges: Annotated[list[Exchange], Field(description="Requests with what came after them.")] = []

@@ -24,7 +24,7 @@ _MEANT: Mapping[str, tuple[str, ...]] = {
     "bus": ("network", "can"),
     "canwright": ("version", "schema"),
     "command": ("cmd", "message"),
-    "commands": ("messages", "frames", "access", "rw"),
+    "commands": ("messages", "frames", "access", "rw", "read_only", "readonly", "ro", "write_only", "writable"),
     "byte_order": ("endian", "endianness", "endianess", "order"),
     "code": ("cmd", "command", "opcode", "command_id", "cmd_id"),
     "constant": ("const", "fixed", "value"),
@@ -39,7 +39,7 @@ _MEANT: Mapping[str, tuple[str, ...]] = {
     "family": ("name", "protocol", "namespace"),
     "flags": ("bits", "bitfield", "bitmask"),
     "id": ("can_id", "canid", "arbitration_id", "base"),
-    "index": ("code", "address", "id"),
+    "index": ("code", "address", "id", "subindex", "sub_index", "sub"),
     "max": ("maximum", "high", "upper"),
     "min": ("minimum", "low", "lower"),
     "nodes": ("range", "node_ids", "node_range", "devices"),
@@ -49,6 +49,7 @@ _MEANT: Mapping[str, tuple[str, ...]] = {
     "range": ("min", "max", "minimum", "maximum", "limits"),
     "raw": ("type", "width", "bits", "length", "len", "size", "format", "dtype", "signed", "is_signed", "sign"),
     "reply": ("response", "answer", "feedback", "rx"),
+    "remote": ("rtr", "is_remote", "remote_frame", "is_remote_frame"),
     "request": ("query", "tx", "send", "command", "message"),
     "says": ("reason", "refusal", "error", "expect", "expected"),
     "scale": ("factor", "resolution", "gain", "multiplier", "lsb", "step"),
@@ -280,6 +281,8 @@ def layout(written: str, known: Sequence[str], commands: Collection[str], types:
         return f"`{written}` is a command: its reply is {{of: {written}}}"
     if written in types:
         return f"`{written}` is a type, of a field: {{{written}: {{at: 0, type: {written}}}}}"
+    if written.lower() in ("remote", *_MEANT["remote"]):
+        return "a remote frame is {remote: true}"
     word = next((one for one in known if written.lower() in _MEANT.get(one, ())), None)
     found = word or near(written, known)
     return f"did you mean `{found}`?" if found else f"{nearest(written, known)}, or fields".removeprefix(", or ")

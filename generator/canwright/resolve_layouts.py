@@ -149,6 +149,10 @@ class LayoutResolver:
             self._context.report(
                 (*path, "byte_order"), "field-type", "the type says in which order its bytes are", hint
             )
+        elif written.byte_order is not None and written.at.space is Space.ID:
+            text = "`byte_order` says nothing of a field in the id"
+            hint = "leave it out; in the id, `at` is the least significant bit"
+            self._context.report((*path, "byte_order"), "no-effect", text, hint, key=True)
         if written.raw is not None:
             bare = bare_type(self._context, written.raw, written.byte_order or self._order, path)
             if bare.order is not self._order:

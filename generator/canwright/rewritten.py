@@ -30,6 +30,7 @@ _FORMATS: Mapping[str, str] = {
 
 _NUMBER = r"[+-]?[0-9]+(?:\.[0-9]+)?"
 _UNIT = "[A-Za-zµ°/%]+"
+_ALL_ONES = r"\( *2 *(?:\^|\*\*) *([1-9][0-9]?) *- *1 *\)"
 _LOW = ("min", "low", "from", "minimum", "lower")
 _HIGH = ("max", "high", "to", "maximum", "upper")
 _TRUE, _FALSE = frozenset({"true", "yes", "on", "y", "1"}), frozenset({"false", "no", "off", "n", "0"})
@@ -96,18 +97,29 @@ def id_(written: object) -> str:
     several = re.fullmatch(r"(0x[0-9A-Fa-f]+|[0-9]+) *(?:\.\.|-|–) *(0x[0-9A-Fa-f]+|[0-9]+)", text)
     if several and 0 < (first := int(several[1], 0)) < int(several[2], 0):
         return _if_read(f"0x{first - 1:X} + node", language.id_expression)
+    text = re.sub(r"\b([0-9]+)(?=[a-z]*node)|(?<=node) *x(?= *[0-9])", _times, text, flags=re.I)
     text = re.sub(r"[\[({})\]$]", " ", text).replace("|", "+").replace("_ID", "_id")
     text = re.sub(_NODE, "node", text).strip()
     text = re.sub(r"\b[a-z_]+\b", lambda word: near(word[0], ["node"]) or word[0], text)
     return _if_read(re.sub(" +", " ", text), language.id_expression)
 
 
+def _times(found: re.Match[str]) -> str:
+    return f"{found[1]} * " if found[1] else " *"
+
+
 def rational(written: object) -> str:
     """A number: `0,1` is 0.1, `/10` is 1/10, `10%` and `raw * 10` are 10; a parameter stands last, as in 2/3*size."""
     text = re.sub(r"^(?:raw|x) *\* *", "", _plain(written))
+    text = re.sub(_ALL_ONES, lambda bits: str(2 ** int(bits[1]) - 1), text)
+    if isinstance(written, bool):
+        return str(int(written))
     with_unit = re.fullmatch(rf"({_NUMBER}) ?{_UNIT}", text)
     power = re.fullmatch(r"2 ?(?:\*\*|\^) ?\(?(-?)([0-9]{1,2})\)?", text)
-    times = re.fullmatch(rf"(?:({_NUMBER}) *\* *)?([a-z][a-z0-9_]*)(?: *\* *({_NUMBER}))?( */ *{_NUMBER})?", text)
+    quotient = rf"{_NUMBER}(?:/{_NUMBER})?"
+    times = re.fullmatch(
+        rf"(?:({quotient}) *\* *)?([a-z][a-z0-9_]*)(?: *\* *({_NUMBER}))?( */ *{_NUMBER})?", text.lower()
+    )
     if with_unit:
         text = with_unit[1]
     elif power:
@@ -127,6 +139,8 @@ def rational(written: object) -> str:
 def at(written: object) -> str:
     """A position: `16|16@1-` of a DBC file is bit 0 of byte 2, `2:3` bit 3 of byte 2."""
     text = str(written)
+    if in_id := re.fullmatch(r"(?i)(?:can_?)?id[ ._]*\[?(?:([0-9]{1,2}) *[:-] *)?([0-9]{1,2})\]?", text):
+        return f"id.{min(int(bit) for bit in in_id.groups() if bit)}"
     found = re.fullmatch(r"([0-9]{1,3})\|([0-9]{1,2})@([01])[+-]", text)
     if found:
         bit = int(found[1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import re
 import typing
-from collections.abc import Collection, Sequence
+from collections.abc import Mapping, Sequence
 from decimal import Decimal
 from types import UnionType
 from typing import Annotated, Any, Union
@@ -21,6 +21,12 @@ from .source import Document
 
 Location = tuple[str | int, ...]
 Error = dict[str, Any]
+
+SECOND = ("subindex", "sub_index", "sub")
+REMOTE = ("rtr", "is_remote", "remote_frame", "is_remote_frame")
+TEXTS = ("string", "str", "text", "ascii", "chars", "char[]", "bytes", "bytearray", "hex")
+READ_ONLY = ("read_only", "readonly", "ro")
+"""What others call the second number of an index, a remote frame, a text, and an entry that cannot be written."""
 
 
 def diagnostic(document: Document, concept: type[BaseModel], error: Error, path: Path) -> Diagnostic:
@@ -56,8 +62,16 @@ def _told(document: Document, concept: type[BaseModel], error: Error, path: Path
         while location and str(location[-1]) not in map(str, path[-1:]):
             location = location[:-1]
         hint = rewritten.named(written) or rewritten.listed(written, last)
+        if last == "selector" and str(written).lower() in ("none", "null", "no", "false", "id"):
+            hint = "leave `selector` out where nothing in a frame tells its command"
+        if location[:1] == ("parameters",) and len(location) == 2 and isinstance(written, (int, Decimal)):
+            hint = f"{last}: {{number: {{}}}}; whoever uses the output gives the value"
+        if last == "number" and isinstance(written, (int, Decimal)):
+            hint = "number: {}, or with its limits, {min: 1, max: 10}; whoever uses the output gives the value"
         if last == "number":
             hint = hint or rewritten.limits(written)
+        if written is True and last.lower() in REMOTE:
+            hint = "did you mean `remote`?"
         hint = hint or _describe(concept, location)
         return "type", "expected a mapping here", hint, False
     if kind == "list_type":
@@ -74,7 +88,9 @@ def _told(document: Document, concept: type[BaseModel], error: Error, path: Path
     if kind == "string_pattern_mismatch":
         return *_misspelt(document, path, error, about_key), about_key
     if kind in ("int_type", "int_parsing", "int_from_float"):
-        message = f"`{written}` is not a whole number" if _is_scalar(written) else "expected a whole number here"
+        message = (
+            f"`{_as_yaml(written)}` is not a whole number" if _is_scalar(written) else "expected a whole number here"
+        )
         return "value", message, hints.integer(written), False
     if kind in ("less_than_equal", "greater_than_equal"):
         limit = f"more than {context['le']}, the most" if "le" in context else f"less than {context['ge']}, the least"
@@ -95,6 +111,8 @@ def _told(document: Document, concept: type[BaseModel], error: Error, path: Path
     types = document.data.get("types") if isinstance(document.data, dict) else None
     if "is not a raw format" in message and isinstance(types, dict) and written in types:
         return "value", message, f"`{written}` is a type: write `type: {written}`", False
+    if "is not a raw format" in message and str(written).lower() in TEXTS:
+        return "value", message, "a text is an array of bytes: raw: u8, array: 1..7", False
     hint = rewritten.notation(written, message, str(path[-1]) if path else "") or (
         _describe(concept, location) if not _is_scalar(written) else ""
     )
@@ -128,6 +146,13 @@ def _instead(document: Document, concept: type[BaseModel], error: Error, path: P
     owner, last, value = at(concept, location[:-1]), str(location[-1]), error["input"]
     keys = list(owner.model_fields) if owner else []
     within = next((called for concept_, called in CONCEPTS.items() if concept_ is owner), "")
+    number, raw = beside(document, path).get("index"), beside(document, path).get("raw")
+    if str(raw).lower() in TEXTS and "array" in keys and isinstance(value, int):
+        return f"did you mean `array`? array: 1..{value}"
+    if last in SECOND and "index" in keys and isinstance(number, int) and isinstance(value, int):
+        return f"a second number stands behind the first: index: [0x{number:04X}, {value}]"
+    if last in READ_ONLY and value is True and "commands" in keys:
+        return "say which commands have it: commands: [READ], by the name of the one that reads"
     if is_field(value) and {"layout", "fields"} <= set(keys):
         return f"a field stands in `layout` here: {{layout: {{{last}: …}}, dlc: …}}"
     if is_field(value) and within == "a layout":
@@ -155,13 +180,13 @@ def is_field(value: object) -> bool:
     return isinstance(value, dict) and "at" in value
 
 
-def beside(document: Document, path: Path) -> Collection[str]:
-    """A key, and those that stand beside it."""
+def beside(document: Document, path: Path) -> Mapping[str, Any]:
+    """A key and those that stand beside it, with their values."""
     owner: Any = document.data
     for step in path[:-1]:
         there = isinstance(owner, list) or (isinstance(owner, dict) and step in owner)
         owner = owner[step] if there else None
-    return owner.keys() if isinstance(owner, dict) else ()
+    return owner if isinstance(owner, dict) else {}
 
 
 def elsewhere(key: str, known: Sequence[str]) -> list[str]:
@@ -176,7 +201,7 @@ def elsewhere(key: str, known: Sequence[str]) -> list[str]:
 def _not_one_of(error: Error) -> tuple[str, str]:
     expected: str = error["ctx"]["expected"]
     value = error["input"]
-    known, written = re.findall(r"'([^']*)'", expected), str(value).lower() if isinstance(value, bool) else str(value)
+    known, written = re.findall(r"'([^']*)'", expected), _as_yaml(value)
     if not _is_scalar(error["input"]):
         return "expected one word here", f"one of {', '.join(known)}" if known else f"write {expected}"
     if known:
@@ -187,6 +212,10 @@ def _not_one_of(error: Error) -> tuple[str, str]:
     if isinstance(error["input"], str) and written == expected:
         return f"the text `{written}` is not the number {expected}", f"write {expected}, without quotes"
     return f"`{written}` is not {expected}", f"write {expected}"
+
+
+def _as_yaml(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _is_scalar(value: object) -> bool:

@@ -27,6 +27,8 @@ def copy(old: str, new: str, date: str | None, no_frames: bool) -> None:
     `canwright diff OLD NEW` shows it then, and `canwright check` the golden frames that contradict it.
     """
     _fits("edition", new)
+    if Path(new).suffix in (".yaml", ".yml"):
+        stop(f"`{new}` is a file; name the new edition, {Path(new).stem}, and its file gets that name")
     if date is not None:
         _fits("date", date)
     try:

@@ -12,7 +12,7 @@ from .common import stop
 
 def assignment(described: Sequence[Described], settings: Sequence[str]) -> Assignment:
     """`--set` as an assignment: each name one that some edition knows, with a value that it can have there."""
-    result = {}
+    result: dict[str, str] = {}
     for setting in settings:
         name, _, value = setting.partition("=")
         having = [(d.edition, p) for d in described for p in d.edition.parameters if p.name == name]
@@ -26,7 +26,8 @@ def assignment(described: Sequence[Described], settings: Sequence[str]) -> Assig
             wanted = _known(described)
             there = f"there are: {wanted}" if wanted else "the spec has none"
             stop(f"--set {setting} is not a parameter and its value; {there}")
-        result[name] = value
+        if result.setdefault(name, value) != value:
+            stop(f"--set {setting}: `{name}` is set to {result[name]} already; one of them is too many")
     return result
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ..model import Direction, Edition, Message, Space
+from ..schema import EditionSpec
 from . import alike, ids
 from .duplicate_code import sends_the_same
 from .rule import Finding, Found, Subject
@@ -34,7 +35,8 @@ def check(subject: Subject) -> Found:
             for group in found - {most}:
                 others[group].discard(most)
             others = {group: left for group, left in others.items() if left}
-            yield _finding(first[most], sorted(found, key=order.index))
+            names = sorted(found, key=order.index)
+            yield _finding(first[most], names, _unsaid(subject.spec, direction, [most, *names]))
             if edition.command(first[most].command).code is None:
                 without_code.add(most)
 
@@ -50,12 +52,21 @@ def _alike(edition: Edition, direction: Direction) -> Iterator[tuple[Message, Me
             yield message, other
 
 
-def _finding(message: Message, others: Sequence[str]) -> Finding:
+def _unsaid(spec: EditionSpec, direction: Direction, commands: Sequence[str]) -> str:
+    """The first command without a code that has a request only because nothing says that it has none, and a reply."""
+    written = {name: spec.commands[name] for name in commands if direction is Direction.REQUEST}
+    bare = (name for name, one in written.items() if one.code is None and one.request is None and one.reply != "none")
+    return next(bare, "")
+
+
+def _finding(message: Message, others: Sequence[str], unsaid: str) -> Finding:
     more = f" and {len(others) - SHOWN} more" if len(others) > SHOWN else ""
     names = ", ".join(f"`{name}`" for name in others[:SHOWN]) + more
     those = "that" if len(others) == 1 else "those"
     text = f"nothing tells this {message.direction.value} from {those} of {names}, but their fields differ"
     hint = "give it a code, an id or a dlc of its own, a constant that the other has not, or let them share a layout"
+    if unsaid:
+        hint = f"if nodes send `{unsaid}` unasked, write `request: none` there; or {hint}"
     return Finding((*message.path, "code"), text, hint, key=True)
 
 

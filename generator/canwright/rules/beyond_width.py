@@ -31,11 +31,18 @@ def _ranges(subject: Subject) -> Found:
             elif part is not None:
                 text = f"{words.exact(part)} is no raw integer"
                 yield Finding((*type_.path, key), text, "write whole numbers, or `range` for values in the unit")
-            elif any(end < low or end > high for end in ends):
+            elif any(end < low or end > high for end in ends) or _is_never_within(limits, low):
                 text = (
                     f"the raw range {words.span(limits)} is not within {low}..{high}, all that {type_.width} bits hold"
                 )
-                yield Finding((*type_.path, key), text, "check the range, and sign and width in `raw`")
+                hint = "check the range, and sign and width in `raw`"
+                yield Finding((*type_.path, key), text, hint if limits.is_constant else f"{hint}, `scale` and `offset`")
+
+
+def _is_never_within(limits: Range, lowest: int) -> bool:
+    """Whether a range from minus to plus a number, -size..size, leaves the bits whatever the number is, other than 0."""
+    low, high = limits.low, limits.high
+    return low.coefficient < 0 < high.coefficient and low.constant == high.constant <= lowest
 
 
 def _plausible(edition: Edition) -> Found:
@@ -45,11 +52,12 @@ def _plausible(edition: Edition) -> Found:
         lines = [line for _, line in type_.linear.distinct() if line is not None]
         if wanted is None or type_.encoding is Encoding.FLOAT or not lines or any(line.times for line in lines):
             continue
-        there = [raw * line.scale + line.offset for line in lines for raw in type_.raw_limits]
+        limits = type_.raw_range.constant
+        ends = (limits.low.constant, limits.high.constant) if limits and limits.is_constant else type_.raw_limits
+        there = [raw * line.scale + line.offset for line in lines for raw in ends]
         if max(there) < wanted.low.constant or min(there) > wanted.high.constant:
-            text = (
-                f"{type_.width} bits hold {words.exact(min(there))}..{words.exact(max(there))}, nothing of this range"
-            )
+            holds = f"{type_.width} bits hold" if ends == type_.raw_limits else "the range of this type is"
+            text = f"{holds} {words.exact(min(there))}..{words.exact(max(there))}, nothing of this range"
             yield Finding((*type_.path, "plausible"), text, "check the range, and `scale` and `offset`")
 
 

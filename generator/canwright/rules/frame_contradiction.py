@@ -10,9 +10,10 @@ from .. import words
 from ..diagnostics import nearest
 from ..golden import Frame
 from ..interpret import CanFrame, Raw, Value, difference, held, node_of, raw_of, raws, value_of, wrong_constants
-from ..model import Assignment, Direction, Edition, Field, Message, Space
+from ..model import Assignment, Direction, Edition, Field, Message, Order, Space
 from ..receiving import Read, Receiver, Refused
 from ..sending import Sender, Senders
+from . import ids
 from .entries import KEY, Problem, judged, named
 from .rule import Found, Subject
 
@@ -100,9 +101,10 @@ def _sent(
             yield ("data",), f"a sender writes 0x{key.value:02X} in {place}", hint
     for field in fields.values():
         there = not field.checked and (field.space is Space.ID or not can.remote)
-        if there and raw_of(field, can) != field.constant:
+        if there and (raw := raw_of(field, can)) != field.constant:
             part = "id" if field.space is Space.ID else "data"
-            yield (part,), f"`{field.name}` is sent as {field.constant}", hint
+            told = f"check `reserved` in the spec; {hint}"
+            yield (part,), f"`{field.name}` is sent as {_hex(field.constant)}, and here is {_hex(raw)}", told
     if can.remote:
         if can.data:
             yield ("data",), "a remote frame has no data", 'data: ""'
@@ -110,7 +112,11 @@ def _sent(
     beside = int.from_bytes(can.data, "little") & sender.reserved(message)
     if beside:
         at = ((beside & -beside).bit_length() - 1) // 8
-        yield ("data",), f"DATA[{at}] has bits of no field, which a sender leaves 0", hint
+        yield (
+            ("data",),
+            f"DATA[{at}] has bits of no field, which a sender leaves 0",
+            f"check the layout in the spec; {hint}",
+        )
 
 
 def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
@@ -127,11 +133,20 @@ def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
     if wrong.part == "id":
         meant = int(str(frame.id), 16) if str(frame.id).isdigit() else 0
         is_decimal = difference(message, dataclasses.replace(can, id=meant)) is None
-        hint = f"did you mean 0x{meant:X}?" if is_decimal else "check the id, and the address in the spec"
+        hint = f"did you mean 0x{meant:X}?" if is_decimal else _id_of(message, frame)
         return ("id",), wrong.text, hint
     if wrong.part == "length":
         return ("data",), wrong.text, "check `data` and `dlc`"
     return ("data",), wrong.text, "check `data`, and the code in the spec"
+
+
+def _id_of(message: Message, frame: Frame) -> str:
+    """What to do about an id that is none of a message, with the one that the node has where no field is a part of it."""
+    hint, nodes = "check the id, and the address in the spec", message.id.nodes
+    node = frame.node
+    if nodes is None or node is None or node not in nodes or any(f.space is Space.ID for f in message.layout.fields):
+        return hint
+    return f"that of node {node} is 0x{ids.of_message(message)[nodes.index(node)]:X}; {hint}"
 
 
 def _raws(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[Problem]:
@@ -143,7 +158,11 @@ def _raws(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -
         names = ", ".join(f"`{name}`" for name in missing)
         return [(("raw",), f"`raw` lacks {names}", "write the raw number of every field; `values` may have fewer")]
     return [
-        (("raw", name), f"the bytes hold {raw} in `{name}`", "check `data` by hand, and the layout in the spec")
+        (
+            ("raw", name),
+            f"the bytes hold {raw} in `{name}`",
+            f"check `data` by hand, and the layout in the spec{_where(fields[name])}",
+        )
         for name, raw in found.items()
         if raw != frame.raw[name]
     ]
@@ -183,7 +202,21 @@ def _other_value(field: Field, value: Value | list[Value], assignment: Assignmen
         text = f"the value of `{field.name}` depends on `{lacking[0]}`, which is not given"
         return text, f"add parameters: {{{lacking[0]}: …}}"
     by = "names" if type_.enum or type_.flags else "scale"
-    return f"`{field.name}` is {_shown(value)} by the spec's {by}", "check the value by hand, and the type in the spec"
+    hint = f"check the value by hand, and the type in the spec{_where(field)}"
+    return f"`{field.name}` is {_shown(value)} by the spec's {by}", hint
+
+
+def _hex(raw: Raw | None) -> str:
+    """What is sent in reserved bits, as it is seen in the bytes."""
+    return f"0x{raw:X}" if isinstance(raw, int) and raw >= 0 else str(raw)
+
+
+def _where(field: Field) -> str:
+    """Where the bits of a big-endian field are that is less than a byte: `at` is the highest of them."""
+    one = field.elements[0].segments
+    if field.space is not Space.DATA or field.type.order is not Order.BIG or len(one) > 1 or one[0].width == 8:
+        return ""
+    return f": it stands in {words.place(field.space, one)}, because `at` is the highest bit of what is big-endian"
 
 
 def _same(wanted: object, value: object) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from ..interpret import by_rule, open_bits
+from ..interpret import by_rule, node, open_bits
 from ..model import Address, Direction, Edition, Message, Path, Space
 from ..schema import EditionSpec
 from . import alike, ids
@@ -46,9 +46,10 @@ def _mistaken(edition: Edition, direction: Direction) -> Found:
                     told.add((message.address, other.address))
                     taken = f"the ids of this {direction.value} are taken for those of the address `{other.address}`"
                     text = f"{taken}, which has no such code"
-                    yield Finding(
-                        message.path, text, "check `id` and `selector` of both addresses, or give it another code"
-                    )
+                    owner = node(other.id, shared)
+                    whose = f"0x{shared:X} is that of node {owner} there: " if owner is not None else ""
+                    hint = f"{whose}check `id`, `nodes` and `selector` of both addresses, or give it another code"
+                    yield Finding(message.path, text, hint)
         if mask := open_bits(group):
             earlier.append((mask, ids.known(ids.of_rule(group[0].id), mask), group[0]))
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from ..layouts import bits_of
-from ..model import Direction, Key, Message, Path, Space, Variant
+from ..model import Direction, Key, Message, Order, Path, Space, Variant
 from ..schema import EditionSpec
 from .rule import Finding, Found, Subject
 
+HIGHEST = "; `at` is the highest bit of what is big-endian"
 INDEX = "the table's index"
 APART = "move one of them, or let `only` tell them apart"
 WITHOUT_INDEX = (
@@ -41,6 +42,8 @@ def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Found:
             clash = next(filter(others.__contains__, element.bits), None)
             if clash is not None:
                 hint = WITHOUT_INDEX if others[clash] == INDEX and message.direction is Direction.REPLY else APART
+                if field.type.order is Order.BIG and field.type.width % 8 and field.space is Space.DATA:
+                    hint += HIGHEST
                 text = f"`{field.name}` shares {_where(field.space, clash)} with {others[clash]}"
                 yield Finding((*field.path, "at"), text, hint)
             others.update(dict.fromkeys(element.bits, f"`{field.name}`"))

@@ -27,7 +27,7 @@ READING: tuple[Rule, ...] = (
     Rule("entry-of-nothing", "Only a command with a table can have an entry's layout."),
     Rule("circular-reference", "Replies are not taken from one another in a circle, nor in a long chain."),
     Rule("reply-of-table", "Only a command with the same table takes the replies of one that has a table."),
-    Rule("no-effect", "A request and a reply say nothing that does not concern them."),
+    Rule("no-effect", "A request, a reply and a field say nothing that does not concern them."),
     Rule("too-many-values", "An entry has no more index values than its table has selectors."),
     Rule("no-selector", "Codes stand where `selector` says."),
     Rule("code-width", "Codes and index values fit the bits of their selector."),
