@@ -277,7 +277,9 @@ def test_the_programs_of_the_readme(spec: Path, tmp_path: Path) -> None:
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     sent = done.stdout.splitlines()[0].strip()
-    assert sent in {f"{f.id:03X} {f.data.hex(' ').upper()}".strip() for f in item.frames.frames if f.request}
+    requests = [frame for frame in item.frames.frames if frame.request]
+    ids = [f"{frame.id:08X}" if frame.extended else f"{frame.id:03X}" for frame in requests]
+    assert sent in {f"{id_} {f.data.hex(' ').upper()}".strip() for id_, f in zip(ids, requests, strict=True)}
     assert "_raw=" not in done.stdout
     if spec == SPEC:
         (folder / "use.py").write_text("".join(blocks), "utf-8")
