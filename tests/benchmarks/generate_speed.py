@@ -16,6 +16,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -75,19 +76,29 @@ def environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPYCACHEPREFIX": compiled().name, "PYTHONDONTWRITEBYTECODE": ""}
 
 
-def cost(*arguments: str, new: Path | None = None, rounds: int = ROUNDS) -> Cost:
+def cost(*arguments: str, new: Path | None = None) -> Cost:
     """The least of a few runs of Python with these arguments.
 
     With `new`, each run writes into an empty folder of its own there. Modules and templates are compiled before the
     first run that counts, as they are in an installed package.
     """
-    found = [_once(*arguments, *(("--out", str(new / str(number))) if new else ())) for number in range(rounds + 1)]
-    return Cost(*map(min, zip(*(one for one, _ in found[1:]), strict=True)))
+    found = [_once(*arguments, *(("--out", str(new / str(number))) if new else ())) for number in range(ROUNDS + 1)]
+    return _least(one for one, _ in found[1:])
 
 
-def rendering(*arguments: str, rounds: int = ROUNDS) -> float:
-    """The least seconds that Jinja2 takes to compile and render what `canwright` with these arguments renders."""
-    return min(float(_once("-c", WATCHED, *arguments)[1].split()[-1]) for _ in range(rounds))
+def beside_rendering(*arguments: str) -> tuple[Cost, float]:
+    """The least of a few runs of `canwright`, and the least seconds that Jinja2 takes to compile and render the same.
+
+    They take turns, so that what else the machine does slows both.
+    """
+    run = ("-m", "canwright", *arguments)
+    _once(*run)
+    turns = [(_once(*run)[0], float(_once("-c", WATCHED, *arguments)[1].split()[-1])) for _ in range(ROUNDS)]
+    return _least(whole for whole, _ in turns), min(alone for _, alone in turns)
+
+
+def _least(found: Iterable[Cost]) -> Cost:
+    return Cost(*map(min, zip(*found, strict=True)))
 
 
 RUN = """
@@ -166,11 +177,10 @@ def main() -> None:
         options = [part for spec in specs for part in ("--spec", str(spec))]
         with tempfile.TemporaryDirectory() as folder:
             first = cost("-m", "canwright", "generate", *options, new=Path(folder) / "new")
-            whole = cost("-m", "canwright", "generate", *options, "--out", folder)
-            alone = libraries + rendering("generate", *options, "--out", folder)
+            whole, alone = beside_rendering("generate", *options, "--out", folder)
             checked = cost("-m", "canwright", "check", *options, "--out", folder)
         specs_only = cost("-m", "canwright", "check", *options)
-        print(shown(name, whole, alone))
+        print(shown(name, whole, libraries + alone))
         print(
             f"  into an empty folder {first.clock:.2f} s; check {checked.clock:.2f} s, "
             f"of the specs alone {specs_only.clock:.2f} s"
@@ -181,8 +191,8 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as folder:
             spec = multiplied(Path(folder), times)
             arguments = ("generate", "--spec", str(spec), "--out", f"{folder}/out")
-            whole = cost("-m", "canwright", *arguments)
-            print(shown(f"  {times:3} times the commands", whole, libraries + rendering(*arguments)))
+            whole, alone = beside_rendering(*arguments)
+            print(shown(f"  {times:3} times the commands", whole, libraries + alone))
             if before:
                 grown = f"{whole.clock / before.clock:.1f} times the time, {whole.memory / before.memory:.1f} times the"
                 print(f"      {grown} memory")
