@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from functools import partial
 from typing import NamedTuple
@@ -28,8 +27,8 @@ def generate(
     order = sorted(targets, key=LONGEST.index)
     made = side_by_side([partial(_made, target, described, set_parameters, held) for target in order])
     editions = tuple(f"{d.edition.family} {d.edition.name}" for d in described)
-    files = dict(itertools.chain.from_iterable(one.files.items() for one in made))
-    standing = dict(itertools.chain.from_iterable(one.standing.items() for one in made))
+    files = {path: data for one in made for path, data in one.files.items()}
+    standing = {path: hashed for one in made for path, hashed in one.standing.items()}
     return Content(editions, tuple(targets), files, standing=standing)
 
 

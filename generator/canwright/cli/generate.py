@@ -11,7 +11,9 @@ import click
 from ..diagnostics import Diagnostic, Position, Severity
 from ..folder import OutputError
 from ..generate import TARGETS, generate as make
-from ..output import difference, held, write
+from ..model import Assignment
+from ..output import Content, difference, held, write
+from ..targets import Described
 from .common import (
     FINDINGS,
     OUT_FOLDER,
@@ -53,7 +55,7 @@ def generate(
     described = read(specs, printer)
     set_parameters = assignment(described, settings)
     try:
-        content = make(described, targets or list(TARGETS), set_parameters, held(out))
+        content = _content(described, targets, set_parameters, out)
         changes = write(out, content, force=force)
     except OutputError as error:
         stop(str(error))
@@ -91,7 +93,7 @@ def check(
         return
     out = out or OUT_FOLDER
     try:
-        found = list(difference(out, make(described, targets or list(TARGETS), set_parameters, held(out))))
+        found = list(difference(out, _content(described, targets, set_parameters, out)))
     except OutputError as error:
         stop(str(error))
     if not found:
@@ -114,3 +116,8 @@ def _report(warnings: Sequence[Diagnostic], message: str, printer: str, strict: 
         click.echo(message)
     if warnings and strict:
         sys.exit(FINDINGS)
+
+
+def _content(described: Sequence[Described], targets: Sequence[str], set_parameters: Assignment, out: Path) -> Content:
+    """What is made for a folder, beside what it holds. Raises OutputError."""
+    return make(described, targets or list(TARGETS), set_parameters, held(out))

@@ -14,9 +14,11 @@ def check(subject: Subject) -> Found:
         yield from _members(type_, "flags", type_.flags, 0, type_.width - 1)
     for name, written in subject.spec.types.items():
         limits = written.raw_range
-        for member, value in (written.enum or {}).items() if isinstance(limits, Range) and limits.is_constant else ():
+        if not isinstance(limits, Range) or not limits.is_constant:
+            continue
+        for member, value in (written.enum or {}).items():
             number = value if isinstance(value, int) else value.value
-            if isinstance(limits, Range) and not limits.low.constant <= number <= limits.high.constant:
+            if not limits.low.constant <= number <= limits.high.constant:
                 text = f"{number} is not within {words.span(limits)}, the raw range"
                 yield Finding(("types", name, "enum", member), text, "check the value, and `raw_range`")
 
