@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import cProfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import ParamSpec
 
 import pytest
+from canwright import processes
 from canwright.generate import TARGETS, generate
 from canwright.load import described
 from canwright.rules.alike import Known, pairs
@@ -30,8 +31,16 @@ def calls(work: Callable[P, object], *arguments: P.args, **named: P.kwargs) -> i
     return sum(entry.callcount for entry in profile.getstats())
 
 
+@pytest.fixture(scope="module", autouse=True)
+def one_process() -> Iterator[None]:
+    """What another process does is not counted, and which of them does what differs from run to run."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(processes, "_processors", lambda: 1)
+        yield
+
+
 @pytest.fixture(scope="module")
-def specs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+def specs(one_process: None, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     folder = tmp_path_factory.mktemp("specs")
     found = [multiplied(folder, times) for times in TIMES]
     described(found[0])
