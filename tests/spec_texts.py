@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from canwright.diagnostics import Diagnostic, SpecError
-from canwright.load import described, spec_files
-from canwright.model import Edition
+from canwright.diagnostics.diagnostic import Diagnostic, SpecError
+from canwright.model.edition import Edition
+from canwright.project.loader import described, spec_files
 
 ROOT = Path(__file__).parent.parent
 SMALL = spec_files(ROOT / "tests/specs")

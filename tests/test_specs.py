@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from canwright.cli import main
-from canwright.generate import TARGETS, generate
-from canwright.load import all_loaded, frames_file
+from canwright.project.loader import all_loaded, frames_file
+from canwright.project.pipeline import TARGETS, generate
 from click.testing import CliRunner
 
 from .compilers import WARNINGS, Compiler, compilers

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import gc
 import os
 import sys
 
@@ -11,12 +10,7 @@ CANNOT_PRINT = 2
 
 
 def run() -> None:
-    """The command line, as a process of its own.
-
-    What a run makes it keeps to its end, so neither looking for cycles to free nor freeing all of it at last is worth
-    the time that it takes.
-    """
-    gc.disable()
+    """Runs the command line; a standard output that cannot be written to is an error line, not a traceback."""
     from .cli import main
 
     status = 0
@@ -26,12 +20,12 @@ def run() -> None:
         except SystemExit as ended:
             status = ended.code if isinstance(ended.code, int) else 0
         sys.stdout.flush()
-    except OSError as error:  # of printing: commands tell what became of files
+    except OSError as error:  # of printing: commands report what became of files
         status = CANNOT_PRINT
         if error.errno != errno.EPIPE:
             sys.stderr.write(f"canwright: cannot print: {error.strerror or error}\n")
-    sys.stderr.flush()
-    os._exit(status)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the interpreter flushes once more at exit
+    sys.exit(status)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import struct
 import tempfile
 from pathlib import Path
 
-from canwright.load import described
+from canwright.project.loader import described
 from canwright.targets import c
 
 from ..compilers import CORTEX_M0, WARNINGS, ZIG

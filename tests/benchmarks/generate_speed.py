@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import yaml
-from canwright.load import frames_file, spec_files
+from canwright.project.loader import frames_file, spec_files
 
 from ..spec_texts import ROOT
 

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 import yaml
 from canwright.cli import main
+from canwright.cli.diff_report import Comparison, text
 from canwright.compare import CHANGES, compare
 from canwright.compare.change import Category
-from canwright.compare.report import Comparison, text
-from canwright.load import described, load
-from canwright.resources import CHANGE_EXAMPLES
+from canwright.project.loader import described, load
+from canwright.templating.resources import CHANGE_EXAMPLES
 from click.testing import CliRunner
 
 from ..spec_texts import MINIMAL, ROOT, edition

@@ -15,8 +15,8 @@ from functools import cache
 
 import pytest
 from canwright.compare import Category, Change, compare
-from canwright.load import described
-from canwright.model import Edition
+from canwright.model.edition import Edition
+from canwright.project.loader import described
 
 from ..spec_texts import ROOT
 

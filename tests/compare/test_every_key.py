@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 import yaml
 from canwright.compare import compare
-from canwright.load import described
-from canwright.schema import EditionSpec
+from canwright.language.edition import EditionSpec
+from canwright.project.loader import described
 
 from ..strangers.everything import SPEC
 

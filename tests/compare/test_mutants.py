@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 import yaml
 from canwright.compare import Category, Change, Impact, compare
-from canwright.diagnostics import SpecError
-from canwright.load import described
-from canwright.model import Edition
+from canwright.diagnostics.diagnostic import SpecError
+from canwright.model.edition import Edition
+from canwright.project.loader import described
 
 from ..conformance.mutants import mutants
 from ..spec_texts import SPECS, called

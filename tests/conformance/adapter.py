@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
 
-from canwright.golden import Refusal
-from canwright.interpret import CanFrame as CanFrame
-from canwright.model import Direction
+from canwright.language.golden_frames import Refusal
+from canwright.model.edition import Direction
+from canwright.semantics.decoder import CanFrame as CanFrame
 
 Raw = int | list[int]
 Value = float | str | list[str] | list[float] | None

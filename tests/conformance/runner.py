@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
 
-from canwright.golden import CheckedFrame, Exchange, Frame, GoldenFrames, RefusedFrame, RefusedValues
-from canwright.model import Direction, Edition
+from canwright.language.golden_frames import CheckedFrame, Exchange, Frame, GoldenFrames, RefusedFrame, RefusedValues
+from canwright.model.edition import Direction, Edition
 
 from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import can
 import pytest
-from canwright.golden import Frame
-from canwright.load import described
-from canwright.model import Direction
+from canwright.language.golden_frames import Frame
+from canwright.model.edition import Direction
+from canwright.project.loader import described
 from canwright.targets import python as target
 
 from ..spec_texts import ROOT, SPECS, called

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from canwright.load import described
+from canwright.project.loader import described
 
 from ..spec_texts import SPECS, called
 from .adapters import ADAPTERS

@@ -7,9 +7,9 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from canwright.golden import Refusal
-from canwright.load import described
-from canwright.model import Direction
+from canwright.language.golden_frames import Refusal
+from canwright.model.edition import Direction
+from canwright.project.loader import described
 
 from ..spec_texts import ROOT
 from .adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused

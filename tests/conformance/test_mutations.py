@@ -10,15 +10,15 @@ from typing import Any
 
 import pytest
 import yaml
-from canwright.diagnostics import SpecError
-from canwright.load import described
-from canwright.model import Edition
+from canwright.diagnostics.diagnostic import SpecError
+from canwright.document.document import read_document
+from canwright.language.edition import EditionSpec
+from canwright.language.validate import validate_parts
+from canwright.model.edition import Edition
+from canwright.project.loader import described
 from canwright.rules import exchange_contradiction, frame_contradiction, refused_contradiction
 from canwright.rules.rule import Subject
-from canwright.schema import EditionSpec
-from canwright.source import read
 from canwright.targets import Described
-from canwright.validate import validate_parts
 
 from ..spec_texts import SMALL, SPECS, called
 from .adapter import Adapter
@@ -117,7 +117,7 @@ def test_every_target_notices(spec: str, mutant: str, target: str, tmp_path: Pat
 
 def _judged(item: Described, file: Path) -> dict[tuple[str | int, ...], str]:
     """What `check` says of the golden frames, by list and place in it."""
-    spec = validate_parts(read(file)[0], EditionSpec).spec
+    spec = validate_parts(read_document(file)[0], EditionSpec).spec
     assert spec is not None
     subject = Subject(item.edition, spec, item.frames)
     rules = (frame_contradiction, refused_contradiction, exchange_contradiction)

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from canwright.golden import GoldenFrames
-from canwright.hints import VISIBLE
-from canwright.load import load
-from canwright.schema import EditionSpec
+from canwright.language.edition import EditionSpec
+from canwright.language.golden_frames import GoldenFrames
+from canwright.language.suggestions import VISIBLE
+from canwright.project.loader import load
 from canwright.targets import Described
 
 Say = Callable[[], str]

@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 import yaml
-from canwright.diagnostics import SpecError
-from canwright.generate import TARGETS, generate
-from canwright.load import load
+from canwright.diagnostics.diagnostic import SpecError
+from canwright.project.loader import load
+from canwright.project.pipeline import TARGETS, generate
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from ..spec_texts import MINIMAL, ROOT

@@ -8,9 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from canwright import notation, source
 from canwright.cli import main
-from canwright.diagnostics import MOST_FINDINGS, SpecError
+from canwright.diagnostics.diagnostic import MOST_FINDINGS, SpecError
+from canwright.document.document import MAX_BYTES, read_document
+from canwright.language import notation
 from canwright.rules import too_large
 from click.testing import CliRunner
 
@@ -39,8 +40,8 @@ def test_no_more_than_the_limit_is_read(tmp_path: Path) -> None:
     file = tmp_path / "x.yaml"
     with file.open("wb") as stream:
         stream.truncate(1 << 40)
-    with pytest.raises(SpecError, match=rf"the file has more than {source.MAX_BYTES} bytes \[file-size\]"):
-        source.read(file)
+    with pytest.raises(SpecError, match=rf"the file has more than {MAX_BYTES} bytes \[file-size\]"):
+        read_document(file)
 
 
 @pytest.mark.parametrize(
@@ -56,7 +57,7 @@ def test_no_more_than_the_limit_is_read(tmp_path: Path) -> None:
 def test_what_is_not_utf_8_is_refused_where_it_stands(content: bytes, expected: str, tmp_path: Path) -> None:
     (tmp_path / "x.yaml").write_bytes(content)
     with pytest.raises(SpecError) as refused:
-        source.read(tmp_path / "x.yaml")
+        read_document(tmp_path / "x.yaml")
     assert places(list(refused.value.diagnostics)) == [expected]
 
 

@@ -13,11 +13,11 @@ from pathlib import Path
 import cantools
 import markdown
 import pytest
-from canwright import site
 from canwright.cli import main
-from canwright.diagnostics import SpecError
-from canwright.generate import TARGETS, generate
-from canwright.load import load
+from canwright.diagnostics.diagnostic import SpecError
+from canwright.project import site
+from canwright.project.loader import load
+from canwright.project.pipeline import TARGETS, generate
 from click.testing import CliRunner
 from markdown_it import MarkdownIt
 

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 import pytest
-from canwright.golden import Refusal
-from canwright.interpret import linear_of
-from canwright.load import described
-from canwright.model import Command, Direction, Edition, Encoding, Field, Message, Space, Type
+from canwright.language.golden_frames import Refusal
+from canwright.model.edition import Command, Direction, Edition, Encoding, Field, Message, Space, Type
+from canwright.project.loader import described
+from canwright.semantics.decoder import linear_of
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Raw, Refused
 from ..conformance.adapters.c import CAdapter, adapter

@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
-from canwright.golden import Refusal
-from canwright.load import described
-from canwright.model import Command, Direction, Edition, Key, Message, Order, Segment, Space
+from canwright.language.golden_frames import Refusal
+from canwright.model.edition import Command, Direction, Edition, Key, Message, Order, Segment, Space
+from canwright.project.loader import described
 from canwright.targets import Described
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused

@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from canwright.load import described, spec_files
+from canwright.project.loader import described, spec_files
 from canwright.targets import c
 
 from ..compilers import WARNINGS, Compiler, compilers

@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 import pytest
-from canwright.diagnostics import SpecError
-from canwright.load import all_loaded, described
+from canwright.diagnostics.diagnostic import SpecError
+from canwright.project.loader import all_loaded, described
 from canwright.targets import c
 from canwright.targets.c.names import defined
 

@@ -8,9 +8,9 @@ import struct
 from fractions import Fraction
 
 import pytest
-from canwright.golden import Refusal
-from canwright.load import described
-from canwright.model import Direction, Edition, Encoding, Type
+from canwright.language.golden_frames import Refusal
+from canwright.model.edition import Direction, Edition, Encoding, Type
+from canwright.project.loader import described
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Refused
 from ..conformance.adapters.c import CAdapter, adapter

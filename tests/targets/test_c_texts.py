@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from canwright.load import described
+from canwright.project.loader import described
 from canwright.targets import c
 
 from ..compilers import WARNINGS, compilers

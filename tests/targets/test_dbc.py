@@ -11,8 +11,8 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from canwright.golden import Frame, GoldenFrames
-from canwright.load import described
+from canwright.language.golden_frames import Frame, GoldenFrames
+from canwright.project.loader import described
 from canwright.targets import Described, dbc
 
 from ..spec_texts import MINIMAL, SMALL, called

@@ -16,9 +16,8 @@ import canmatrix.formats
 import cantools
 import pytest
 from cantools.database import Database
-from canwright.golden import Refusal
-from canwright.load import described
-from canwright.model import (
+from canwright.language.golden_frames import Refusal
+from canwright.model.edition import (
     Assignment,
     Direction,
     Edition,
@@ -32,13 +31,14 @@ from canwright.model import (
     Space,
     Variant,
 )
+from canwright.project.loader import described
 from canwright.targets import Described, dbc
 from hypothesis import given, settings, strategies as st
 
 from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
 from ..conformance.adapters.dbc import DbcAdapter
 from ..spec_texts import SMALL, called, edition
-from ..test_tables import TABLE
+from ..resolve.test_tables import TABLE
 from .test_dbc import CASES, SPECS, files
 
 

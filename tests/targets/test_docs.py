@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import markdown as python_markdown
 import pytest
-from canwright.load import described
+from canwright.project.loader import described
 from canwright.targets import docs
 from canwright.targets.docs.text import markdown
 

@@ -13,11 +13,11 @@ import pytest
 import yaml
 from canwright.compare import CHANGES, compare
 from canwright.compare.change import Fact, Said
-from canwright.load import described, spec_files
-from canwright.resources import CHANGE_EXAMPLES
-from canwright.schema import EditionSpec
+from canwright.language.edition import EditionSpec
+from canwright.project.loader import described, spec_files
 from canwright.targets import Described, docs
 from canwright.targets.docs.text import markdown
+from canwright.templating.resources import CHANGE_EXAMPLES
 
 from ..spec_texts import ROOT, SPECS, called
 from ..strangers.everything import filled

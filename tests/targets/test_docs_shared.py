@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from canwright.load import described
+from canwright.project.loader import described
 from canwright.targets import docs
 from canwright.targets.docs.picture import ROW
 

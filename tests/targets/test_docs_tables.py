@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from canwright.load import described
+from canwright.project.loader import described
 from canwright.targets import docs
 
 from ..spec_texts import MINIMAL

@@ -8,10 +8,10 @@ from fractions import Fraction
 from math import floor
 
 import pytest
-from canwright.golden import Refusal
-from canwright.interpret import linear_of
-from canwright.load import described
-from canwright.model import Direction, Edition, Linear, Type
+from canwright.language.golden_frames import Refusal
+from canwright.model.edition import Direction, Edition, Linear, Type
+from canwright.project.loader import described
+from canwright.semantics.decoder import linear_of
 from canwright.targets import Described, c
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused

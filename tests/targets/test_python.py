@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from canwright.load import described
+from canwright.project.loader import described
 from canwright.targets import python as target
 
 from ..conformance.adapters.python import load

@@ -7,7 +7,7 @@ from importlib import import_module
 import click
 
 from .. import __version__
-from ..diagnostics import nearest
+from ..diagnostics.diagnostic import nearest
 
 COMMANDS = {
     **{name: name for name in ("generate", "copy", "diff", "identify", "explain", "show", "site", "schema")},

@@ -10,12 +10,12 @@ from typing import Any, NoReturn
 
 import click
 
-from ..diagnostics import Diagnostic, SpecError, near
-from ..generate import TARGETS
-from ..load import Loaded, all_loaded, spec_files
-from ..printers import PRINTERS
+from ..diagnostics.diagnostic import Diagnostic, SpecError, near
+from ..model.formatting import counted
+from ..project.loader import Loaded, all_loaded, spec_files
+from ..project.pipeline import TARGETS
 from ..targets import Described
-from ..words import counted
+from .printers import PRINTERS
 
 SPEC_FOLDER = Path("spec")
 OUT_FOLDER = Path("generated")

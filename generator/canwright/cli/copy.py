@@ -7,11 +7,11 @@ from pathlib import Path
 
 import click
 
-from ..diagnostics import SpecError
-from ..load import frames_file, load
-from ..revisions import UnknownEditionError, find
-from ..schema import EditionSpec
-from ..source import Document, read
+from ..diagnostics.diagnostic import SpecError
+from ..document.document import Document, read_document
+from ..language.edition import EditionSpec
+from ..project.loader import frames_file, load
+from ..project.references import UnknownEditionError, find
 from .common import SPEC_FOLDER, show_findings, stop
 
 
@@ -67,7 +67,7 @@ def _fits(key: str, value: str) -> None:
 
 def _renamed(file: Path, edition: str, date: str | None) -> str:
     """The text of a file with another edition, and another date where one is given."""
-    document, content = read(file)
+    document, content = read_document(file)
     lines = content.decode("utf-8").split("\n")
     if date is not None and ("date",) in document:
         _put(lines, document, "date", date)

@@ -9,11 +9,11 @@ from pathlib import Path
 import click
 
 from ..compare import Category, Impact
-from ..compare.report import REPORTS, Comparison
-from ..diagnostics import SpecError
-from ..load import Loaded
-from ..revisions import UnknownEditionError, find
+from ..diagnostics.diagnostic import SpecError
+from ..project.loader import Loaded
+from ..project.references import UnknownEditionError, find
 from .common import COULD_NOT_RUN, FINDINGS, SPEC_FOLDER, load, show_findings, spec_option, stop
+from .diff_report import REPORTS, Comparison
 
 FAILS = (*(c.value for c in Category), Impact.SILENT.value, Impact.LOUD.value)
 

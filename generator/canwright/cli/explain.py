@@ -5,9 +5,9 @@ from __future__ import annotations
 import click
 
 from ..compare import CHANGES
-from ..diagnostics import nearest
-from ..resources import CHANGE_EXAMPLES, EXAMPLES
+from ..diagnostics.diagnostic import nearest
 from ..rules import EVERY
+from ..templating.resources import CHANGE_EXAMPLES, EXAMPLES
 from .common import stop
 
 _FILES = (
@@ -35,13 +35,13 @@ def explain(rule: str | None) -> None:
         for id_, (kind, purpose) in kinds.items():
             click.echo(f"{id_:<{width}}  {kind:<7}  {purpose}")
         return
-    from .. import language
+    from ..language import reference
 
-    of_language = list(language.explained(rule))
+    of_language = list(reference.explained(rule))
     if rule in kinds:
         _show_rule(rule, *kinds[rule])
     elif not of_language:
-        hint = nearest(rule, [*kinds, *language.words()]) or "`canwright explain` lists the rules"
+        hint = nearest(rule, [*kinds, *reference.words()]) or "`canwright explain` lists the rules"
         stop(f"there is no rule and no key `{rule}`; {hint}")
     if of_language:
         click.echo(("\n" if rule in kinds else "") + "\n".join(of_language))

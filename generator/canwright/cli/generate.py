@@ -8,11 +8,11 @@ from pathlib import Path
 
 import click
 
-from ..diagnostics import Diagnostic, Position, Severity
-from ..folder import OutputError
-from ..generate import TARGETS, generate as make
-from ..model import Assignment
-from ..output import Content, difference, held, write
+from ..diagnostics.diagnostic import Diagnostic, Position, Severity
+from ..model.edition import Assignment
+from ..output.paths import OutputError
+from ..output.writer import Content, difference, held, write
+from ..project.pipeline import TARGETS, generate as make
 from ..targets import Described
 from .common import (
     FINDINGS,

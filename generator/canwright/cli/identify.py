@@ -10,10 +10,10 @@ from pathlib import Path
 
 import click
 
-from ..identify import Candidate, Evidence, Finding, identify as look
-from ..logs import LogError, frames
-from ..model import Edition
-from ..words import counted, sent
+from ..model.edition import Edition
+from ..model.formatting import counted, sent
+from ..recordings.identify import Candidate, Evidence, Finding, identify as look
+from ..recordings.readers import LogError, frames
 from .common import FINDINGS, FilePath, read, spec_option, stop
 
 SHOWN = 4

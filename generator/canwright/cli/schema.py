@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from ..golden import GoldenFrames
-from ..schema import EditionSpec, schema_text
+from ..language.edition import EditionSpec, schema_text
+from ..language.golden_frames import GoldenFrames
 
 
 @click.command()
@@ -14,8 +14,8 @@ from ..schema import EditionSpec, schema_text
 def schema(frames: bool, page: bool) -> None:
     """Print the JSON Schema of the language, for editors."""
     if page:
-        from .. import language
+        from ..language import reference
 
-        click.echo(language.page(), nl=False)
+        click.echo(reference.page(), nl=False)
         return
     click.echo(schema_text(GoldenFrames if frames else EditionSpec), nl=False)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from .. import given
-from ..model import Assignment
+from ..model.edition import Assignment
+from ..semantics import parameters
 from ..targets import Described
 from .common import stop
 
@@ -19,7 +19,7 @@ def assignment(described: Sequence[Described], settings: Sequence[str]) -> Assig
         numbers = [(edition, p) for edition, p in having if not p.is_choice]
         for edition, parameter in numbers:
             try:
-                given.number(edition, parameter, value)
+                parameters.number(edition, parameter, value)
             except ValueError as error:
                 stop(f"--set {setting}: {error}")
         if not numbers and not any(v.name == value for _, p in having for v in p.values):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..diagnostics import nearest
+from ..diagnostics.diagnostic import nearest
 from .common import read, spec_option, stop
 
 
@@ -21,7 +21,7 @@ def show(command: str, specs: Sequence[Path], edition: str | None, lang: str) ->
 
     Its bytes in both directions, what it does, and what to mind.
     """
-    from ..show import find, show_command
+    from .command_view import find, show_command
 
     described = read(specs)
     if edition is not None:

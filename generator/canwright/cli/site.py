@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..folder import OutputError
+from ..output.paths import OutputError
 from .common import OUT_FOLDER, FilePath, stop
 
 
@@ -28,7 +28,7 @@ def site(docs: Path, out: Path, force: bool) -> None:
     It fetches nothing from elsewhere, and a link that leads nowhere stops it. The folder has to be new, empty, or that
     of an earlier site; files that canwright did not make are never touched.
     """
-    from ..site import SiteError, build
+    from ..project.site import SiteError, build
 
     try:
         build(docs, out, force=force)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ..model import Edition
-from . import around, commands, renames
+from ..model.edition import Edition
+from . import commands, edition_changes, renames
+from .catalogue import CHANGES as CHANGES
 from .change import Category as Category, Change as Change, Impact as Impact, Item as Item, Side as Side
-from .found import Found
-from .table import CHANGES as CHANGES
+from .collector import Found
 
 _CATEGORIES, _IMPACTS = list(Category), list(Impact)
 
@@ -15,7 +15,7 @@ def compare(old: Edition, new: Edition) -> tuple[Change, ...]:
     """Every change from `old` to `new`, in the order of the specs, what surrounds the commands first."""
     found = Found()
     old = renames.compare(found, old, new)
-    around.compare(found, old, new)
+    edition_changes.compare(found, old, new)
     commands.compare(found, old, new)
     return tuple(found)
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
 
-from ..model import Direction, Entry, Path, Text
+from ..diagnostics.diagnostic import DocumentPath
+from ..model.edition import Direction, Entry, Text
 
 
 class Category(str, Enum):
@@ -88,8 +89,8 @@ class Change:
     rule: ChangeRule
     item: Item
     facts: Mapping[str, Fact]
-    old: Path | None
-    new: Path | None
+    old: DocumentPath | None
+    new: DocumentPath | None
     impact: Impact
     sides: tuple[Side, ...]
     used_by: tuple[str, ...]

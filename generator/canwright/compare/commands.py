@@ -5,12 +5,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
 
-from .. import words
-from ..model import Command, Direction, Edition, Effect, Level, Message, Path, ReplyForm
-from . import api, fields, keys, match
+from ..diagnostics.diagnostic import DocumentPath
+from ..model import formatting
+from ..model.edition import Command, Direction, Edition, Effect, Level, Message, ReplyForm
+from . import api, discriminators, fields, match
 from .change import Fact, Impact, Item, Said, Side
+from .collector import Found, Use, listed
 from .fields import Editions
-from .found import Found, Use, listed
 
 
 def compare(found: Found, old: Edition, new: Edition) -> None:
@@ -89,14 +90,14 @@ def _item(command: Command) -> Item:
 
 
 def _code(command: Command) -> str:
-    return f" ({keys.code(command.code)})" if command.code is not None else ""
+    return f" ({discriminators.code(command.code)})" if command.code is not None else ""
 
 
 def _repurposed(found: Found, old: Command, new: Command) -> None:
     use = Use((Side.SENDING, Side.RECEIVING), (old.group,))
     if old.entry and new.entry:
         item = Item.of_entry(old.entry)
-        facts = {"index": keys.index(old), "old": old.entry.name, "new": new.entry.name}
+        facts = {"index": discriminators.index(old), "old": old.entry.name, "new": new.entry.name}
         found.add("entry-repurposed", item, old.entry.path, new.entry.path, Impact.SILENT, use, **facts)
         return
     facts = {"code": _code(old), "old": old.group, "new": new.group}
@@ -108,7 +109,7 @@ def _removed(found: Found, old: Command, new: Edition) -> None:
     use = Use((Side.SENDING,), (old.group,))
     if old.entry and any(c.group == old.group for c in new.commands):
         item = Item.of_entry(old.entry)
-        facts = {"name": old.entry.name, "index": keys.index(old)}
+        facts = {"name": old.entry.name, "index": discriminators.index(old)}
         found.add("entry-removed", item, old.entry.path, ("tables", old.entry.table), Impact.LOUD, use, **facts)
         return
     facts = {"name": old.group, "code": _code(old)}
@@ -118,7 +119,7 @@ def _removed(found: Found, old: Command, new: Edition) -> None:
 def _added(found: Found, new: Command, old: Edition) -> None:
     if new.entry and any(c.group == new.group for c in old.commands):
         item = Item.of_entry(new.entry)
-        facts = {"name": new.entry.name, "index": keys.index(new)}
+        facts = {"name": new.entry.name, "index": discriminators.index(new)}
         use = Use((), (new.group,))
         found.add("entry-added", item, ("tables", new.entry.table), new.entry.path, Impact.SAFE, use, **facts)
         return
@@ -140,7 +141,7 @@ def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
     elif old.group != new.group:
         names = {"old": old.group, "new": new.group, "names": api.command(old.name, new.name)}
         found.renamed("command-renamed", item, *where, use, **names)
-    keys.compare(found, both, old, new)
+    discriminators.compare(found, both, old, new)
     _facts(found, both, old, new)
     _texts(found, both, old, new)
     _reply(found, old, new)
@@ -188,7 +189,9 @@ def _shared(edition: Edition, command: Command) -> _Conditions:
     return only, tuple(e for e in command.effects if all(e in c.effects for c in forms))
 
 
-def _conditions(found: Found, item: Item, places: tuple[Path, Path], told: Sequence[_Conditions], use: Use) -> None:
+def _conditions(
+    found: Found, item: Item, places: tuple[DocumentPath, DocumentPath], told: Sequence[_Conditions], use: Use
+) -> None:
     """Where something is there, and what it does besides."""
     (old_only, before), (new_only, after) = told
 
@@ -196,7 +199,7 @@ def _conditions(found: Found, item: Item, places: tuple[Path, Path], told: Seque
         found.add(rule, item, (*places[0], key), (*places[1], key), impact, use, old=one, new=other)
 
     if old_only != new_only:
-        scopes = [words.condition(only) or Said("all") for only in (old_only, new_only)]
+        scopes = [formatting.condition(only) or Said("all") for only in (old_only, new_only)]
         add("availability-changed", Impact.SILENT, "only", scopes[0], scopes[1])
     names = [{e.name for e in effects} for effects in (before, after)]
     if names[0] != names[1]:
@@ -275,9 +278,17 @@ def _message(found: Found, both: Editions, old: Command, new: Command, one: Mess
     own = [m.keys[0].value if m.keys else None for m in (one, other)]
     if own != [old.code, new.code] and own[0] != own[1]:
         known = other.keys and other.keys[0].value in one.accept
-        add("reply-code-changed", Impact.SAFE if known else Impact.LOUD, "code", keys.code(own[0]), keys.code(own[1]))
+        add(
+            "reply-code-changed",
+            Impact.SAFE if known else Impact.LOUD,
+            "code",
+            discriminators.code(own[0]),
+            discriminators.code(own[1]),
+        )
     if one.accept != other.accept:
-        add("accept-changed", Impact.SAFE, "accept", *(listed(map(keys.code, m.accept)) for m in (one, other)))
+        add(
+            "accept-changed", Impact.SAFE, "accept", *(listed(map(discriminators.code, m.accept)) for m in (one, other))
+        )
     if one.address != other.address and one.id != other.id:
         add("address-of-command-changed", Impact.LOUD, "address", one.address, other.address, direction=direction)
     usual = [edition.bus.dlc for edition in (both.old, both.new)]

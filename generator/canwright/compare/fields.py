@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .. import words
-from ..model import Edition, Encoding, Field, Layout, Path, Type
+from ..diagnostics.diagnostic import DocumentPath
+from ..model import formatting
+from ..model.edition import Edition, Encoding, Field, Layout, Type
 from . import api, match, quantities
 from .change import Fact, Impact, Item, Said, Side
-from .found import Found, Use, listed
+from .collector import Found, Use, listed
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,7 @@ def _array(field: Field) -> str:
 
 def places(fields: Sequence[Field]) -> str:
     """Where fields stand, as `DATA[4..5]`."""
-    return ", ".join(words.place(f.space, tuple(s for e in f.elements for s in e.segments)) for f in fields)
+    return ", ".join(formatting.place(f.space, tuple(s for e in f.elements for s in e.segments)) for f in fields)
 
 
 def _moved(old: Field, new: Field) -> bool:
@@ -171,11 +172,11 @@ def _order(found: Found, both: Editions, pair: quantities.Pair) -> None:
         pair.add(found, "byte-order-changed", Impact.SILENT, "byte_order", **facts)
 
 
-def _at(old: Layout | Field | Type, new: Layout | Field | Type, key: str) -> tuple[Path, Path]:
+def _at(old: Layout | Field | Type, new: Layout | Field | Type, key: str) -> tuple[DocumentPath, DocumentPath]:
     return (*old.path, key), (*new.path, key)
 
 
-def _path(field: Field) -> Path:
+def _path(field: Field) -> DocumentPath:
     return (*field.path, "type") if field.type.path[0] == "types" else (*field.path, "raw")
 
 

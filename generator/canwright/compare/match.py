@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
-from ..model import Command, Edition, Field, Layout, Message, ReplyForm, Type
+from ..model.edition import Command, Edition, Field, Layout, Message, ReplyForm, Type
 
 
 class Named(Protocol):

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeVar
 
-from .. import words
-from ..model import Bound, Dependent, Linear, Member, Path, Range, Type
+from ..diagnostics.diagnostic import DocumentPath
+from ..model import formatting
+from ..model.edition import Bound, Dependent, Linear, Member, Range, Type
 from . import api
 from .change import Impact, Item, Said, Side
-from .found import Found, Use
+from .collector import Found, Use
 from .match import by_name
 
 T = TypeVar("T")
@@ -25,8 +26,8 @@ class Pair:
     new: Type
     item: Item
     name: str
-    old_path: Path
-    new_path: Path
+    old_path: DocumentPath
+    new_path: DocumentPath
     use: Use
 
     def add(self, found: Found, rule: str, impact: Impact, key: str, /, **facts: str) -> None:
@@ -64,7 +65,7 @@ def _scales(found: Found, pair: Pair) -> None:
         pair.add(found, "scale-changed", Impact.SILENT, "scale", **facts)
     for when, one, other in _cases(old, new, lambda a, b: not a or not b or step(a)[1] == step(b)[1]):
         sides = ((one, pair.old), (other, pair.new))
-        told = [(words.offset(linear) if linear else "0") + _unit(type_) for linear, type_ in sides]
+        told = [(formatting.offset(linear) if linear else "0") + _unit(type_) for linear, type_ in sides]
         facts = {"when": when, "old": told[0], "new": told[1]}
         pair.add(found, "offset-changed", Impact.SILENT, "offset", **facts)
     for when, one, other in _cases(old, new, lambda a, b: a != b or not a or not b or a.printed == b.printed):
@@ -73,7 +74,7 @@ def _scales(found: Found, pair: Pair) -> None:
 
 
 def _worth(linear: Linear | None, type_: Type) -> str:
-    return Said("not given") if linear is None else f"{words.step(linear)}{_unit(type_)}"
+    return Said("not given") if linear is None else f"{formatting.step(linear)}{_unit(type_)}"
 
 
 def _unit(type_: Type) -> str:
@@ -93,7 +94,7 @@ def _ranges(found: Found, pair: Pair) -> None:
             Side.RECEIVING in pair.use.sides and not _within(new, old)
         )
         impact = Impact.SILENT if hit else Impact.SAFE
-        told = [Said("not limited") if limits is None else words.span(limits) for limits in (one, other)]
+        told = [Said("not limited") if limits is None else formatting.span(limits) for limits in (one, other)]
         facts = {"when": when, "old": told[0], "new": told[1]}
         pair.add(found, "range-changed", impact, "raw_range", **facts)
 

@@ -7,11 +7,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from .. import words
-from ..model import Bound, Command, Dependent, Edition, Effect, Layout, Linear, Mode, Parameter, Path, Setting
+from ..diagnostics.diagnostic import DocumentPath
+from ..model import formatting
+from ..model.edition import Bound, Command, Dependent, Edition, Effect, Layout, Linear, Mode, Parameter, Setting
 from . import api
 from .change import Item
-from .found import BOTH_SIDES, Found
+from .collector import BOTH_SIDES, Found
 from .match import Matched, Named, by_name
 
 T = TypeVar("T", bound=Named)
@@ -90,7 +91,7 @@ def _renamed(
     found: Found,
     names: _Names,
     kind: type[object],
-    path: Path,
+    path: DocumentPath,
     matched: Matched[T],
     told: Callable[[str, str], str] | None,
 ) -> None:
@@ -123,8 +124,8 @@ def _own(names: _Names, part: Any) -> dict[str, Any]:
     if isinstance(part, (Parameter, Setting, Effect, Mode)):
         name = names.new(type(part), part.name)
         own: dict[str, Any] = {"name": name}
-        if name != part.name and set(part.title.values()) == {words.spoken(part.name)}:
-            own["title"] = dict.fromkeys(part.title, words.spoken(name))
+        if name != part.name and set(part.title.values()) == {formatting.spoken(part.name)}:
+            own["title"] = dict.fromkeys(part.title, formatting.spoken(name))
         if isinstance(part, Parameter):
             own["values"] = tuple(dataclasses.replace(v, name=names.value(part.name, v.name)) for v in part.values)
         if isinstance(part, Setting):

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 
-from ..diagnostics import Severity
-from ..doubts import Depth, Doubts
-from ..processes import for_each
+from ..diagnostics.diagnostic import Severity
+from ..resolve.doubts import Depth, Doubts
 from . import (
     ambiguous_message,
     beyond_frame,
@@ -35,7 +34,7 @@ from . import (
     unused,
     zero_scale,
 )
-from .reading import READING
+from .reading_catalogue import READING
 from .rule import Finding as Finding, Phase as Phase, Rule as Rule, Subject as Subject
 
 WARNING = Severity.WARNING
@@ -147,9 +146,8 @@ def check(subject: Subject, doubts: Doubts, *phases: Phase) -> Iterator[tuple[Ru
     certain = {depth: subject._replace(edition=doubts.certain(subject.edition, depth)) for depth in Depth}
     rules = sorted((rule for rule in RULES if rule.phase in phases), key=lambda rule: phases.index(rule.phase))
 
-    def found(rule: Rule) -> Sequence[Finding]:
-        return list(rule.check(certain[rule.depth] if rule.whole else subject)) if rule.check else ()
+    def found(rule: Rule) -> Iterable[Finding]:
+        return rule.check(certain[rule.depth] if rule.whole else subject) if rule.check else ()
 
-    longest_first = rules[::-1]  # that of golden frames takes a third of it all
-    for rule, findings in zip(rules, for_each(found, longest_first)[::-1], strict=True):
-        yield from ((rule, finding) for finding in findings)
+    for rule in rules:
+        yield from ((rule, finding) for finding in found(rule))

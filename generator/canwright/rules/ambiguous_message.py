@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..model import Direction, Edition, Message, Space
-from ..schema import EditionSpec
-from . import alike, ids
+from ..language.edition import EditionSpec
+from ..model.edition import Direction, Edition, Message, Space
+from . import bit_patterns, can_ids
 from .duplicate_code import sends_the_same
 from .rule import Finding, Found, Subject
 
@@ -44,7 +44,7 @@ def check(subject: Subject) -> Found:
 def _alike(edition: Edition, direction: Direction) -> Iterator[tuple[Message, Message]]:
     """Every two messages that nothing tells apart, though they should be."""
     messages = edition.messages(direction)
-    for i, j in alike.pairs([_known(message) for message in messages]):
+    for i, j in bit_patterns.pairs([_known(message) for message in messages]):
         message, other = messages[i], messages[j]
         if message.layout is other.layout or not _same_frame(message, other):
             continue
@@ -74,18 +74,18 @@ SHOWN = 3
 """Up to so many messages are named."""
 
 
-def _known(message: Message) -> alike.Known:
+def _known(message: Message) -> bit_patterns.Known:
     """What is known of a frame of a message: its id, and behind that the bits that keys fix."""
-    mask, value = ids.known(ids.of_message(message), ids.free_bits(message))
+    mask, value = can_ids.known(can_ids.of_message(message), can_ids.free_bits(message))
     for (space, bit), held in _fixed(message).items():
         at = bit + (_ID_KEYS if space is Space.ID else _DATA)
         mask |= 1 << at
         value |= held << at
-    return alike.Known(mask, value)
+    return bit_patterns.Known(mask, value)
 
 
 def _same_frame(one: Message, other: Message) -> bool:
-    if not ids.messages_meet(one, other):
+    if not can_ids.messages_meet(one, other):
         return False
     first, second = _fixed(one), _fixed(other)
     if (one.id, first) == (other.id, second) and one.dlc != other.dlc and not one.remote:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from ..model import Field, Message, Order, Path, Segment, Space
+from ..diagnostics.diagnostic import DocumentPath
+from ..model.edition import Field, Message, Order, Segment, Space
 from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
-    seen: set[Path | str | tuple[str, tuple[Segment, ...]]] = set()
+    seen: set[DocumentPath | str | tuple[str, tuple[Segment, ...]]] = set()
     for message in subject.edition.all_messages():
         limit = {Space.DATA: 0 if message.remote else message.dlc * 8, Space.ID: 29 if message.id.extended else 11}
         for field in message.layout.fields:
@@ -53,7 +54,7 @@ def _short_id(message: Message, name: str, bits: int) -> Finding:
 
 def _beyond(message: Message, field: Field, limit: int) -> Finding:
     bits = [bit for e in field.elements for bit in e.bits]
-    at: Path = (*field.path, "at")
+    at: DocumentPath = (*field.path, "at")
     if field.space is Space.ID:
         text = f"`{field.name}` has bits {min(bits)} to {max(bits)} of the id, and the id has {limit}"
         longer = "" if message.id.extended else "; `extended: true` of the address has 29 bits"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from .. import words
-from ..model import Edition, Encoding, Range, Type
+from ..model import formatting
+from ..model.edition import Edition, Encoding, Range, Type
 from .rule import Finding, Found, Subject
 
 
@@ -29,12 +29,10 @@ def _ranges(subject: Subject) -> Found:
                 text = "no raw integer has a value in this range"
                 yield Finding((*type_.path, key), text, "check the range, and `scale` and `offset`")
             elif part is not None:
-                text = f"{words.exact(part)} is no raw integer"
+                text = f"{formatting.exact(part)} is no raw integer"
                 yield Finding((*type_.path, key), text, "write whole numbers, or `range` for values in the unit")
             elif any(end < low or end > high for end in ends) or _is_never_within(limits, low):
-                text = (
-                    f"the raw range {words.span(limits)} is not within {low}..{high}, all that {type_.width} bits hold"
-                )
+                text = f"the raw range {formatting.span(limits)} is not within {low}..{high}, all that {type_.width} bits hold"
                 hint = "check the range, and sign and width in `raw`"
                 yield Finding((*type_.path, key), text, hint if limits.is_constant else f"{hint}, `scale` and `offset`")
 
@@ -57,7 +55,7 @@ def _plausible(edition: Edition) -> Found:
         there = [raw * line.scale + line.offset for line in lines for raw in ends]
         if max(there) < wanted.low.constant or min(there) > wanted.high.constant:
             holds = f"{type_.width} bits hold" if ends == type_.raw_limits else "the range of this type is"
-            text = f"{holds} {words.exact(min(there))}..{words.exact(max(there))}, nothing of this range"
+            text = f"{holds} {formatting.exact(min(there))}..{formatting.exact(max(there))}, nothing of this range"
             yield Finding((*type_.path, "plausible"), text, "check the range, and `scale` and `offset`")
 
 
@@ -74,7 +72,7 @@ def _constants(edition: Edition) -> Found:
             text = f"no name of `{field.type.name}` has the value {field.constant}"
             yield Finding((*field.path, key), text, f"{there}; or write `raw` in place of `type`")
         elif field.constant is not None and not field.type.enum and (limits := _forbidding(field.type, field.constant)):
-            text = f"{field.constant} is not within {words.span(limits)}, the raw range of `{field.type.name}`"
+            text = f"{field.constant} is not within {formatting.span(limits)}, the raw range of `{field.type.name}`"
             yield Finding((*field.path, key), text, f"check {what}, or write `raw` in place of `type`")
 
 

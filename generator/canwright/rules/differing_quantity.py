@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from .. import words
-from ..model import Type
+from ..model import formatting
+from ..model.edition import Type
 from .rule import Finding, Found, Subject
 
 
@@ -20,4 +20,4 @@ def check(subject: Subject) -> Found:
 
 
 def _step(type_: Type) -> str:
-    return ", ".join(f"{step} ({names})" if names else step for names, step in words.scale(type_))
+    return ", ".join(f"{step} ({names})" if names else step for names, step in formatting.scale(type_))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from ..model import Command, Direction, Edition, Path
+from ..diagnostics.diagnostic import DocumentPath
+from ..model.edition import Command, Direction, Edition
 from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
     seen: set[tuple[str, str]] = set()
-    entries: set[Path] = set()
+    entries: set[DocumentPath] = set()
     earlier: dict[object, list[Command]] = {}
     for command in subject.edition.commands:
         same = earlier.setdefault(_sent(command), [])

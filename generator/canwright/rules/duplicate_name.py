@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model import Path
+from ..diagnostics.diagnostic import DocumentPath
 from .rule import Finding, Found, Subject
 
 
@@ -12,14 +12,14 @@ def check(subject: Subject) -> Found:
     layouts = [(layout.name, layout.path) for layout in edition.layouts]
     errata = [(erratum.id, ("errata", i, "id")) for i, erratum in enumerate(edition.errata)]
     for what, named in (("command", commands), ("layout", layouts), ("erratum", errata)):
-        first: dict[str, Path] = {}
+        first: dict[str, DocumentPath] = {}
         for name, path in named:
             if name in first:
                 text = f"there is another {what} `{name}`, {'.'.join(map(str, first[name]))}"
                 yield Finding(path, text, "rename one of them", key=what != "erratum")
             first.setdefault(name, path)
     for message in edition.all_messages():
-        seen: dict[str, Path] = {}
+        seen: dict[str, DocumentPath] = {}
         for field in message.layout.fields:
             if field.name in seen:
                 text = f"the request or reply has another field `{field.name}`, of its layout"

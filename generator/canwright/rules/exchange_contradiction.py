@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..golden import CheckedFrame, Exchange, Refusal
-from ..interpret import CanFrame
-from ..model import Path
-from ..receiving import Receiver, Refused
-from .entries import Problem, judged, named
+from ..diagnostics.diagnostic import DocumentPath
+from ..language.golden_frames import CheckedFrame, Exchange, Refusal
+from ..semantics.decoder import CanFrame
+from ..semantics.receiver import Receiver, Refused
+from .golden_entries import Problem, judged, named
 from .rule import Found, Subject
 
 
@@ -25,7 +25,7 @@ def _exchange(receiver: Receiver, entry: Exchange) -> Iterator[Problem]:
     says = found.says if isinstance(found, Refused) else None
     if says is entry.says:
         return
-    at: Path = ("says",) if entry.says else ("reply",)
+    at: DocumentPath = ("says",) if entry.says else ("reply",)
     if isinstance(found, Refused):
         no = "this is no answer" if found.says is Refusal.NOT_ANSWER else "the request cannot be read"
         hint = f"says: {found.says.value}" + ("" if entry.says else ", if that is right; otherwise check the spec")

@@ -6,15 +6,15 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
-from .. import words
-from ..diagnostics import nearest
-from ..golden import Frame
-from ..interpret import CanFrame, Raw, Value, difference, held, node_of, raw_of, raws, value_of, wrong_constants
-from ..model import Assignment, Direction, Edition, Field, Message, Order, Space
-from ..receiving import Read, Receiver, Refused
-from ..sending import Sender, Senders
-from . import ids
-from .entries import KEY, Problem, judged, named
+from ..diagnostics.diagnostic import nearest
+from ..language.golden_frames import Frame
+from ..model import formatting
+from ..model.edition import Assignment, Direction, Edition, Field, Message, Order, Space
+from ..semantics.decoder import CanFrame, Raw, Value, difference, held, node_of, raw_of, raws, value_of, wrong_constants
+from ..semantics.encoder import Sender, Senders
+from ..semantics.receiver import Read, Receiver, Refused
+from . import can_ids
+from .golden_entries import KEY, Problem, judged, named
 from .rule import Found, Subject
 
 
@@ -97,7 +97,7 @@ def _sent(
     hint = "decode_only: true is for what is read and never sent so"
     for key in message.keys[:1]:
         if held(key, can) != key.value:
-            place = words.place(key.space, key.segments)
+            place = formatting.place(key.space, key.segments)
             yield ("data",), f"a sender writes 0x{key.value:02X} in {place}", hint
     for field in fields.values():
         there = not field.checked and (field.space is Space.ID or not can.remote)
@@ -146,7 +146,7 @@ def _id_of(message: Message, frame: Frame) -> str:
     node = frame.node
     if nodes is None or node is None or node not in nodes or any(f.space is Space.ID for f in message.layout.fields):
         return hint
-    return f"that of node {node} is 0x{ids.of_message(message)[nodes.index(node)]:X}; {hint}"
+    return f"that of node {node} is 0x{can_ids.of_message(message)[nodes.index(node)]:X}; {hint}"
 
 
 def _raws(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[Problem]:
@@ -216,7 +216,7 @@ def _where(field: Field) -> str:
     one = field.elements[0].segments
     if field.space is not Space.DATA or field.type.order is not Order.BIG or len(one) > 1 or one[0].width == 8:
         return ""
-    return f": it stands in {words.place(field.space, one)}, because `at` is the highest bit of what is big-endian"
+    return f": it stands in {formatting.place(field.space, one)}, because `at` is the highest bit of what is big-endian"
 
 
 def _same(wanted: object, value: object) -> bool:
@@ -228,4 +228,4 @@ def _same(wanted: object, value: object) -> bool:
 def _shown(value: Value | list[Value]) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(_shown, value))}]"
-    return words.exact(value) if isinstance(value, Fraction) else "none" if value is None else str(value)
+    return formatting.exact(value) if isinstance(value, Fraction) else "none" if value is None else str(value)

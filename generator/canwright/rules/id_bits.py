@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import reduce
 
-from ..model import IdRule, Message, Path, Segment, Space
-from . import ids
+from ..diagnostics.diagnostic import DocumentPath
+from ..model.edition import IdRule, Message, Segment, Space
+from . import can_ids
 from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
-    seen: set[Path] = set()
+    seen: set[DocumentPath] = set()
     for message in subject.edition.all_messages():
         taken = _bits(message.id)
         for name, path, segments in _in_id(subject, message):
@@ -23,7 +24,7 @@ def check(subject: Subject) -> Found:
                 yield Finding(path, text, hint, about=("addresses", message.address))
 
 
-def _in_id(subject: Subject, message: Message) -> Iterator[tuple[str, Path, tuple[Segment, ...]]]:
+def _in_id(subject: Subject, message: Message) -> Iterator[tuple[str, DocumentPath, tuple[Segment, ...]]]:
     address = subject.spec.addresses[message.address]
     for key in message.keys:
         if key.space is Space.ID:
@@ -36,8 +37,8 @@ def _in_id(subject: Subject, message: Message) -> Iterator[tuple[str, Path, tupl
 
 def _bits(rule: IdRule) -> int:
     """The bits that are set in some id of a rule."""
-    found = ids.of_rule(rule)
-    if len(found) > ids.ENUMERATED:
+    found = can_ids.of_rule(rule)
+    if len(found) > can_ids.ENUMERATED:
         below = (rule.node_step & -rule.node_step) - 1
         counted = ((1 << (found[-1] - rule.base).bit_length()) - 1) & ~below
         carried = counted << 1 if rule.base & counted else 0

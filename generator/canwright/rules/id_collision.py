@@ -4,21 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from ..interpret import by_rule, node, open_bits
-from ..model import Address, Direction, Edition, Message, Path, Space
-from ..schema import EditionSpec
-from . import alike, ids
+from ..diagnostics.diagnostic import DocumentPath
+from ..language.edition import EditionSpec
+from ..model.edition import Address, Direction, Edition, Message, Space
+from ..semantics.decoder import by_rule, node, open_bits
+from . import bit_patterns, can_ids
 from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
     edition = subject.edition
-    seen: set[tuple[Path, str]] = set()
+    seen: set[tuple[DocumentPath, str]] = set()
     for direction in Direction:
         for (address, other), shared in sorted(_shared(subject, direction).items()):
             one, two = edition.addresses[address], edition.addresses[other]
             own = subject.spec.addresses[one.name].id is None
-            path: Path = (*one.path, direction.value if own else "id")
+            path: DocumentPath = (*one.path, direction.value if own else "id")
             if one.rule(direction) != two.rule(direction) and (path, two.name) not in seen:
                 seen.add((path, two.name))
                 text = f"the {direction.value} id 0x{shared:X} belongs to `{two.name}` as well"
@@ -30,18 +31,18 @@ def check(subject: Subject) -> Found:
 def _mistaken(edition: Edition, direction: Direction) -> Found:
     """Messages whose ids are those of another address first, though no message there has their code."""
     told: set[tuple[str, str]] = set()
-    earlier: list[tuple[int, alike.Known, Message]] = []
+    earlier: list[tuple[int, bit_patterns.Known, Message]] = []
     """Of each rule before, where it has bits of the id that are open: these, what is known of the rest, a message."""
     for group in by_rule(edition.messages(direction)):
         for message in group if earlier else ():
-            free = ids.free_bits(message)
-            own = ids.known(ids.of_message(message), free)
+            free = can_ids.free_bits(message)
+            own = can_ids.known(can_ids.of_message(message), free)
             for mask, known, other in earlier:
                 if (message.id.extended, message.remote) != (other.id.extended, other.remote):
                     continue
                 if (known.value ^ own.value) & known.mask & own.mask or (message.address, other.address) in told:
                     continue
-                shared = ids.meet(ids.of_message(message), ids.of_rule(other.id), mask | free)
+                shared = can_ids.meet(can_ids.of_message(message), can_ids.of_rule(other.id), mask | free)
                 if shared is not None:
                     told.add((message.address, other.address))
                     taken = f"the ids of this {direction.value} are taken for those of the address `{other.address}`"
@@ -51,7 +52,7 @@ def _mistaken(edition: Edition, direction: Direction) -> Found:
                     hint = f"{whose}check `id`, `nodes` and `selector` of both addresses, or give it another code"
                     yield Finding(message.path, text, hint)
         if mask := open_bits(group):
-            earlier.append((mask, ids.known(ids.of_rule(group[0].id), mask), group[0]))
+            earlier.append((mask, can_ids.known(can_ids.of_rule(group[0].id), mask), group[0]))
 
 
 def _shared(subject: Subject, direction: Direction) -> dict[tuple[int, int], int]:
@@ -65,10 +66,10 @@ def _shared(subject: Subject, direction: Direction) -> dict[tuple[int, int], int
         for its in _ids(edition, direction, one, used)
     ]
     found: dict[tuple[int, int], int] = {}
-    for i, j in alike.pairs([ids.known(its) for _, its in owned]):
+    for i, j in bit_patterns.pairs([can_ids.known(its) for _, its in owned]):
         (address, first), (other, second) = owned[i], owned[j]
         same_format = edition.addresses[address].request.extended == edition.addresses[other].request.extended
-        shared = ids.meet(first, second) if address != other and same_format else None
+        shared = can_ids.meet(first, second) if address != other and same_format else None
         if shared is not None:
             found.setdefault((address, other), shared)
     return found
@@ -90,5 +91,5 @@ def _ids(edition: Edition, direction: Direction, address: Address, used: Collect
     of_address = [m for m in edition.of_rule(direction, rule) if m.address == address.name]
     if not of_address and address.name in used:
         return []
-    selected = [ids.of_message(m) for m in of_address if any(k.space is Space.ID for k in m.keys)]
-    return list(dict.fromkeys(selected)) or [ids.of_rule(rule)]
+    selected = [can_ids.of_message(m) for m in of_address if any(k.space is Space.ID for k in m.keys)]
+    return list(dict.fromkeys(selected)) or [can_ids.of_rule(rule)]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from .. import rewritten, words
-from ..model import Member, Path, Range, Type
+from ..diagnostics.diagnostic import DocumentPath
+from ..language import aliases
+from ..model import formatting
+from ..model.edition import Member, Range, Type
 from .rule import Finding, Found, Subject
 
 
@@ -19,21 +21,21 @@ def check(subject: Subject) -> Found:
         for member, value in (written.enum or {}).items():
             number = value if isinstance(value, int) else value.value
             if not limits.low.constant <= number <= limits.high.constant:
-                text = f"{number} is not within {words.span(limits)}, the raw range"
+                text = f"{number} is not within {formatting.span(limits)}, the raw range"
                 yield Finding(("types", name, "enum", member), text, "check the value, and `raw_range`")
 
 
 def _members(type_: Type, key: str, members: tuple[Member, ...], low: int, high: int) -> Found:
     first: dict[int, str] = {}
     for member in members:
-        path: Path = (*type_.path, key, member.name)
+        path: DocumentPath = (*type_.path, key, member.name)
         if member.value in first:
             text = f"`{member.name}` and `{first[member.value]}` are both {member.value}"
             yield Finding(path, text, "give each its own")
         elif not low <= member.value <= high:
             what = "bit " if key == "flags" else ""
             text = f"{what}{member.value} is not within {low}..{high}, all that {type_.width} bits hold"
-            mask = rewritten.mask(member.value)
+            mask = aliases.mask(member.value)
             bits = f"bits count from 0{f'; {mask}' if mask else ''}" if key == "flags" else ""
             yield Finding(path, text, bits or "check the value, and sign and width in `raw`")
         first.setdefault(member.value, member.name)

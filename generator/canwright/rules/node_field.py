@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model import Encoding, Field
+from ..model.edition import Encoding, Field
 from .rule import Finding, Found, Subject
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from ..layouts import bits_of
-from ..model import Direction, Key, Message, Order, Path, Space, Variant
-from ..schema import EditionSpec
+from ..diagnostics.diagnostic import DocumentPath
+from ..language.edition import EditionSpec
+from ..model.edition import Direction, Key, Message, Order, Space, Variant
+from ..model.layout import bits_of
 from .rule import Finding, Found, Subject
 
 HIGHEST = "; `at` is the highest bit of what is big-endian"
@@ -49,10 +50,10 @@ def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Found:
             others.update(dict.fromkeys(element.bits, f"`{field.name}`"))
 
 
-def _place_of(spec: EditionSpec, message: Message, key: Key) -> Path:
+def _place_of(spec: EditionSpec, message: Message, key: Key) -> DocumentPath:
     """Where it is said which bits a key of a table is in."""
     table = spec.commands[str(message.path[1])].table or ""
-    path: Path = ("tables", table, "index")
+    path: DocumentPath = ("tables", table, "index")
     number = int(key.name.removeprefix("index").removeprefix("_") or 1) - 1
     return (*path, number, "at") if isinstance(spec.tables[table].index, list) else (*path, "at")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .. import words
+from ..model import formatting
 from .rule import Finding, Found, Subject
 
 
@@ -10,10 +10,10 @@ def check(subject: Subject) -> Found:
     for parameter in subject.edition.parameters:
         low, high = parameter.minimum, parameter.maximum
         if low is not None and high is not None and low > high:
-            text = f"no number is at least {words.exact(low)} and at most {words.exact(high)}"
+            text = f"no number is at least {formatting.exact(low)} and at most {formatting.exact(high)}"
             yield Finding(("parameters", parameter.name, "number", "min"), text, "check `min` and `max`")
         if high is not None and high <= 0 and subject.edition.is_factor(parameter):
-            text = f"a scale is a multiple of `{parameter.name}`, and no number above 0 is at most {words.exact(high)}"
+            text = f"a scale is a multiple of `{parameter.name}`, and no number above 0 is at most {formatting.exact(high)}"
             yield Finding(("parameters", parameter.name, "number", "max"), text, "check `max`")
         names = [value.name for value in parameter.values]
         for i, name in enumerate(names):

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 
-from .. import words
-from ..diagnostics import nearest
-from ..golden import Refusal, RefusedFrame, RefusedValues, Value
-from ..interpret import CanFrame
-from ..model import Direction, Edition, Field, Message, Path
-from ..receiving import Receiver, Refused
-from ..sending import SPECIAL, Sender, Senders
-from .entries import KEY, Problem, judged, named, told
+from ..diagnostics.diagnostic import DocumentPath, nearest
+from ..language.golden_frames import Refusal, RefusedFrame, RefusedValues, Value
+from ..model import formatting
+from ..model.edition import Direction, Edition, Field, Message
+from ..semantics.decoder import CanFrame
+from ..semantics.encoder import SPECIAL, Sender, Senders
+from ..semantics.receiver import Receiver, Refused
+from .golden_entries import KEY, Problem, judged, named, told
 from .rule import Found, Subject
 
 
@@ -95,7 +95,7 @@ def _amiss(sender: Sender, message: Message, entry: RefusedValues) -> Iterator[P
     given = entry.values or entry.raw
     lacking = [name for name in fields if name not in given]
     if lacking and not unknown and sender.refuses(message, entry.node) is None:
-        at: Path = ("values" if entry.values else "raw",) if given else ()
+        at: DocumentPath = ("values" if entry.values else "raw",) if given else ()
         yield at, f"`{lacking[0]}` is missing in {named(message, None)}", "write every field of it"
 
 
@@ -141,7 +141,7 @@ def _accepted(message: Message, entry: RefusedValues) -> str:
 def _shown(value: Value | Fraction) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(_shown, value))}]"
-    return words.exact(value) if isinstance(value, Fraction) else value
+    return formatting.exact(value) if isinstance(value, Fraction) else value
 
 
 def _beyond(sender: Sender, message: Message, entry: RefusedValues) -> str:

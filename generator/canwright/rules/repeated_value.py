@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..model import Path
-from ..schema import EditionSpec, MessageSpec
+from ..diagnostics.diagnostic import DocumentPath
+from ..language.edition import EditionSpec, MessageSpec
 from .rule import Finding, Found, Subject
 
 
@@ -17,7 +17,7 @@ def check(subject: Subject) -> Found:
     for name, command in subject.spec.commands.items():
         for i, setting in enumerate(command.not_limited_by):
             if setting in command.limited_by:
-                at: Path = ("commands", name, "not_limited_by", i)
+                at: DocumentPath = ("commands", name, "not_limited_by", i)
                 yield Finding(at, f"`{setting}` is in `limited_by` as well", "take it out of one of them")
     for message in subject.edition.all_messages():
         for i, code in enumerate(message.accept):
@@ -26,14 +26,14 @@ def check(subject: Subject) -> Found:
                 yield Finding((*message.path, "accept", i), text, "take it out; `accept` is for further ones")
 
 
-def _lists(spec: EditionSpec) -> Iterator[tuple[Path, Sequence[object]]]:
+def _lists(spec: EditionSpec) -> Iterator[tuple[DocumentPath, Sequence[object]]]:
     yield ("languages",), spec.languages
     for name, mode in spec.bus.modes.items():
         yield ("bus", "modes", name, "bit_rates_kbps"), mode.bit_rates_kbps
     for name, setting in spec.settings.items():
         yield from ((("settings", name, "only", p), v) for p, v in (setting.only or {}).items())
     for name, command in spec.commands.items():
-        path: Path = ("commands", name)
+        path: DocumentPath = ("commands", name)
         yield (*path, "effects"), command.effects
         yield (*path, "limited_by"), command.limited_by
         yield (*path, "not_limited_by"), command.not_limited_by
@@ -43,7 +43,7 @@ def _lists(spec: EditionSpec) -> Iterator[tuple[Path, Sequence[object]]]:
                 yield (*path, key, "accept"), message.accept or ()
     for name, table in spec.tables.items():
         for entry_name, entry in table.entries.items():
-            at: Path = ("tables", name, "entries", entry_name)
+            at: DocumentPath = ("tables", name, "entries", entry_name)
             yield (*at, "commands"), entry.commands or ()
             yield (*at, "effects"), entry.effects
             yield from (((*at, "only", p), v) for p, v in (entry.only or {}).items())

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..model import Path
-from ..schema import MessageSpec
+from ..diagnostics.diagnostic import DocumentPath
+from ..language.edition import MessageSpec
 from .rule import Finding, Found, Subject
 
 LAYOUTS = {"none": "no frame", "echo": "the request that comes back", "entry": "the layout of a table's entry"}
@@ -22,6 +22,6 @@ def check(subject: Subject) -> Found:
         yield from _if_reserved(path, name, FIELDS)
 
 
-def _if_reserved(path: Path, name: str, words: dict[str, str]) -> Found:
+def _if_reserved(path: DocumentPath, name: str, words: dict[str, str]) -> Found:
     if name in words:
         yield Finding(path, f"`{name}` means {words[name]} here", "choose another name", key=True)

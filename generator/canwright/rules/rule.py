@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterator
 from enum import IntEnum
 from typing import NamedTuple
 
-from ..diagnostics import Severity
-from ..doubts import Depth
-from ..golden import GoldenFrames
-from ..model import Edition, Path
-from ..schema import EditionSpec
+from ..diagnostics.diagnostic import DocumentPath, Severity
+from ..language.edition import EditionSpec
+from ..language.golden_frames import GoldenFrames
+from ..model.edition import Edition
+from ..resolve.doubts import Depth
 
 
 class Subject(NamedTuple):
@@ -32,13 +32,13 @@ class Finding(NamedTuple):
     what is in doubt by it, where that is more than what stands at its place.
     """
 
-    path: Path
+    path: DocumentPath
     message: str
     hint: str = ""
     key: bool = False
     in_frames: bool = False
     unless_wrong: bool = False
-    about: Path | None = None
+    about: DocumentPath | None = None
 
 
 Found = Iterator[Finding]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ..model import Edition, Message
-from ..schema import EditionSpec
+from ..language.edition import EditionSpec
+from ..model.edition import Edition, Message
 from .rule import Finding, Found, Subject
 
 MOST_COMMANDS = 5000

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ..model import Edition, Message
-from ..schema import EditionSpec, MessageSpec
+from ..language.edition import EditionSpec, MessageSpec
+from ..model.edition import Edition, Message
 from .rule import Finding, Found, Subject
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol
 
-from ..golden import GoldenFrames
-from ..model import Assignment, Edition
+from ..language.golden_frames import GoldenFrames
+from ..model.edition import Assignment, Edition
 
 
 class Described(NamedTuple):

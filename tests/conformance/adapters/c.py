@@ -9,8 +9,8 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
 
-from canwright.golden import Refusal
-from canwright.model import Command, Direction, Edition, Encoding, Field, Message
+from canwright.language.golden_frames import Refusal
+from canwright.model.edition import Command, Direction, Edition, Encoding, Field, Message
 from canwright.targets import Described, c as target
 
 from ...compilers import build

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-from canwright.model import Direction, Edition, Encoding, Field, Layout, Message, Type
+from canwright.model.edition import Direction, Edition, Encoding, Field, Layout, Message, Type
 from canwright.targets.c.names import layouts, member
 
 from .c_signatures import Function, functions

@@ -13,9 +13,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
-from canwright.golden import Refusal
-from canwright.interpret import CanFrame as ModelFrame, has_id, is_message, node, raw_of, wrong_constants
-from canwright.model import Assignment, Direction, Message, Space
+from canwright.language.golden_frames import Refusal
+from canwright.model.edition import Assignment, Direction, Message, Space
+from canwright.semantics.decoder import CanFrame as ModelFrame, has_id, is_message, node, raw_of, wrong_constants
 from canwright.targets import Described, dbc
 from canwright.targets.dbc.frames import Traffic, obstacle
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cantools.database.can import Message, Signal
-from canwright.golden import Refusal
-from canwright.model import Encoding, Field
+from canwright.language.golden_frames import Refusal
+from canwright.model.edition import Encoding, Field
 
 from ..adapter import Cannot, ExactValue, Refused, Value
 

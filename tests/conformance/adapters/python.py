@@ -11,8 +11,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from canwright.golden import Refusal
-from canwright.model import Direction, Edition, Space
+from canwright.language.golden_frames import Refusal
+from canwright.model.edition import Direction, Edition, Space
 from canwright.targets import Described, python as target
 from canwright.targets.python.text import attribute, class_name
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from ...golden import Refusal
-from ...model import Assignment
-from ...render import environment
+from ...language.golden_frames import Refusal
+from ...model.edition import Assignment
+from ...templating.environment import environment
 from .. import Described, Output
 from .bits import operand
 from .examples import example

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from ...model import Encoding, Field, Key, Segment, Space
+from ...model.edition import Encoding, Field, Key, Segment, Space
 from .numbers import Integer, integer, smallest, working
 
 

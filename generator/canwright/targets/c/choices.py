@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
-from ...model import Dependent, Edition, Parameter
+from ...model.edition import Dependent, Edition, Parameter
 from .names import Names, member
 from .text import english
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from ...interpret import by_rule
-from ...model import Command, Direction, Edition, Message, ReplyForm
+from ...model.edition import Command, Direction, Edition, Message, ReplyForm
+from ...semantics.decoder import by_rule
 from . import bits
 from .forms import address_mask
 from .messages import Forms, RuleView, frame_id

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...golden import Frame
-from ...model import Command, Direction, Encoding, Field, Message, ReplyForm, Type
+from ...language.golden_frames import Frame
+from ...model.edition import Command, Direction, Encoding, Field, Message, ReplyForm, Type
 from .. import Described
 from .names import Names, member
 from .numbers import integer

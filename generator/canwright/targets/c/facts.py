@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ... import words
-from ...model import IDENTITY, Dependent, Edition, Encoding, Field, Linear, Path, Space, Type
+from ...diagnostics.diagnostic import DocumentPath
+from ...model import formatting
+from ...model.edition import IDENTITY, Dependent, Edition, Encoding, Field, Linear, Space, Type
 from .text import english
 
 
@@ -29,7 +30,7 @@ def field_facts(field: Field, parameter: str | None, of_type: Sequence[str]) -> 
     return " ".join(parts)
 
 
-def errata(edition: Edition, path: Path) -> list[str]:
+def errata(edition: Edition, path: DocumentPath) -> list[str]:
     """The errata about what stands at `path`, one paragraph each."""
     return [
         f"Erratum ({e.manual}): {english(e.printed)} Used here: {english(e.used)} {english(e.why)}"
@@ -64,7 +65,7 @@ def _range(type_: Type, among: Sequence[str]) -> str:
     what = "Range" if type_.encoding is Encoding.FLOAT else "Raw"
     known = [(_among(names, among), limits) for names, limits in type_.raw_range.distinct()]
     given = [
-        words.span(limits) + _case(type_.raw_range.parameter, names)
+        formatting.span(limits) + _case(type_.raw_range.parameter, names)
         for names, limits in known
         if limits and names is not None
     ]
@@ -72,8 +73,8 @@ def _range(type_: Type, among: Sequence[str]) -> str:
 
 
 def _worth(linear: Linear, unit: str) -> str:
-    offset = f", counted from {words.offset(linear)}" if linear.offset else ""
-    return f"{words.step(linear)} {unit}".rstrip() + offset + (f" {unit}" if linear.offset and unit else "")
+    offset = f", counted from {formatting.offset(linear)}" if linear.offset else ""
+    return f"{formatting.step(linear)} {unit}".rstrip() + offset + (f" {unit}" if linear.offset and unit else "")
 
 
 def _case(parameter: str | None, names: Sequence[str]) -> str:
@@ -88,7 +89,7 @@ def _among(names: Sequence[str], among: Sequence[str]) -> Sequence[str] | None:
 
 
 def _places(field: Field) -> str:
-    places = [words.place(field.space, e.segments) for e in field.elements]
+    places = [formatting.place(field.space, e.segments) for e in field.elements]
     if len(places) == 1 or field.space is Space.ID:
         return places[0]
     return f"{places[0]} to {places[-1]}"

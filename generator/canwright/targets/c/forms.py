@@ -8,7 +8,7 @@ from functools import reduce
 from operator import or_
 from typing import NamedTuple
 
-from ...model import Direction, Edition, Message, Segment, Space
+from ...model.edition import Direction, Edition, Message, Segment, Space
 
 
 class Form(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from ...model import Edition, Encoding, Field, Layout, Variant
+from ...model.edition import Edition, Encoding, Field, Layout, Variant
 from . import bits
 from .choices import Branch, Choice
 from .facts import errata, field_facts

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
-from ...model import Linear
+from ...model.edition import Linear
 from .names import member
 from .numbers import INT64, Integer
 

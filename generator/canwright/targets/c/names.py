@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...model import Edition, Layout, Parameter, Path, Type
+from ...diagnostics.diagnostic import DocumentPath
+from ...model.edition import Edition, Layout, Parameter, Type
 from .forms import form_of, named_forms
 
-Problem = tuple[Path, str, str]
+Problem = tuple[DocumentPath, str, str]
 """Where, what is wrong, and what to do about it."""
 
 C_WORDS = (
@@ -83,7 +84,7 @@ def problems(edition: Edition) -> Iterator[Problem]:
                 yield field.path, text, "rename one of them"
 
 
-def defined(edition: Edition) -> Iterator[tuple[str, str, Path]]:
+def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
     """Every name with file scope, what it belongs to, and where that stands."""
     names = Names(edition)
     for name in EDITION_NAMES:
@@ -119,7 +120,7 @@ def _layout(layout: Layout) -> str:
     return f"the shared layout `{layout.name}`" if layout.shared else f"`{'.'.join(map(str, layout.path))}`"
 
 
-def _parameter(names: Names, parameter: Parameter) -> Iterator[tuple[str, str, Path]]:
+def _parameter(names: Names, parameter: Parameter) -> Iterator[tuple[str, str, DocumentPath]]:
     what, path = f"the parameter `{parameter.name}`", ("parameters", parameter.name)
     if parameter.is_choice:
         yield names.lower(parameter.name, "t"), what, path

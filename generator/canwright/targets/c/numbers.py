@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from typing import NamedTuple
 
-from ...model import Encoding, Type
+from ...model.edition import Encoding, Type
 
 
 class Integer(NamedTuple):

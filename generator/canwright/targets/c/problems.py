@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ...model import Edition
+from ...model.edition import Edition
 from . import conversions, names, validity
 from .names import Problem
 

@@ -7,8 +7,8 @@ import textwrap
 from collections.abc import Sequence
 from typing import Protocol
 
-from ...characters import visible
-from ...model import Text
+from ...diagnostics.unicode_safety import visible
+from ...model.edition import Text
 
 WIDTH = 118
 

@@ -7,7 +7,8 @@ import struct
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-from ...model import Bound, Dependent, Edition, Encoding, Linear, Member, Path, Range, Type
+from ...diagnostics.diagnostic import DocumentPath
+from ...model.edition import Bound, Dependent, Edition, Encoding, Linear, Member, Range, Type
 from .choices import Choice, choose
 from .names import Names, Problem, member
 from .numbers import INT64, UINT64, Integer, integer
@@ -60,7 +61,7 @@ def has_constant_limits(type_: Type) -> bool:
 def problems(edition: Edition) -> Iterator[Problem]:
     """Ranges that cannot be checked with 64-bit integers."""
     for type_ in edition.types:
-        path: Path = (*type_.path, "raw_range")
+        path: DocumentPath = (*type_.path, "raw_range")
         two = {type_.linear.parameter, type_.raw_range.parameter} - {None}
         if type_.encoding is Encoding.FLOAT and (_depends_on_number(type_) or len(two) > 1):
             yield (

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ... import words
-from ...model import Command, Direction, Edition, Level, ReplyForm
+from ...model import formatting
+from ...model.edition import Command, Direction, Edition, Level, ReplyForm
 from .. import header
 from .choices import ParameterView, parameters
 from .dispatch import AnswerView, Entry, answers, entries
@@ -208,7 +208,7 @@ def _command_doc(edition: Edition, command: Command) -> list[str]:
     if not command.implemented:
         paragraphs.append("The manual says that this is not implemented yet.")
     if command.only:
-        paragraphs.append(f"Only {words.condition(command.only)}.")
+        paragraphs.append(f"Only {formatting.condition(command.only)}.")
     for level in (Level.DANGER, Level.WARNING, Level.NOTE):
         titles = [english(e.title) for e in command.effects if e.level is level]
         if titles:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ...model import Assignment
-from ...render import environment
+from ...model.edition import Assignment
+from ...templating.environment import environment
 from .. import Described, Output
 from .files import files, traffics
 from .guide import Made, guide

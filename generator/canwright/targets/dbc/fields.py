@@ -7,8 +7,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ... import words
-from ...model import IDENTITY, Assignment, Direction, Element, Encoding, Field, Level, Linear, Order, Space, Type
+from ...model import formatting
+from ...model.edition import (
+    IDENTITY,
+    Assignment,
+    Direction,
+    Element,
+    Encoding,
+    Field,
+    Level,
+    Linear,
+    Order,
+    Space,
+    Type,
+)
 from .frames import Part
 from .selectors import runs, selector_bits
 from .text import in_ascii, number
@@ -195,8 +207,8 @@ class Fields:
         if line is None or line.at(self._numbers) is not None:
             return ""
         unit = f" {type_.unit.dbc}" if type_.unit else ""
-        offset = f", counted from {words.offset(line)}{unit}" if line.offset else ""
-        return _sentence(f"Raw: one step is {words.step(line)}{unit}{offset}")
+        offset = f", counted from {formatting.offset(line)}{unit}" if line.offset else ""
+        return _sentence(f"Raw: one step is {formatting.step(line)}{unit}{offset}")
 
 
 def _signal(

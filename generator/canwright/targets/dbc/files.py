@@ -6,8 +6,8 @@ import itertools
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from ... import notation
-from ...model import Assignment, Direction, Edition, IdRule
+from ...language import notation
+from ...model.edition import Assignment, Direction, Edition, IdRule
 from .. import header
 from .frames import Frame, Part, Scope, Traffic, partners
 from .selectors import joined_span

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...model import Address, Assignment, Command, Direction, Edition, Field, IdRule, Key, Message, Space
+from ...model.edition import Address, Assignment, Command, Direction, Edition, Field, IdRule, Key, Message, Space
 
 MOST_NODES = 256
 """A DBC names every id, so the files list the first nodes of an address that has more."""

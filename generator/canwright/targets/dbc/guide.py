@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ... import given
-from ...golden import Frame as GoldenFrame
-from ...model import Direction, Edition, Parameter
+from ...language.golden_frames import Frame as GoldenFrame
+from ...model.edition import Direction, Edition, Parameter
+from ...semantics import parameters
 from .. import Described, header
 from .fields import LETTER
 from .files import KIND, Traffics
@@ -100,7 +100,7 @@ def _usual(described: Described, parameter: Parameter) -> str:
     """A value of a number parameter: that of the first golden frame that has one."""
     golden = described.frames.frames if described.frames else ()
     texts = (str(f.parameters[parameter.name]) for f in golden if parameter.name in f.parameters)
-    found = (given.number(described.edition, parameter, text) for text in texts)
+    found = (parameters.number(described.edition, parameter, text) for text in texts)
     return number(next(found, parameter.maximum or Fraction(1)))
 
 

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...model import Edition, Element, Field, Message, Path, Space
+from ...diagnostics.diagnostic import DocumentPath
+from ...model.edition import Edition, Element, Field, Message, Space
 from .fields import LETTER
 from .frames import Part
 from .text import NAME_LENGTH
 
-Problem = tuple[Path, str, str]
+Problem = tuple[DocumentPath, str, str]
 """Where, what is wrong, and what to do about it."""
 
 
 def long_names(edition: Edition) -> Iterator[Problem]:
     """Every field whose signal would have a longer name, each once."""
-    seen: set[Path] = set()
+    seen: set[DocumentPath] = set()
     for message in edition.all_messages():
         for field in message.layout.fields:
             name = max((n for e in field.elements for n in _signals(edition, message, field, e)), key=len)

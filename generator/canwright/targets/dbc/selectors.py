@@ -9,8 +9,8 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable, Iterator
 
-from ...layouts import bits_of
-from ...model import Key, Space
+from ...model.edition import Key, Space
+from ...model.layout import bits_of
 from .frames import Part
 
 

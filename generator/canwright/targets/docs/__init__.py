@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 import jinja2
 import yaml
 
-from ... import resources, words
-from ...model import Assignment, Edition
-from ...render import environment
+from ...model import formatting
+from ...model.edition import Assignment, Edition
+from ...templating import resources
+from ...templating.environment import environment
 from .. import Described, Output, header
 from . import editions
 from .common import Common
@@ -36,7 +37,13 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     """A folder for each language, in it one for each edition."""
     env = environment(
         "docs",
-        {"md": markdown, "code": code, "exact": words.exact, "raw_format": words.raw_format, "id_rule": words.id_rule},
+        {
+            "md": markdown,
+            "code": code,
+            "exact": formatting.exact,
+            "raw_format": formatting.raw_format,
+            "id_rule": formatting.id_rule,
+        },
     )
     families = {d.edition.family for d in described}
     folders = {

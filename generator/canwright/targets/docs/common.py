@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from ... import words
 from ...compare import Change, compare
-from ...golden import GoldenFrames
-from ...model import Command, Direction, Edition, Field, Layout, Message, Mode, Path, Variant
+from ...diagnostics.diagnostic import DocumentPath
+from ...language.golden_frames import GoldenFrames
+from ...model import formatting
+from ...model.edition import Command, Direction, Edition, Field, Layout, Message, Mode, Variant
 from .examples import Worked, worked
 from .picture import Drawing, Drawings
 from .tables import Cells, field_cells, index, key_cells
@@ -62,7 +63,7 @@ class Common:
                 self.touched.setdefault(erratum.id, []).append(name)
         self._drawings = Drawings()
         self._modes: Mapping[str | None, Mode] = {mode.name: mode for mode in edition.bus.modes}
-        self._of_entry: dict[Path, list[Command]] = {}
+        self._of_entry: dict[DocumentPath, list[Command]] = {}
         for command in edition.commands:
             if command.entry:
                 self._of_entry.setdefault(command.entry.path, []).append(command)
@@ -88,7 +89,7 @@ class Common:
                 "table": self.edition.table(entry.table) if entry else None,
                 "index": code(index(command.request or command.reply)),
                 "also": [other for other in self._of_entry[entry.path] if other is not command] if entry else [],
-                "only": code(words.condition(command.only)),
+                "only": code(formatting.condition(command.only)),
                 "mode": self._modes.get(command.mode),
                 "previous": previous,
                 "following": following,
@@ -110,7 +111,7 @@ class Common:
             message,
             tuple(map(key_cells, message.keys)),
             self._fields[id(layout)],
-            code(words.id_rule(message.id)),
+            code(formatting.id_rule(message.id)),
             code(f"{nodes[0]}..{nodes[-1]}") if nodes is not None else "",
             not message.keys and self._has_selector_beside(message),
             not message.remote and any(picture.drawing.has_free_bits for picture in drawn),

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Literal, NamedTuple
 
-from ... import words
 from ...compare import Category, Change, Impact
-from ...model import Command, Direction, Edition
+from ...model import formatting
+from ...model.edition import Command, Direction, Edition
 from .tables import code_of, index as index_of
 from .text import code, markdown
 
@@ -80,7 +80,9 @@ def front(editions: Sequence[tuple[str, Edition]]) -> Iterator[FrontLine]:
         yield FrontLine(
             folder,
             edition,
-            ", ".join(dict.fromkeys(code(words.id_rule(message.id)) for message in edition.messages(Direction.REPLY))),
+            ", ".join(
+                dict.fromkeys(code(formatting.id_rule(message.id)) for message in edition.messages(Direction.REPLY))
+            ),
             (", ".join(code(f"0x{c:02X}") for c in sorted(codes - others)) or "—") if family else "",
             previous(edition, [other for _, other in editions]) is not None,
         )
@@ -152,7 +154,7 @@ def _commands(
 
 def _cell(folder: str, command: Command, labels: Mapping[str, str]) -> str:
     text = f"[{code_of(command)}]({folder}/commands/{command.name}.md)"
-    only = words.condition(command.only)
+    only = formatting.condition(command.only)
     text += f" {code(only)}" if only else ""
     return text if command.implemented else f"{text} {labels['unimplemented']}"
 

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-from ... import words
-from ...golden import Frame, GoldenFrames, Value
-from ...model import Message
-from ...written import Text
+from ...language.golden_frames import Frame, GoldenFrames, Value
+from ...language.scalar_types import Text
+from ...model import formatting
+from ...model.edition import Message
 from .text import code, markdown
 
 MOST = 4
@@ -46,7 +46,7 @@ def worked(golden: GoldenFrames, message: Message, command: str) -> Iterator[Wor
     units = {f.name: f" {f.type.unit.symbol}" for f in message.layout.fields if f.type.unit}
     for frame in sorted(usual, key=lambda f: -len(f.values))[:MOST]:
         yield Worked(
-            f"`{words.sent(frame)}`",
+            f"`{formatting.sent(frame)}`",
             ", ".join(code(f"{name} = {value}") for name, value in frame.parameters.items()),
             "<br>".join(_meanings(frame, units)) or "%(none)s",
             frame.source,
@@ -90,7 +90,7 @@ def _raw(raw: int | list[int], value: Value) -> str:
 def _value(value: Value, unit: str) -> str:
     if isinstance(value, list):
         return ", ".join(_value(v, "") for v in value) + unit
-    return words.exact(value) + unit if isinstance(value, Fraction) else value
+    return formatting.exact(value) + unit if isinstance(value, Fraction) else value
 
 
 def _list(raw: int | list[int]) -> str:

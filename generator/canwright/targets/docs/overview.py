@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ... import words
-from ...model import Command, Edition, Effect, Table
+from ...model import formatting
+from ...model.edition import Command, Edition, Effect, Table
 from . import tables
 from .tables import Labels
 from .text import code, markdown
@@ -56,7 +56,7 @@ def _line(forms: Sequence[Command], labels: Labels, language: str) -> Line:
         "<br>".join(dict.fromkeys(code(tables.code_of(form)) for form in forms if form.code is not None)),
         what,
         replies.pop() if len(replies) == 1 else labels["of_entry"],
-        code(words.condition(first.only)) if all(form.only == first.only for form in forms) else "",
+        code(formatting.condition(first.only)) if all(form.only == first.only for form in forms) else "",
         _effects(_common(forms)),
     )
 
@@ -89,7 +89,7 @@ def _entries(table: Table, groups: Mapping[str, Sequence[Command]], labels: Labe
                 code(name),
                 markdown(first.entry.title[language]) if first.entry else "",
                 *(_link(of_entry[n]) if n in of_entry else "" for n in using),
-                code(words.condition(first.only)),
+                code(formatting.condition(first.only)),
                 _effects(list(more.values())),
             )
         )

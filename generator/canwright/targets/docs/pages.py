@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from ... import words
-from ...model import Command, Direction, Erratum
+from ...model import formatting
+from ...model.edition import Command, Direction, Erratum
 from . import tables
 from .common import Common, Drawn, Side
 from .examples import Example, sources
@@ -112,7 +112,7 @@ class Pages:
 
     def condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
         """Under which parameter values something is there."""
-        return code(words.condition(only))
+        return code(formatting.condition(only))
 
     def erratum_links(self, erratum: Erratum) -> Sequence[str]:
         """The commands that an erratum touches."""

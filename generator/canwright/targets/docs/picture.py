@@ -6,8 +6,8 @@ import functools
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from ... import words
-from ...model import IdRule, Message, Segment, Space, Variant
+from ...model import formatting
+from ...model.edition import IdRule, Message, Segment, Space, Variant
 from .text import xml
 
 CELL, ROW, LEFT, TOP = 44, 34, 96, 26
@@ -101,7 +101,7 @@ def _keys(message: Message, id_rows: int) -> Iterator[_Run]:
 
 
 def _fields(variant: Variant, id_rows: int) -> Iterator[_Run]:
-    places = [(f.space, name, segments) for f in variant.fields for name, segments in words.elements(f)]
+    places = [(f.space, name, segments) for f in variant.fields for name, segments in formatting.elements(f)]
     for i, (space, name, segments) in enumerate(places):
         yield from _places(space, segments, name, "ab"[i % 2], id_rows)
 

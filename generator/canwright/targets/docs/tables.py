@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple, Protocol
 
-from ... import words
-from ...model import (
+from ...model import formatting
+from ...model.edition import (
     Assignment,
     Command,
     Encoding,
@@ -75,7 +75,7 @@ class Cells(NamedTuple):
 def key_cells(key: Key) -> Cells:
     """A key as it stands in the frame."""
     order = " big-endian" if key.order is Order.BIG and len(key.segments) > 1 else ""
-    return Cells(code(words.place(key.space, key.segments)), "", "", code(f"u{key.width}{order}"))
+    return Cells(code(formatting.place(key.space, key.segments)), "", "", code(f"u{key.width}{order}"))
 
 
 def field_cells(field: Field) -> list[Cells]:
@@ -83,8 +83,13 @@ def field_cells(field: Field) -> list[Cells]:
     type_ = field.type
     link = f"[{markdown(type_.name)}](../types.md#types.{type_.name})" if type_.path[0] == "types" else ""
     return [
-        Cells(code(words.place(field.space, segments)), code(name), link, code(words.raw_format(type_, segments)))
-        for name, segments in words.elements(field)
+        Cells(
+            code(formatting.place(field.space, segments)),
+            code(name),
+            link,
+            code(formatting.raw_format(type_, segments)),
+        )
+        for name, segments in formatting.elements(field)
     ]
 
 
@@ -162,7 +167,7 @@ def scale(type_: Type, labels: Labels, among: tuple[str, ...] = ()) -> str:
     """What one raw step is worth, exact."""
     if not type_.is_number:
         return ""
-    found = words.scale(type_, among)
+    found = formatting.scale(type_, among)
     return "<br>".join(
         (f"{names}: " if names else "") + (labels["not_given"] if text == "not given" else code(text))
         for names, text in found
@@ -171,7 +176,7 @@ def scale(type_: Type, labels: Labels, among: tuple[str, ...] = ()) -> str:
 
 def raw_range(type_: Type) -> str:
     """The raw range, exact; a float has none, for its range is that of its value."""
-    return "" if type_.encoding is Encoding.FLOAT else cases(words.ranges(type_))
+    return "" if type_.encoding is Encoding.FLOAT else cases(formatting.ranges(type_))
 
 
 @functools.lru_cache(maxsize=1 << 12)
@@ -179,7 +184,7 @@ def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
     """The range in the unit, where scale and range allow to say it."""
     unit = f" {type_.unit.symbol}" if type_.unit else ""
     if type_.encoding is Encoding.FLOAT:
-        return cases([(names, limits + unit) for names, limits in words.ranges(type_)])
+        return cases([(names, limits + unit) for names, limits in formatting.ranges(type_)])
     linear, limits = type_.linear, type_.raw_range
     by = linear.parameter or limits.parameter
     pairs: list[tuple[str, Assignment]] = [("", {})]
@@ -190,7 +195,7 @@ def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
     for name, assignment in pairs:
         span, scale_ = limits.at(assignment), linear.at(assignment)
         if span is not None and scale_ is not None and type_.is_number:
-            found.append((name, words.span(words.in_unit(span, scale_)) + unit))
+            found.append((name, formatting.span(formatting.in_unit(span, scale_)) + unit))
     return cases(found)
 
 
@@ -209,7 +214,7 @@ def facts(message: Message, id_: str, nodes: str, labels: Labels) -> Iterator[tu
     yield labels["id"], id_
     whole = _id_with_code(message)
     if whole:
-        yield labels["id_with_code"], code(words.id_rule(whole))
+        yield labels["id_with_code"], code(formatting.id_rule(whole))
     if nodes:
         yield labels["nodes"], nodes
     kind = labels["extended" if message.id.extended else "standard"]

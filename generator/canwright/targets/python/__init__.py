@@ -6,10 +6,10 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from ... import words
-from ...golden import Refusal
-from ...model import Assignment, Direction, Edition, Parameter
-from ...render import environment
+from ...language.golden_frames import Refusal
+from ...model import formatting
+from ...model.edition import Assignment, Direction, Edition, Parameter
+from ...templating.environment import environment
 from .. import Described, Output, header
 from . import codec_names, messages, routes, text, types
 from .examples import example
@@ -118,7 +118,7 @@ def _parameter(parameter: Parameter) -> ParameterView:
         values = f" One of {', '.join(v.name for v in parameter.values)}."
         check = f"check_choice({given}, {', '.join(types.parameter_key(parameter, v.name) for v in parameter.values)})"
     else:
-        allowed = words.allowed(parameter)
+        allowed = formatting.allowed(parameter)
         values = f" {allowed[:1].upper()}{allowed[1:]}." if allowed else ""
         ends = [types.exact(end) if end is not None else "None" for end in (parameter.minimum, parameter.maximum)]
         check = f"check_number({given}, {', '.join(ends)})"

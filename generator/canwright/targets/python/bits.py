@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...model import Element, Encoding, Field, Key, Order, Segment, Space
+from ...model.edition import Element, Encoding, Field, Key, Order, Segment, Space
 
 _STRUCT = {8: "b", 16: "h", 32: "i", 64: "q"}
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...golden import Frame, Value
-from ...model import Command, Direction, Edition, Field, Message
+from ...language.golden_frames import Frame, Value
+from ...model.edition import Command, Direction, Edition, Field, Message
 from .. import Described
 from . import messages, text, types
 

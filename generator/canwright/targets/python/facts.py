@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...model import Command, Parameter
+from ...model.edition import Command, Parameter
 from . import text, types
 
 

@@ -6,7 +6,19 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ...model import Command, Direction, Edition, Field, Layout, Message, Order, Parameter, ReplyForm, Space, Variant
+from ...model.edition import (
+    Command,
+    Direction,
+    Edition,
+    Field,
+    Layout,
+    Message,
+    Order,
+    Parameter,
+    ReplyForm,
+    Space,
+    Variant,
+)
 from . import bits, facts, text, types
 from .types import TypeView
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...model import Edition, Layout, Path
+from ...diagnostics.diagnostic import DocumentPath
+from ...model.edition import Edition, Layout
 from . import codec_names, text
 
-Problem = tuple[Path, str, str]
+Problem = tuple[DocumentPath, str, str]
 """Where, what is wrong, and what to do about it."""
 
 _MODULE = {
@@ -29,13 +30,13 @@ def problems(edition: Edition) -> Iterator[Problem]:
         ]
         yield from _clashes(iter(members), "")
     for parameter in edition.parameters:
-        at: Path = ("parameters", parameter.name, "values")
+        at: DocumentPath = ("parameters", parameter.name, "values")
         values = [(text.member_name(v.name), f"`{v.name}`", (*at, v.name)) for v in parameter.values]
         if not parameter.is_numeric:
             yield from _clashes(iter(values), "")
 
 
-def _clashes(names: Iterator[tuple[str, str, Path]], taken: str) -> Iterator[Problem]:
+def _clashes(names: Iterator[tuple[str, str, DocumentPath]], taken: str) -> Iterator[Problem]:
     """Names that stand for two things, or for one and what is `taken` by every module."""
     owners = dict.fromkeys(_MODULE, taken) if taken else {}
     for name, what, path in names:
@@ -44,7 +45,7 @@ def _clashes(names: Iterator[tuple[str, str, Path]], taken: str) -> Iterator[Pro
             yield path, f"{what} and {other} would both be `{name}` in Python", "rename one of them"
 
 
-def _module_names(edition: Edition) -> Iterator[tuple[str, str, Path]]:
+def _module_names(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
     for parameter in edition.parameters:
         if parameter.is_choice and not parameter.is_numeric:
             yield text.class_name(parameter.name), f"the parameter `{parameter.name}`", ("parameters", parameter.name)
@@ -60,7 +61,7 @@ def _module_names(edition: Edition) -> Iterator[tuple[str, str, Path]]:
             yield text.class_name(message.layout.name), f"the layout `{message.layout.name}`", message.layout.path
 
 
-def _attributes(layout: Layout) -> Iterator[tuple[str, str, Path]]:
+def _attributes(layout: Layout) -> Iterator[tuple[str, str, DocumentPath]]:
     for field in layout.fields:
         for ending in ("", "_raw"):
             yield text.attribute(field.name) + ending, f"the field `{field.name}`", field.path

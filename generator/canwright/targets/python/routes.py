@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ...interpret import by_rule, open_bits
-from ...model import Direction, Edition, Key, Message, ReplyForm
+from ...model.edition import Direction, Edition, Key, Message, ReplyForm
+from ...semantics.decoder import by_rule, open_bits
 from . import bits, text
 
 

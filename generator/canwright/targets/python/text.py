@@ -7,8 +7,8 @@ import functools
 import keyword
 from collections.abc import Iterable, Sequence
 
-from ...characters import visible
-from ...model import Text
+from ...diagnostics.unicode_safety import visible
+from ...model.edition import Text
 
 _RESERVED = {*keyword.kwlist, *keyword.softkwlist, *dir(builtins), "self", "cls"}
 _MEMBERS = {"node", "parameters", "can_id", "encode", "fields", "from_raw", "raw", "mro", "unpack"}

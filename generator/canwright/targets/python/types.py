@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-from ... import words
-from ...model import IDENTITY, Bound, Dependent, Edition, Encoding, Linear, Parameter, Range, Type
+from ...model import formatting
+from ...model.edition import IDENTITY, Bound, Dependent, Edition, Encoding, Linear, Parameter, Range, Type
 from . import text
 
 
@@ -134,11 +134,11 @@ def _meaning(type_: Type) -> str:
     parts = []
     if type_.unit:
         parts.append(f"In {type_.unit.symbol}")
-    scales = words.scale(type_)
+    scales = formatting.scale(type_)
     is_bare = type_.encoding is Encoding.FLOAT and type_.linear == Dependent.always(IDENTITY)
     if not type_.is_plain and type_.is_number and not is_bare:
         parts.append("one raw step is " + ", ".join(f"{w} ({n})" if n else w for n, w in scales))
-    limits = words.ranges(type_)
+    limits = formatting.ranges(type_)
     if limits:
         kind = "from" if type_.encoding is Encoding.FLOAT else "raw"
         parts.append(f"{kind} " + ", ".join(f"{w} ({n})" if n else w for n, w in limits))

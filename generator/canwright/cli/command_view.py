@@ -1,0 +1,142 @@
+"""One command, as a person would want to read it in a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rich.console import Console, Group, RenderableType
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text as RichText
+
+from ..diagnostics.diagnostic import nearest
+from ..diagnostics.unicode_safety import visible
+from ..model import formatting
+from ..model.edition import Command, Edition, Field, IdRule, Layout, Level, Message, ReplyForm
+from ..targets import Described
+
+_STYLES = {Level.NOTE: "cyan", Level.WARNING: "yellow", Level.DANGER: "bold red"}
+
+
+def find(described: Sequence[Described], wanted: str) -> tuple[list[tuple[Edition, Command]], str]:
+    """The commands of that name or code, in every edition, and a hint when there is none.
+
+    The name of a command that a table gives several forms names all of them.
+    """
+    try:
+        code = int(wanted, 0)
+    except ValueError:
+        code = None
+    pairs = [(d.edition, c) for d in described for c in d.edition.commands]
+    found = [(e, c) for e, c in pairs if wanted in (c.name, c.group) or (code is not None and code == c.code)]
+    return found, nearest(
+        wanted, dict.fromkeys(name for _, c in pairs for name in (c.name, c.group))
+    ) or "`canwright show --help` says how to name one"
+
+
+def show_command(edition: Edition, command: Command, language: str) -> None:
+    """Prints a command: layout first, then what it does and what to mind."""
+    language = language if language in edition.languages else edition.languages[0]
+    Console(highlight=False, markup=False, emoji=False).print(Group(*_parts(edition, command, language)))
+
+
+def _parts(edition: Edition, command: Command, language: str) -> Iterator[RenderableType]:
+    head = RichText(command.name, "bold")
+    if command.code is not None:
+        head.append(f"  0x{command.code:02X}")
+    head.append(f"  {visible(command.title[language])}")
+    yield head
+    manual = f", manual {command.manual}" if command.manual else ""
+    yield RichText(f"{edition.family} {edition.name}{manual}", "dim")
+    if command.about[language]:
+        yield Padding(RichText(command.about[language]), (1, 0, 0, 0))
+    yield from _facts(command, language)
+    for title, message in (("Request", command.request), ("Reply", command.reply)):
+        note = "" if title == "Request" else _reply_form(command)
+        yield Padding(RichText(f"{title}  {_frame(message, note)}", "bold"), (1, 0, 0, 0))
+        if message is not None:
+            yield _table(command, message, language)
+    for erratum in edition.errata_of(command):
+        text = f"erratum {erratum.id}: {erratum.printed[language]} {erratum.used[language]}"
+        yield Padding(RichText(text, "dim"), (1, 0, 0, 0))
+
+
+def _facts(command: Command, language: str) -> Iterator[RichText]:
+    if command.only:
+        yield RichText(f"only {formatting.condition(command.only)}")
+    if not command.implemented:
+        yield RichText("not implemented, says the manual", "yellow")
+    for effect in command.effects:
+        yield RichText(effect.title[language], _STYLES[effect.level])
+    if command.limited_by:
+        yield RichText("limited by " + ", ".join(s.title[language] for s in command.limited_by))
+    if command.not_limited_by:
+        yield RichText("not limited by " + ", ".join(s.title[language] for s in command.not_limited_by))
+    for note in command.notes:
+        yield RichText(note[language])
+
+
+def _reply_form(command: Command) -> str:
+    form = {
+        ReplyForm.ECHO: "the request comes back",
+        ReplyForm.OTHER: f"that of {command.reply_of}",
+        ReplyForm.LAYOUT: f"the shared layout {command.reply.layout.name}" if command.reply else "",
+    }.get(command.reply_form, "")
+    each = f"one from each of {', '.join(map(str, command.from_each))}, in this order" if command.from_each else ""
+    return ", ".join(part for part in (form, each) if part)
+
+
+def _frame(message: Message | None, note: str) -> str:
+    if message is None:
+        return "none"
+    keys = ", ".join(f"{formatting.place(k.space, k.segments)} = 0x{k.value:02X}" for k in message.keys)
+    accept = "".join(f" or 0x{value:02X}" for value in message.accept)
+    parts = (f"id {id_rule(message.id)}", f"{message.dlc} bytes", keys + accept, note)
+    return ", ".join(part for part in parts if part)
+
+
+def id_rule(rule: IdRule) -> str:
+    """`0x100 + node (1..32)`."""
+    if rule.nodes is None:
+        return f"0x{rule.base:X}"
+    return f"{formatting.id_rule(rule)} ({rule.nodes[0]}..{rule.nodes[-1]})"
+
+
+def _table(command: Command, message: Message, language: str) -> RenderableType:
+    if not message.layout.fields:
+        return RichText("  no fields, the other bytes are 0", "dim")
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
+    for column in ("  where", "field", "raw", "one step is", "raw range", "what"):
+        table.add_column(column)
+    for field in message.layout.fields:
+        for name, segments in formatting.elements(field):
+            table.add_row(
+                "  " + formatting.place(field.space, segments),
+                name + (f" ({', '.join(field.only)})" if field.only else ""),
+                formatting.raw_format(field.type),
+                *_meaning(field, _relevant(command, message.layout, field)),
+                visible(field.title[language]),
+            )
+    return table
+
+
+def _relevant(command: Command, layout: Layout, field: Field) -> tuple[str, ...]:
+    """The values of the parameter that scales a field under which command and field are there."""
+    parameter = field.type.linear.parameter
+    if parameter is None:
+        return ()
+    here = field.only if layout.parameter == parameter else ()
+    return here or command.only.get(parameter, ())
+
+
+def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
+    type_ = field.type
+    if field.constant is not None:
+        return "constant" if field.checked else "reserved, sent as", str(field.constant)
+    if type_.enum:
+        return "\n".join(f"{m.value} {m.name}" for m in type_.enum), ""
+    if type_.flags:
+        return "\n".join(f"bit {m.value} {m.name}" for m in type_.flags), ""
+    scale = "\n".join(f"{worth} ({names})" if names else worth for names, worth in formatting.scale(type_, among))
+    limits = "\n".join(f"{limits} ({names})" if names else limits for names, limits in formatting.ranges(type_))
+    return scale, limits

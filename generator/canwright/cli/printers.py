@@ -1,0 +1,116 @@
+"""Findings for people and for machines: text, JSON, GitHub annotations, SARIF."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import click
+
+from .. import __version__
+from ..diagnostics.diagnostic import Diagnostic, Position, Severity
+from ..rules import EVERY
+
+_COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow"}
+
+
+def text(findings: Sequence[Diagnostic]) -> str:
+    """`file:line:col: severity: message [rule]`, the source line, a caret and the hint; in colour on a terminal."""
+    return "\n".join(map(_plain if os.environ.get("NO_COLOR") else _coloured, findings))
+
+
+def _plain(finding: Diagnostic) -> str:
+    return str(finding)
+
+
+def _coloured(finding: Diagnostic) -> str:
+    head, *rest = str(finding).split("\n")
+    at, colour = finding.position, _COLOURS[finding.severity]
+    place, severity = f"{at.file}:{at.line}:{at.column}:", f"{finding.severity.value}:"
+    message = head[len(place) + 1 + len(severity) :]
+    lines = [click.style(place, bold=True) + " " + click.style(severity, fg=colour, bold=True) + message]
+    for i, line in enumerate(rest):
+        caret = bool(at.text) and i == 1
+        lines.append(click.style(line, fg=colour, bold=True) if caret else line)
+    return "\n".join(lines)
+
+
+def as_json(findings: Sequence[Diagnostic]) -> str:
+    """An object with `findings` in order, each with file, line, column, end_column, severity, rule, message and hint."""
+    listed = [
+        {
+            "file": d.position.file,
+            "line": d.position.line,
+            "column": d.position.column,
+            "end_column": d.position.column + max(1, d.position.length),
+            "severity": d.severity.value,
+            "rule": d.rule,
+            "message": d.message,
+            "hint": d.hint,
+        }
+        for d in findings
+    ]
+    return _dump({"findings": listed})
+
+
+def github(findings: Sequence[Diagnostic]) -> str:
+    """Workflow commands that GitHub shows beside the lines of a change."""
+    return "\n".join(map(_annotation, findings))
+
+
+def _annotation(finding: Diagnostic) -> str:
+    message = f"{finding.message}\n{finding.hint}" if finding.hint else finding.message
+    return annotation(finding.severity.value, finding.position, finding.rule, message)
+
+
+def annotation(level: str, at: Position, title: str, message: str) -> str:
+    """One workflow command of GitHub; `level` is error, warning or notice."""
+    places = f"file={_property(at.file)},line={at.line},col={at.column},title={_property(title)}"
+    return f"::{level} {places}::{_escaped(message)}"
+
+
+def _escaped(written: str) -> str:
+    return written.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(written: str) -> str:
+    return _escaped(written).replace(":", "%3A").replace(",", "%2C")
+
+
+def sarif(findings: Sequence[Diagnostic]) -> str:
+    """SARIF 2.1.0, one run."""
+    rules = [{"id": r, "shortDescription": {"text": EVERY[r].purpose}} for r in sorted({d.rule for d in findings})]
+    driver = {"name": "canwright", "version": __version__, "rules": rules}
+    return _dump(
+        {
+            "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+            "version": "2.1.0",
+            "runs": [{"tool": {"driver": driver}, "results": [_result(d) for d in findings]}],
+        }
+    )
+
+
+def _result(finding: Diagnostic) -> dict[str, Any]:
+    at = finding.position
+    region = {"startLine": at.line, "startColumn": at.column, "endColumn": at.column + max(1, at.length)}
+    message = f"{finding.message}; {finding.hint}" if finding.hint else finding.message
+    return {
+        "ruleId": finding.rule,
+        "level": finding.severity.value,
+        "message": {"text": message},
+        "locations": [{"physicalLocation": {"artifactLocation": {"uri": at.file}, "region": region}}],
+    }
+
+
+def _dump(data: object) -> str:
+    return json.dumps(data, indent=2, ensure_ascii=False)
+
+
+PRINTERS: Mapping[str, Callable[[Sequence[Diagnostic]], str]] = {
+    "text": text,
+    "json": as_json,
+    "github": github,
+    "sarif": sarif,
+}

@@ -1,0 +1,41 @@
+"""What a YAML scalar is read as: whatever YAML 1.1 and 1.2 read differently is nothing here."""
+
+from __future__ import annotations
+
+import re
+from decimal import Decimal
+from typing import Any
+
+import yaml
+
+from . import ambiguous
+
+Scalar = str | int | Decimal | bool
+
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+MERGE = "<<"
+"""The key that would merge another mapping into this one."""
+
+_INTEGER = re.compile(r"-?(?:0|[1-9][0-9]{0,30})|0x[0-9A-Fa-f]{1,16}")
+_DECIMAL = re.compile(r"-?(?:0|[1-9][0-9]{0,30})\.[0-9]{1,30}")
+
+
+def plain(text: str) -> Scalar | None:
+    """The value of a plain scalar; None where there is doubt what is meant."""
+    if _INTEGER.fullmatch(text):
+        return int(text, 0)
+    if _DECIMAL.fullmatch(text):
+        return Decimal(text)
+    if text in ("true", "false"):
+        return text == "true"
+    return None if text == "" or ambiguous.ambiguity(text) else text
+
+
+def name_of(event: Any) -> str | None:
+    """The name that a key is; None for what is none."""
+    if not isinstance(event, yaml.ScalarEvent) or event.anchor or event.tag:
+        return None
+    if event.style:
+        return str(event.value)
+    value = None if event.value == MERGE else plain(event.value)
+    return None if value is None or isinstance(value, bool) else str(value)

@@ -1,0 +1,170 @@
+"""The language in words, made from its JSON Schema: every concept, its keys, what they take, an example."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from ..templating.environment import environment
+from . import suggestions
+from .edition import EditionSpec, schema_text
+from .golden_frames import GoldenFrames
+
+JsonSchema = Mapping[str, Any]
+
+NAME_PATTERN = "^[a-z][a-z0-9_]*$"
+IN_ALL = frozenset(("title", "about"))
+"""Keys of nearly every concept, told once."""
+
+
+class Key(NamedTuple):
+    """One key of a concept. `needed` is True where it cannot be left out."""
+
+    name: str
+    about: str
+    takes: str
+    example: str
+    default: str
+    needed: bool
+
+
+class Concept(NamedTuple):
+    """What a mapping of the language describes."""
+
+    name: str
+    about: str
+    keys: tuple[Key, ...]
+
+
+def concepts() -> tuple[Concept, ...]:
+    """Every concept of specs and of golden frames, each after the one that has it."""
+    found: dict[str, Concept] = {}
+    for root in (EditionSpec, GoldenFrames):
+        whole = json.loads(schema_text(root))
+        for name, schema in _reached(root.__name__, whole):
+            if "properties" in schema:
+                keys = tuple(_keys(schema, whole["$defs"]))
+                found.setdefault(_spoken(name), Concept(_spoken(name), schema["description"].split("\n")[0], keys))
+    return tuple(found.values())
+
+
+def explained(word: str) -> Iterator[str]:
+    """What the language says of a key or of a concept, in lines; nothing when it has neither."""
+    every = concepts()
+    for concept in every:
+        if word in (concept.name, concept.name.replace(" ", "_")):
+            yield f"{concept.name}: {concept.about}"
+            yield from (f"  {line}" for key in concept.keys for line in _lines(key.name, key))
+    own = [(concept, key) for concept in every for key in concept.keys if key.name == word]
+    told: set[Key] = set()
+    for _, key in own:
+        if key not in told:
+            told.add(key)
+            names = ", ".join(f"`{other.name}`" for other, same in own if same == key)
+            yield from _lines(f"{word} of {names}", key)
+
+
+def words() -> list[str]:
+    """All that `explained` knows."""
+    return sorted({word for concept in concepts() for word in (concept.name, *(key.name for key in concept.keys))})
+
+
+def page() -> str:
+    """How to write a spec, and every key of the language, in Markdown."""
+    every = concepts()
+    names = {concept.name for concept in every}
+
+    def linked(text: str) -> str:
+        return re.sub(r"`([a-z ]+)`", lambda m: f"[{m[1]}](#{m[1].replace(' ', '-')})" if m[1] in names else m[0], text)
+
+    template = environment("language", {"row": _row, "linked": linked}).get_template("page.md.j2")
+    return template.render(concepts=every, in_all=IN_ALL)
+
+
+def _lines(head: str, key: Key) -> Iterator[str]:
+    yield f"{head}: {key.about}"
+    like = f"; like {key.example}" if key.example else ""
+    left_out = "needed" if key.needed else f"left out: {key.default}" if key.default else "may be left out"
+    yield f"    {key.takes}{like}; {left_out}"
+
+
+def _row(text: str) -> str:
+    """A text as a cell of a Markdown table."""
+    return re.sub(r"([|<>*\\])", r"\\\1", text)
+
+
+def _reached(name: str, whole: JsonSchema) -> Iterator[tuple[str, JsonSchema]]:
+    """The concepts from the root on, in the order in which keys lead to them."""
+    waiting: list[tuple[str, JsonSchema]] = [(name, whole)]
+    seen = {name}
+    while waiting:
+        name, schema = waiting.pop(0)
+        yield name, schema
+        for reference in _references(schema.get("properties", {})):
+            if reference not in seen:
+                seen.add(reference)
+                waiting.append((reference, whole["$defs"][reference]))
+
+
+def _references(schema: Any) -> Iterator[str]:
+    if isinstance(schema, dict):
+        if "$ref" in schema:
+            yield schema["$ref"].rpartition("/")[2]
+        schema = list(schema.values())
+    for part in schema if isinstance(schema, list) else ():
+        yield from _references(part)
+
+
+def _keys(schema: JsonSchema, known: JsonSchema) -> Iterator[Key]:
+    for name, of in schema["properties"].items():
+        examples = next(_examples(of), ())
+        example = next((one for one in examples if isinstance(one, dict)), None)
+        shown = suggestions.flow(example) if isinstance(example, dict) else ", ".join(map(suggestions.flow, examples))
+        default = of.get("default")
+        yield Key(
+            name,
+            of["description"],
+            _takes(of, known),
+            shown,
+            "" if default is None or isinstance(default, dict) or default == [] else suggestions.flow(default).lower(),
+            name in schema.get("required", ()),
+        )
+
+
+def _examples(schema: JsonSchema) -> Iterator[Sequence[Any]]:
+    """The examples of a key, or those of the forms that it can have."""
+    if "examples" in schema:
+        yield schema["examples"]
+    for choice in (*schema.get("oneOf", ()), *schema.get("anyOf", ())):
+        yield from _examples(choice)
+
+
+def _takes(schema: JsonSchema, known: JsonSchema) -> str:
+    """What stands behind a key, in words."""
+    if "$ref" in schema:
+        name = schema["$ref"].rpartition("/")[2]
+        return _takes(known[name], known) if "enum" in known[name] else f"`{_spoken(name)}`"
+    choices: Sequence[JsonSchema] = schema.get("oneOf") or schema.get("anyOf") or ()
+    if choices:
+        return " or ".join(dict.fromkeys(_takes(choice, known) for choice in choices))
+    if "enum" in schema:
+        return " or ".join(f"`{value}`" for value in schema["enum"])
+    if "const" in schema:
+        return f"`{schema['const']}`"
+    if schema.get("type") == "array":
+        return f"list of {_takes(schema['items'], known)}" if schema.get("items") else "list"
+    if schema.get("type") == "object":
+        named = [*schema.get("patternProperties", {}).values(), schema.get("additionalProperties")]
+        inside = next((part for part in named if isinstance(part, dict)), None)
+        of_languages = "enum" in schema.get("propertyNames", {})
+        return "text" if of_languages else f"names, each with {_takes(inside, known)}" if inside else "mapping"
+    if schema.get("type") == "string":
+        return "name" if schema.get("pattern") == NAME_PATTERN else "text"
+    return {"integer": "whole number", "number": "number", "boolean": "`true` or `false`"}[schema["type"]]
+
+
+def _spoken(name: str) -> str:
+    """A concept as people call it: FieldSpec is a field."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name.removesuffix("Spec")).lower()

@@ -1,0 +1,186 @@
+"""Numbers, ranges and conditions in words, as people read them; the same everywhere they are printed."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Protocol
+
+from .edition import Bound, Dependent, Encoding, Field, IdRule, Linear, Order, Parameter, Range, Segment, Space, Type
+
+
+def exact(number: Fraction) -> str:
+    """A decimal where it ends within fifteen digits, a quotient otherwise: `0.01`, `1/3`."""
+    if number.denominator == 1:
+        return str(number.numerator)
+    scaled, rest = divmod(abs(number.numerator) * 10**15, number.denominator)
+    if rest:
+        return f"{number.numerator}/{number.denominator}"
+    digits = f"{scaled:016d}"
+    sign = "-" if number.numerator < 0 else ""
+    return f"{sign}{digits[:-15]}.{digits[-15:]}".rstrip("0")
+
+
+def counted(count: int, noun: str) -> str:
+    """`1 frame`, `2 frames`."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def spoken(name: str) -> str:
+    """A name as a title, where a spec gives none: `read_level` is `Read level`."""
+    return name.replace("_", " ").capitalize()
+
+
+def multiple(number: str, parameter: str | None) -> str:
+    """`2048`; or `2/65535*size`, `-size`, so many times a parameter."""
+    if parameter is None:
+        return number
+    return {"1": parameter, "-1": f"-{parameter}"}.get(number, f"{number}*{parameter}")
+
+
+def bound(end: Bound) -> str:
+    """`2048`, or `100*size-1`."""
+    if end.parameter is None:
+        return exact(end.constant)
+    tail = f"{'+' if end.constant > 0 else ''}{exact(end.constant)}" if end.constant else ""
+    return multiple(exact(end.coefficient), end.parameter) + tail
+
+
+def step(linear: Linear) -> str:
+    """What one raw step is worth, without its unit: `33/2048`, as it was written."""
+    return multiple(linear.printed or exact(linear.scale), linear.times)
+
+
+def offset(linear: Linear) -> str:
+    """What raw 0 is worth, without its unit."""
+    return multiple(exact(linear.offset), linear.times if linear.offset else None)
+
+
+def span(limits: Range) -> str:
+    """`-2048..2048`."""
+    return f"{bound(limits.low)}..{bound(limits.high)}"
+
+
+def in_unit(limits: Range, linear: Linear) -> Range:
+    """A range of raw integers as the range of their values."""
+
+    def value(end: Bound) -> Bound:
+        worth = end.constant * linear.scale + linear.offset
+        if linear.times is not None and worth:
+            return Bound(Fraction(0), worth, linear.times)
+        return Bound(worth, end.coefficient * linear.scale, end.parameter)
+
+    low, high = value(limits.low), value(limits.high)
+    return Range(low, high) if linear.scale > 0 else Range(high, low)
+
+
+def allowed(parameter: Parameter) -> str:
+    """What a number may be: `1..9`, `1 or more`, `9 or less`; empty for any."""
+    low, high = parameter.minimum, parameter.maximum
+    if low is not None and high is not None:
+        return f"{exact(low)}..{exact(high)}"
+    return f"{exact(low)} or more" if low is not None else f"{exact(high)} or less" if high is not None else ""
+
+
+_LETTERS = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}
+
+
+def raw_format(type_: Type, segments: tuple[Segment, ...] = ()) -> str:
+    """`i16`, or `i16 big-endian` when it spans bytes in that order, as more than eight bits do and fewer can."""
+    spans = len(segments) > 1 or type_.width > 8
+    return f"{_LETTERS[type_.encoding]}{type_.width}" + (" big-endian" if type_.order is Order.BIG and spans else "")
+
+
+def place(space: Space, segments: tuple[Segment, ...]) -> str:
+    """Where bits stand: `DATA[4..5]`, `DATA[3] bits 0..3`, `id bits 5..10`."""
+    if space is Space.ID:
+        return "id " + _bits(segments[0].low, segments[0].width)
+    ordered = sorted(segments, key=lambda s: s.byte)
+    if all(s.width == 8 for s in ordered):
+        first, last = ordered[0].byte, ordered[-1].byte
+        return f"DATA[{first}]" if first == last else f"DATA[{first}..{last}]"
+    return ", ".join(f"DATA[{s.byte}]" + ("" if s.width == 8 else " " + _bits(s.low, s.width)) for s in ordered)
+
+
+def _bits(low: int, width: int) -> str:
+    return f"bit {low}" if width == 1 else f"bits {low}..{low + width - 1}"
+
+
+def scale(type_: Type, among: tuple[str, ...] = ()) -> Sequence[tuple[str, str]]:
+    """What one raw step is worth: (under which parameter values, `33/2048 A`); empty conditions hold always.
+
+    `among` leaves out what holds under other values only, where it names values of the deciding parameter.
+    """
+    cases = (type_.linear.constant, *type_.linear.cases.values())
+    return _scale(type_, among, tuple(linear.printed for linear in cases if linear is not None))
+
+
+@functools.lru_cache(maxsize=1 << 12)
+def _scale(type_: Type, among: tuple[str, ...], printed: tuple[str, ...]) -> Sequence[tuple[str, str]]:
+    """The same; types that differ only in how their scales are `printed` are equal, and have other words."""
+    unit = f" {type_.unit.symbol}" if type_.unit else ""
+
+    def worth(linear: Linear | None) -> str:
+        if linear is None:
+            return "not given"
+        size = multiple(exact(abs(linear.offset)), linear.times)
+        added = f" {'+' if linear.offset > 0 else '-'} {size}{unit}" if linear.offset else ""
+        return f"{step(linear)}{unit}{added}"
+
+    kept = [(_among(names, among), linear) for names, linear in type_.linear.distinct()]
+    return [(", ".join(names), worth(linear)) for names, linear in kept if names is not None]
+
+
+def _among(names: Sequence[str], among: Sequence[str]) -> Sequence[str] | None:
+    """The names that are among the given ones; None when there were some and none of them is."""
+    if not names or not among:
+        return names
+    return [name for name in names if name in among] or None
+
+
+@functools.lru_cache(maxsize=1 << 12)
+def ranges(type_: Type) -> Sequence[tuple[str, str]]:
+    """Allowed raw integers: (under which parameter values, `-2048..2048`)."""
+    found: Dependent[Range] = type_.raw_range
+    return [(", ".join(names), span(limits)) for names, limits in found.distinct() if limits is not None]
+
+
+class Sent(Protocol):
+    """A frame as it is on the bus."""
+
+    @property
+    def id(self) -> int: ...
+    @property
+    def extended(self) -> bool: ...
+    @property
+    def remote(self) -> bool: ...
+    @property
+    def data(self) -> bytes: ...
+
+
+def sent(frame: Sent) -> str:
+    """A frame as can-utils write it: `12B#0102`, `0000012B#0102` with a 29-bit id, `12B#R` for a remote one."""
+    digits = 8 if frame.extended else 3
+    return f"{frame.id:0{digits}X}#{'R' if frame.remote else frame.data.hex().upper()}"
+
+
+def condition(only: Mapping[str, tuple[str, ...]]) -> str:
+    """`model A, B`; empty when there is none."""
+    return "; ".join(f"{name} {', '.join(values)}" for name, values in only.items())
+
+
+def elements(field: Field) -> list[tuple[str, tuple[Segment, ...]]]:
+    """The places of a field, each with its name: `level`, or `level[1]`, `level[2]`, … for an array."""
+    return [(field.name if e.index is None else f"{field.name}[{e.index}]", e.segments) for e in field.elements]
+
+
+def id_rule(rule: IdRule) -> str:
+    """`0x100 + node`, `0x1 + (node << 5)`, `node * 10`, or a fixed id."""
+    if rule.nodes is None:
+        return f"0x{rule.base:X}"
+    node, step = "node", rule.node_step
+    if step > 1:
+        shift = f"node << {step.bit_length() - 1}"
+        node = f"node * {step}" if step.bit_count() > 1 else f"({shift})" if rule.base else shift
+    return f"0x{rule.base:X} + {node}" if rule.base else node

@@ -1,0 +1,123 @@
+"""Fields and their bits: the part of the model that knows how a frame is laid out, and not which frame.
+
+Positions are bits. In the data, bit `n` is bit `n % 8` (0 is the least significant) of byte `n // 8`; in the id, bit 0
+is the least significant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from enum import Enum
+from functools import cached_property
+
+from ..diagnostics.diagnostic import DocumentPath
+from .types import Assignment, Text, Type
+
+
+class Space(str, Enum):
+    """Where bits stand: in the data bytes or in the CAN id."""
+
+    DATA = "data"
+    ID = "id"
+
+
+@dataclass(frozen=True)
+class Segment:
+    """Bits of a field that lie in one byte: `raw |= (byte >> low & (1 << width) - 1) << raw_low`.
+
+    In the id space there is one segment, its `byte` is 0 and `low` counts from bit 0 of the id.
+    """
+
+    byte: int
+    low: int
+    width: int
+    raw_low: int
+
+
+def bits_of(segments: Iterable[Segment]) -> tuple[int, ...]:
+    """Frame bits of some segments, from the least significant raw bit up."""
+    return tuple(s.byte * 8 + s.low + i for s in segments for i in range(s.width))
+
+
+@dataclass(frozen=True)
+class Element:
+    """One place on the wire: the only one of a field, or one of an array, then with its index."""
+
+    index: int | None
+    segments: tuple[Segment, ...]
+
+    @cached_property
+    def bits(self) -> tuple[int, ...]:
+        """Frame bits from the least significant raw bit up."""
+        return bits_of(self.segments)
+
+
+@dataclass(frozen=True)
+class Field:
+    """A run of bits with a type; an array has one element for each index.
+
+    `only` names the value of the layout's parameter under which the field is there; empty means always.
+    `constant` is the raw value of a field that always holds it: it is written, checked, and not part of the message.
+    Where it is not `checked`, these are reserved bits that are sent as something else than 0.
+    `holds_node` marks the field that says which node the frame is to or from.
+    """
+
+    name: str
+    type: Type
+    space: Space
+    elements: tuple[Element, ...]
+    is_array: bool
+    only: tuple[str, ...]
+    constant: int | None
+    checked: bool
+    holds_node: bool
+    title: Text
+    about: Text
+    manual: str
+    path: DocumentPath = field(compare=False)
+
+    @property
+    def demanded(self) -> int | None:
+        """What a reader insists on; None where anything may stand."""
+        return self.constant if self.checked else None
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The fields of a layout under some values of its parameter; `values` is empty when it has no parameter."""
+
+    values: tuple[str, ...]
+    fields: tuple[Field, ...]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Fields with their bits. `shared` layouts have a name in the spec; the others belong to one message.
+
+    `parameter` is the choice that decides which fields are there, `variants` the outcomes, in spec order.
+    Bits that no field covers are reserved: written as 0, ignored when read.
+    """
+
+    name: str
+    fields: tuple[Field, ...]
+    parameter: str | None
+    variants: tuple[Variant, ...]
+    shared: bool
+    title: Text
+    about: Text
+    manual: str
+    path: DocumentPath = field(compare=False)
+
+    def variant(self, assignment: Assignment) -> Variant | None:
+        """The variant under `assignment`; None when the parameter it needs is not assigned."""
+        if self.parameter is None:
+            return self.variants[0]
+        value = assignment.get(self.parameter)
+        return next((v for v in self.variants if value in v.values), None)
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of all choice parameters that fields, scales and ranges of this layout depend on."""
+        names = ([self.parameter] if self.parameter else []) + [p for f in self.fields for p in f.type.parameters]
+        return tuple(dict.fromkeys(names))

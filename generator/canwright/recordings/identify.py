@@ -1,0 +1,186 @@
+"""Which editions a recorded exchange fits.
+
+No frame says the edition, so this looks for what an edition does not allow: ids, codes, lengths, reserved bits, names
+and ranges. Where two editions explain a log alike, it says so.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from ..compare import Change, Impact, Side, compare
+from ..model.edition import Command, Edition
+from ..semantics.decoder import CanFrame, has_id, node_of
+from .scoring import STRONG, Reader, Reading, Reason
+
+LEAD = 3
+"""How much more has to speak against every other edition before one is named."""
+SHARE = Fraction(1, 20)
+"""A reason that fewer of the frames of its kind give is taken for noise."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What speaks against an edition: how many frames give it out of how many of their kind, and the first of them."""
+
+    points: int
+    text: str
+    count: int
+    among: int
+    example: CanFrame
+
+    @property
+    def counts(self) -> bool:
+        return Fraction(self.count, self.among) >= SHARE
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An edition, and all that speaks against it."""
+
+    edition: Edition
+    against: tuple[Evidence, ...]
+    explained: int
+
+    @property
+    def score(self) -> int:
+        return sum(e.points for e in self.against if e.counts)
+
+    @property
+    def is_possible(self) -> bool:
+        return all(e.points < STRONG or not e.counts for e in self.against)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What there is to say of one node. `editions` are those that fit; one when it can be told.
+
+    `strange` are frames that no edition has, by their kind, and how many; nothing follows from them. `tell` are commands
+    whose replies would tell the editions that fit apart.
+    """
+
+    node: int | None
+    frames: int
+    strange: tuple[tuple[CanFrame, int], ...]
+    candidates: tuple[Candidate, ...]
+    editions: tuple[Edition, ...]
+    tell: tuple[str, ...]
+
+    @property
+    def judged(self) -> int:
+        return self.frames - sum(count for _, count in self.strange)
+
+
+def identify(frames: Iterable[CanFrame], editions: Sequence[Edition]) -> tuple[list[Finding], Counter[int]]:
+    """What fits each node, and the ids that belong to no edition. All editions are of one family."""
+    by_node: dict[int | None, list[CanFrame]] = {}
+    foreign: Counter[int] = Counter()
+    known: dict[tuple[int, bool, bool], list[int | None]] = {}
+    for frame in frames:
+        id_ = (frame.id, frame.extended, frame.remote)
+        if id_ not in known:
+            known[id_] = [node_of(m, frame) for e in editions for m in e.all_messages() if has_id(m, frame)]
+        if known[id_]:
+            by_node.setdefault(next((n for n in known[id_] if n is not None), None), []).append(frame)
+        else:
+            foreign[frame.id] += 1
+    ordered = sorted(by_node.items(), key=lambda item: (item[0] is None, item[0] or 0))
+    compared: Compared = {}
+    return [_finding(node, own, editions, compared) for node, own in ordered], foreign
+
+
+Compared = dict[tuple[str, str], tuple[Change, ...]]
+"""What was found to differ between two editions, by their names; nodes mostly leave the same ones open."""
+
+
+def _finding(node: int | None, frames: Sequence[CanFrame], editions: Sequence[Edition], compared: Compared) -> Finding:
+    readers = [Reader(edition) for edition in editions]
+    tallies = [_Tally() for _ in editions]
+    strange: dict[str, tuple[CanFrame, int]] = {}
+    for frame in frames:
+        readings = [reader.read(frame) for reader in readers]
+        if all(reading.points >= STRONG for reading in readings):
+            kind = f"{frame.id} {frame.data[:1].hex()} {len(frame.data)}"
+            first, count = strange.get(kind, (frame, 0))
+            strange[kind] = (first, count + 1)
+        else:
+            for tally, reading in zip(tallies, readings, strict=True):
+                tally.add(frame, reading)
+    told = zip(editions, tallies, strict=True)
+    candidates = sorted(
+        (Candidate(edition, tally.evidence(), tally.explained) for edition, tally in told),
+        key=lambda c: (not c.is_possible, c.score),
+    )
+    possible = [c for c in candidates if c.is_possible and tallies[0].kinds]
+    fitting = tuple(c.edition for c in possible if c.score < possible[0].score + LEAD)
+    seen = {kind for tally in tallies for kind in tally.kinds}
+    by_count = sorted(strange.values(), key=lambda one: -one[1])
+    return Finding(node, len(frames), tuple(by_count), tuple(candidates), fitting, _tell(fitting, seen, compared))
+
+
+@dataclass
+class _Tally:
+    """The readings of the frames of one node in one edition, counted."""
+
+    explained: int = 0
+    kinds: Counter[str] = field(default_factory=Counter)
+    _found: dict[Reason, tuple[CanFrame, int]] = field(default_factory=dict)
+    _reserved: dict[Reason, tuple[CanFrame, int]] = field(default_factory=dict)
+
+    def add(self, frame: CanFrame, reading: Reading) -> None:
+        self.kinds[reading.kind] += 1
+        self.explained += not reading.reasons
+        some = None
+        for reason in reading.reasons:
+            first, count = self._found.get(reason, (frame, 0))
+            self._found[reason] = (first, count + 1)
+            if reason.byte is not None:
+                some = Reason(0, reason.kind, reason.text)
+        if some is not None:
+            first, count = self._reserved.get(some, (frame, 0))
+            self._reserved[some] = (first, count + 1)
+
+    def evidence(self) -> tuple[Evidence, ...]:
+        """All that was found, the worst first; the reserved bytes of one message together."""
+        found = [
+            Evidence(reason.points, reason.text, count, self.kinds[reason.kind], first)
+            for reason, (first, count) in self._found.items()
+            if reason.byte is None
+        ]
+        for some, (first, count) in self._reserved.items():
+            among = self.kinds[some.kind]
+            of_it = {r: n for r, (_, n) in self._found.items() if r.byte is not None and r.text == some.text}
+            often = [r for r, n in of_it.items() if Fraction(n, among) >= SHARE] or list(of_it)
+            places = ", ".join(f"DATA[{byte}]" for byte in sorted(r.byte for r in often if r.byte is not None))
+            points = min(sum(r.points for r in often), STRONG)
+            found.append(Evidence(points, f"{some.text}: {places} should be 0", count, among, first))
+        return tuple(sorted(found, key=lambda e: (not e.counts, -e.points, -e.count)))
+
+
+def _tell(fitting: Sequence[Edition], seen: set[str], compared: Compared) -> tuple[str, ...]:
+    """Commands that only read and whose replies differ between the editions that fit, those not yet seen first."""
+    if len(fitting) < 2:
+        return ()
+    first = fitting[0]
+    for other in fitting[1:]:
+        if (first.name, other.name) not in compared:
+            compared[first.name, other.name] = compare(first, other)
+    changes = [change for other in fitting[1:] for change in compared[first.name, other.name]]
+    counts = Counter(
+        name
+        for change in changes
+        if Side.RECEIVING in change.sides and change.impact is not Impact.SAFE and change.rule.id != "range-changed"
+        for name in change.used_by
+    )
+    known = [{c.group: c for c in edition.commands} for edition in fitting]
+    names = [
+        name for name, _ in counts.most_common() if all(name in group and _only_reads(group[name]) for group in known)
+    ]
+    return tuple(sorted(names, key=lambda name: f"{name}_reply" in seen))
+
+
+def _only_reads(command: Command) -> bool:
+    return not command.effects and command.request is not None and not command.request.layout.fields

@@ -1,0 +1,280 @@
+"""Schema to model: references, parameters, reply forms, bit positions."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, TypeVar
+
+from ..diagnostics.diagnostic import Diagnostic, DocumentPath
+from ..document.document import Document
+from ..language import edition as schema, suggestions
+from ..language.notation import LAST_ID, SHORT_ID, IdExpression
+from ..model.edition import (
+    Address,
+    Bus,
+    Command,
+    Direction,
+    Edition,
+    Effect,
+    Entry,
+    Erratum,
+    IdRule,
+    Mode,
+    Setting,
+    Table,
+)
+from .context import Context
+from .discriminators import keyed_by_constants, with_claims
+from .layouts import LayoutResolver
+from .messages import ENTRY, MessageResolver
+from .parameters import resolve_parameters
+from .reply_forms import Form
+from .types import read_units, resolve_types
+
+T = TypeVar("T")
+
+
+class Unresolved(NamedTuple):
+    """What is amiss once a spec is resolved, and the paths of what is more than a text."""
+
+    findings: list[Diagnostic]
+    paths: list[DocumentPath]
+
+
+def resolve(
+    document: Document, spec: schema.EditionSpec, digest: str, dropped: frozenset[DocumentPath] = frozenset()
+) -> tuple[Edition, Unresolved]:
+    """The edition that a spec describes, and all findings; with any, the edition is only there to be checked further.
+
+    `digest` is the hash of the document's text, `dropped` the parts of the document that `spec` lacks.
+    """
+    context = Context(document, tuple(spec.languages), [], dropped)
+    return _edition(context, spec, digest), Unresolved(context.diagnostics, context.amiss)
+
+
+def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition:
+    _, units = read_units()
+    parameters = resolve_parameters(context, spec.parameters)
+    types = resolve_types(context, spec, units, parameters)
+    addresses = {name: _address(context, i, name, written) for i, (name, written) in enumerate(spec.addresses.items())}
+    settings = {
+        name: Setting(
+            name,
+            {p: tuple(v) for p, v in (written.only or {}).items()},
+            context.title(("settings", name), written.title, name),
+            context.text(("settings", name, "about"), written.about),
+        )
+        for name, written in spec.settings.items()
+    }
+    effects = {
+        name: Effect(
+            name,
+            written.level,
+            context.title(("effects", name), written.title, name),
+            context.text(("effects", name, "about"), written.about),
+        )
+        for name, written in spec.effects.items()
+    }
+    modes = {
+        name: Mode(
+            name,
+            tuple(written.bit_rates_kbps),
+            written.default_kbps,
+            context.title(("bus", "modes", name), written.title, name),
+            context.text(("bus", "modes", name, "about"), written.about),
+        )
+        for name, written in spec.bus.modes.items()
+    }
+    layouts = LayoutResolver(context, spec.byte_order, parameters, types)
+    messages = MessageResolver(context, spec, layouts, addresses)
+    commands = [
+        _command(context, written, form, messages, layouts, modes, settings, effects, spec.tables)
+        for name, written in spec.commands.items()
+        for form in messages.forms(name)
+    ]
+    return Edition(
+        spec.family,
+        spec.edition,
+        spec.date or "",
+        tuple(spec.languages),
+        context.title((), spec.title, spec.family),
+        context.text(("about",), spec.about),
+        context.text(("manual",), spec.manual),
+        digest,
+        spec.byte_order,
+        Bus(
+            spec.bus.host,
+            spec.bus.dlc,
+            spec.bus.max_nodes,
+            spec.bus.reply_within_ms,
+            tuple(modes.values()),
+            spec.bus.manual or "",
+        ),
+        tuple(parameters.values()),
+        tuple(settings.values()),
+        tuple(effects.values()),
+        tuple(addresses.values()),
+        tuple({**types, **layouts.bare_types}.values()),
+        messages.layouts,
+        tuple(_table(context, name, written) for name, written in spec.tables.items()),
+        with_claims(keyed_by_constants(commands)),
+        tuple(_erratum(context, i, written) for i, written in enumerate(spec.errata)),
+    )
+
+
+def _command(
+    context: Context,
+    written: schema.Command,
+    form: Form,
+    messages: MessageResolver,
+    layouts: LayoutResolver,
+    modes: Mapping[str, Mode],
+    settings: Mapping[str, Setting],
+    effects: Mapping[str, Effect],
+    tables: Mapping[str, schema.Table],
+) -> Command:
+    path: DocumentPath = ("commands", form.command)
+    request, reply = messages.of(form)
+    title = context.title(path, written.title, form.command)
+    only = layouts.only(path, written.only)
+    does = _named(context, (*path, "effects"), "effect", written.effects, effects)
+    of = None
+    if form.entry is not None and written.table is not None:
+        entry = tables[written.table].entries[form.entry]
+        at: DocumentPath = ("tables", written.table, "entries", form.entry)
+        of = Entry(
+            written.table,
+            form.entry,
+            context.title(at, entry.title, form.entry),
+            context.text((*at, "about"), entry.about),
+            entry.manual or tables[written.table].manual or "",
+            at,
+        )
+        title = {language: f"{text}: {of.title[language]}" for language, text in title.items()}
+        asked = written.request.layout if isinstance(written.request, schema.MessageSpec) else written.request
+        if asked == ENTRY:
+            does += _named(context, (*at, "effects"), "effect", entry.effects, effects)
+        only |= layouts.only(at, entry.only)
+    return Command(
+        form.name,
+        form.command,
+        of,
+        messages.code_of(form),
+        messages.address_of(form.command),
+        _mode(context, path, written, modes),
+        only,
+        request,
+        reply.message,
+        reply.form,
+        reply.of,
+        reply.from_each,
+        written.implemented,
+        tuple(does),
+        tuple(_named(context, (*path, "limited_by"), "setting", written.limited_by, settings)),
+        tuple(_named(context, (*path, "not_limited_by"), "setting", written.not_limited_by, settings)),
+        title,
+        context.text((*path, "about"), written.about),
+        tuple(context.text((*path, "notes", i), note) for i, note in enumerate(written.notes)),
+        written.manual or "",
+        path,
+    )
+
+
+def _table(context: Context, name: str, written: schema.Table) -> Table:
+    path: DocumentPath = ("tables", name)
+    title, about = context.title(path, written.title, name), context.text((*path, "about"), written.about)
+    return Table(name, title, about, written.manual or "", path)
+
+
+def _named(context: Context, path: DocumentPath, kind: str, names: Sequence[str], known: Mapping[str, T]) -> list[T]:
+    found = [context.find((*path, i), kind, name, known) for i, name in enumerate(names)]
+    return [item for item in found if item is not None]
+
+
+def _mode(context: Context, path: DocumentPath, written: schema.Command, modes: Mapping[str, Mode]) -> str | None:
+    if written.mode is not None:
+        context.find((*path, "mode"), "mode", written.mode, modes)
+        return written.mode
+    return next(iter(modes), None)
+
+
+def _address(context: Context, number: int, name: str, written: schema.Address) -> Address:
+    path: DocumentPath = ("addresses", name)
+    lost = IdRule(LAST_ID + 1 + number, 1, None, True)
+    """An id that no other address has, in place of one that could not be read."""
+    if context.is_partly_dropped(path, ("id", "request", "reply", "nodes", "extended")):
+        return Address(name, lost, lost, context.title(path, written.title, name), context.text(path, None), "", path)
+    request, reply = written.request or written.id, written.reply or written.id
+    if request is None or reply is None:
+        lacking = "its id" if request is reply else "the id of requests" if request is None else "the id of replies"
+        text = f"`{name}` says nothing of {lacking}"
+        context.report(path, "missing-key", text, "write `id`, or `request` and `reply`", key=True)
+    elif written.id is not None and (written.request or written.reply):
+        hint = "keep `id`, or `request` and `reply`"
+        context.report(
+            (*path, "id"), "address-id", "`id` is that of both directions, and one has its own", hint, key=True
+        )
+    elif written.nodes is not None and request.node_step is None and reply.node_step is None:
+        hint = f"write the id with `node`, like 0x{request.base:X} + node, or leave `nodes` out"
+        context.report((*path, "nodes"), "address-id", "there are nodes, but no id depends on `node`", hint, key=True)
+    asked = _id_rule(context, _id_path(path, written, Direction.REQUEST), request, written, lost)
+    answered = _id_rule(context, _id_path(path, written, Direction.REPLY), reply, written, lost)
+    if max(_highest(asked), _highest(answered)) > SHORT_ID:
+        asked, answered = (dataclasses.replace(rule, extended=True) for rule in (asked, answered))
+    return Address(
+        name,
+        asked,
+        answered,
+        context.title(path, written.title, name),
+        context.text((*path, "about"), written.about),
+        written.manual or "",
+        path,
+    )
+
+
+def _id_path(address: DocumentPath, written: schema.Address, direction: Direction) -> DocumentPath:
+    """Where the id of one direction stands."""
+    return (*address, "id" if getattr(written, direction.value) is None else direction.value)
+
+
+def _id_rule(
+    context: Context, path: DocumentPath, id_: IdExpression | None, written: schema.Address, lost: IdRule
+) -> IdRule:
+    if id_ is None:
+        return lost
+    if id_.node_step is not None and written.nodes is None:
+        text = "the id depends on `node`, but `nodes` is missing"
+        context.report(path[:-1], "missing-key", text, "nodes: 1..32", key=True)
+        return lost
+    nodes = written.nodes if id_.node_step is not None else None
+    limit = LAST_ID if written.extended else SHORT_ID
+    rule = IdRule(id_.base, id_.node_step or 1, nodes, written.extended)
+    highest = _highest(rule)
+    if highest > limit:
+        longer = "" if written.extended or highest > LAST_ID else "; with `extended: true` there are 29 bits"
+        hint = f"check {'`id` and `nodes`' if nodes else 'the id'}{longer}"
+        context.report(path, "id-space", f"the id reaches 0x{highest:X}, past 0x{limit:X}", hint)
+    return rule if highest <= LAST_ID else lost
+
+
+def _highest(rule: IdRule) -> int:
+    return rule.base + (rule.nodes[-1] * rule.node_step if rule.nodes else 0)
+
+
+def _erratum(context: Context, index: int, written: schema.ErratumSpec) -> Erratum:
+    path: DocumentPath = ("errata", index)
+    for i, where in enumerate(written.where):
+        if not context.document.holds(where) and not context.has_lost(where):
+            text = f"there is nothing at `{where}` in this file"
+            context.report(
+                (*path, "where", i), "unknown-reference", text, suggestions.place(where, context.document.data)
+            )
+    return Erratum(
+        written.id,
+        tuple(written.where),
+        written.manual,
+        context.text((*path, "printed"), written.printed),
+        context.text((*path, "used"), written.used),
+        context.text((*path, "why"), written.why),
+    )

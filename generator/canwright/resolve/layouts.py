@@ -1,0 +1,190 @@
+"""Layouts of a spec, resolved: fields with their bits."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Mapping, Sequence
+
+from ..diagnostics.diagnostic import DocumentPath
+from ..language import aliases, edition as schema
+from ..language.notation import At, frame_bits
+from ..model.edition import Element, Field, Layout, Order, Parameter, Segment, Space, Text, Type, Variant
+from .context import Context
+from .types import bare_type
+
+
+class LayoutResolver:
+    """Resolves layouts one by one; `bare_types` collects the types of fields that name a raw format only."""
+
+    def __init__(
+        self,
+        context: Context,
+        order: Order,
+        parameters: Mapping[str, Parameter],
+        types: Mapping[str, Type],
+    ) -> None:
+        self._context = context
+        self._order = order
+        self._parameters = parameters
+        self._types = types
+        self.bare_types: dict[str, Type] = {}
+
+    def only(self, path: DocumentPath, written: Mapping[str, Sequence[str]] | None) -> dict[str, tuple[str, ...]]:
+        """A condition on parameters, checked."""
+        for name, values in (written or {}).items():
+            parameter = self._context.find((*path, "only", name), "parameter", name, self._parameters, key=True)
+            if parameter and not parameter.values and not self._context.is_amiss(("parameters", name)):
+                text = f"`{name}` is a number, and `only` wants a choice"
+                self._context.report((*path, "only", name), "parameter-kind", text, "give it `values`", key=True)
+            known = {value.name: value for value in parameter.values} if parameter else {}
+            for i, value in enumerate(values if known else ()):
+                self._context.find((*path, "only", name, i), f"value of `{name}`:", value, known)
+        return {name: tuple(values) for name, values in (written or {}).items()}
+
+    def shared(self, path: DocumentPath, name: str, written: schema.LayoutSpec, fields_at: DocumentPath) -> Layout:
+        """A layout with a name of its own; its fields stand at `fields_at`."""
+        title = self._context.title(path, written.title, name)
+        about = self._context.text((*path, "about"), written.about)
+        return self._layout(path, fields_at, name, written.fields, title, about, written.manual or "", True)
+
+    def own(self, path: DocumentPath, name: str, fields: schema.Fields, title: Text, manual: str) -> Layout:
+        """The layout of one message."""
+        return self._layout(path, path, name, fields, title, self._context.text(path, None), manual, False)
+
+    def joined(self, path: DocumentPath, name: str, layout: Layout, more: schema.Fields) -> Layout:
+        """The layout of one message: the fields of another layout, and `more`, which stand at `path`."""
+        own = self._layout(path, path, name, more, layout.title, layout.about, layout.manual, False)
+        if None not in (own.parameter, layout.parameter) and own.parameter != layout.parameter:
+            text = f"these fields depend on {own.parameter}, those of `{layout.name}` on {layout.parameter}"
+            self._context.report(path, "two-parameters", text, "give the command a layout of its own")
+        fields, parameter = (*own.fields, *layout.fields), own.parameter or layout.parameter
+        return dataclasses.replace(own, fields=fields, parameter=parameter, variants=self._variants(fields, parameter))
+
+    def _layout(
+        self,
+        path: DocumentPath,
+        fields_at: DocumentPath,
+        name: str,
+        fields: schema.Fields,
+        title: Text,
+        about: Text,
+        manual: str,
+        shared: bool,
+    ) -> Layout:
+        judged = [self._field((*fields_at, n), n, f, manual) for n, f in fields.items()]
+        resolved = tuple(f for f in judged if not any(self._context.is_amiss((*f.path, k)) for k in ("at", "only")))
+        conditions = dict.fromkeys(p for f in fields.values() for p in f.only or {} if p in self._parameters)
+        if len(conditions) > 1:
+            names = ", ".join(conditions)
+            self._context.report(
+                path,
+                "two-parameters",
+                f"the fields of one layout depend on {names}; one is allowed",
+                "give the others commands of their own",
+            )
+        parameter = next(iter(conditions), None)
+        variants = self._variants(resolved, parameter)
+        return Layout(name, resolved, parameter, variants, shared, title, about, manual, path)
+
+    def _variants(self, fields: tuple[Field, ...], parameter: str | None) -> tuple[Variant, ...]:
+        if parameter is None or parameter not in self._parameters:
+            return (Variant((), fields),)
+        groups: dict[tuple[str, ...], tuple[list[str], tuple[Field, ...]]] = {}
+        for value in self._parameters[parameter].values:
+            present = tuple(f for f in fields if not f.only or value.name in f.only)
+            names, _ = groups.setdefault(tuple(f.name for f in present), ([], present))
+            names.append(value.name)
+        return tuple(Variant(tuple(names), present) for names, present in groups.values())
+
+    def _field(self, path: DocumentPath, name: str, written: schema.FieldSpec, manual: str) -> Field:
+        type_ = self._type(path, written)
+        start, count = written.at, len(written.array) if written.array else 1
+        elements = []
+        for i in range(count):
+            bits = frame_bits(start, type_.width * count, type_.order)
+            offset = i * type_.width if type_.order is Order.LITTLE or start.space is Space.ID else None
+            first = offset if offset is not None else type_.width * (count - 1 - i)
+            elements.append(
+                Element(
+                    written.array[i] if written.array else None,
+                    segments_of(bits[first : first + type_.width], start.space),
+                )
+            )
+        of_type = type_.title if type_.title != self._context.title(path, None, type_.name) else {}
+        title = of_type if written.title is None else self._context.text((*path, "title"), written.title)
+        if not any(title.values()):
+            title = self._context.title(path, None, name)
+        return Field(
+            name,
+            type_,
+            start.space,
+            tuple(elements),
+            written.array is not None,
+            tuple(v for values in self.only(path, written.only).values() for v in values),
+            self._fixed(path, written) if written.raw is not None or self._has_raw(written.type) else None,
+            written.reserved is None,
+            written.holds == "node",
+            title,
+            self._context.text((*path, "about"), written.about),
+            written.manual or manual,
+            path,
+        )
+
+    def _fixed(self, path: DocumentPath, written: schema.FieldSpec) -> int | None:
+        """What is always sent in a field, if anything."""
+        if written.constant is not None and written.reserved is not None:
+            hint = "keep `constant` where a reader insists on the value, `reserved` where it ignores it"
+            text = f"`{path[-1]}` is both `constant` and `reserved`"
+            self._context.report((*path, "reserved"), "field-type", text, hint, key=True)
+        return written.reserved if written.constant is None else written.constant
+
+    def _type(self, path: DocumentPath, written: schema.FieldSpec) -> Type:
+        if (written.type is None) == (written.raw is None):
+            both = written.type is not None
+            text = f"`{path[-1]}` has both `type` and `raw`" if both else f"`{path[-1]}` has neither `type` nor `raw`"
+            hint = "keep one: `type` names a type, `raw` is a bare number" if both else "raw: u8 is a bare number"
+            self._context.report(path, "field-type", text, hint, key=True)
+        if written.type is not None and written.byte_order is not None:
+            hint = "move it into the type, or write `raw` in place of `type`"
+            self._context.report(
+                (*path, "byte_order"), "field-type", "the type says in which order its bytes are", hint
+            )
+        elif written.byte_order is not None and written.at.space is Space.ID:
+            text = "`byte_order` says nothing of a field in the id"
+            hint = "leave it out; in the id, `at` is the least significant bit"
+            self._context.report((*path, "byte_order"), "no-effect", text, hint, key=True)
+        if written.raw is not None:
+            bare = bare_type(self._context, written.raw, written.byte_order or self._order, path)
+            if bare.order is not self._order:
+                bare = dataclasses.replace(bare, name=f"{bare.name}_{bare.order.value}")
+            return self.bare_types.setdefault(bare.name, bare)
+        if written.type is None:
+            return bare_type(self._context, schema.EMPTY_RAW, self._order, path)
+        raw = aliases.raw_format(written.type)
+        hint = f"write `raw: {raw}`" if raw and written.type not in self._types else ""
+        found = self._context.find((*path, "type"), "type", written.type, self._types, hint)
+        if found and not self._has_raw(found.name):
+            found = None
+        return found or bare_type(self._context, schema.EMPTY_RAW, self._order, path)
+
+    def _has_raw(self, name: str | None) -> bool:
+        """Whether there is a type with this name whose format could be read."""
+        return name in self._types and not self._context.is_partly_dropped(("types", name or ""), ("raw",))
+
+
+def segments_at(start: At, width: int, order: Order) -> tuple[Segment, ...]:
+    return segments_of(frame_bits(start, width, order), start.space)
+
+
+@functools.lru_cache(maxsize=1 << 12)
+def segments_of(bits: tuple[int, ...], space: Space) -> tuple[Segment, ...]:
+    """Runs of frame bits, from the least significant raw bit up, as segments within one byte each.
+
+    Kept: fields of many messages stand at the same place.
+    """
+    if space is Space.ID:
+        return (Segment(0, bits[0], len(bits), 0),)
+    starts = [raw for raw, bit in enumerate(bits) if raw == 0 or bit != bits[raw - 1] + 1 or bit % 8 == 0]
+    ends = [*starts[1:], len(bits)]
+    return tuple(Segment(bits[raw] // 8, bits[raw] % 8, end - raw, raw) for raw, end in zip(starts, ends, strict=True))

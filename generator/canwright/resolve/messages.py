@@ -1,0 +1,341 @@
+"""Messages of a spec, resolved: keys, tables, reply forms."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Collection, Mapping
+
+from ..diagnostics.diagnostic import DocumentPath
+from ..language import edition as schema, suggestions
+from ..model.edition import (
+    Address,
+    Direction,
+    Key,
+    Layout,
+    Message,
+    ReplyForm,
+)
+from .context import Context
+from .layouts import LayoutResolver, segments_at
+from .reply_forms import Form, Reply
+
+ENTRY = "entry"
+"""In place of a layout's name: the layout of the table's entry."""
+FORMS = (ENTRY, "echo", "none")
+"""The words that stand in place of a layout's name."""
+OF_REPLIES = frozenset(("of", "from_each"))
+"""What is said of replies alone, and all that is said of one that is another command's."""
+LONGEST_DATA = 8
+"""Data bytes of a frame whose `dlc` could not be read: nothing is beyond these for that reason."""
+LONGEST_CHAIN = 20
+"""How many commands may take their reply one from the next."""
+
+
+class MessageResolver:
+    """Resolves the layouts of an edition at once, and the messages of its commands on demand."""
+
+    def __init__(
+        self,
+        context: Context,
+        spec: schema.EditionSpec,
+        layouts: LayoutResolver,
+        addresses: Mapping[str, Address],
+    ) -> None:
+        self._context = context
+        self._spec = spec
+        self._resolver = layouts
+        self._addresses = addresses
+        self._pending: list[str] = []
+        self._lacks_selector = False
+        self._done: dict[tuple[str, str | None], tuple[Message | None, Reply]] = {}
+        self._shared = {
+            name: layouts.shared(("layouts", name), name, written, ("layouts", name, "fields"))
+            for name, written in spec.layouts.items()
+        }
+        self._tables = {name: self._entries(name, written) for name, written in spec.tables.items()}
+
+    @property
+    def layouts(self) -> tuple[Layout, ...]:
+        """The layouts that have a name of their own."""
+        of_entries = (entry.layout for table in self._tables.values() for entry in table.values())
+        own = {layout.name: layout for layout in of_entries if layout}
+        return tuple({**self._shared, **own}.values())
+
+    def forms(self, command: str) -> list[Form]:
+        """The forms of a command: one, or one for each entry of its table."""
+        name = self._spec.commands[command].table
+        if name is None:
+            return [Form(command, None, None, ())]
+        table = self._context.find(("commands", command, "table"), "table", name, self._tables) or {}
+        written = self._spec.tables[name].entries if table else {}
+        having = (entry for entry in table.values() if command in (written[entry.entry or ""].commands or (command,)))
+        return [dataclasses.replace(entry, command=command) for entry in having]
+
+    def address_of(self, command: str) -> str:
+        """The address that a command is sent to."""
+        name = self._spec.commands[command].address or next(iter(self._addresses))
+        self._context.find(("commands", command, "address"), "address", name, self._addresses)
+        return name
+
+    def of(self, form: Form) -> tuple[Message | None, Reply]:
+        """Request and reply of a command."""
+        key = (form.command, form.entry)
+        if key not in self._done:
+            self._pending.append(form.command)
+            self._done[key] = self._resolve(form)
+            self._pending.pop()
+        return self._done[key]
+
+    def _resolve(self, form: Form) -> tuple[Message | None, Reply]:
+        written = self._spec.commands[form.command]
+        echo = written.reply == "echo"
+        request = None
+        if isinstance(written.request, schema.MessageSpec):
+            at: DocumentPath = ("commands", form.command, "request")
+            self._without_effect(at, written.request, OF_REPLIES, "a request", "leave it out")
+        if written.request != "none":
+            name = form.name if echo else f"{form.name}_request"
+            request = self._message(form, Direction.REQUEST, name, written.request or {})
+        return request, self._reply(form, request)
+
+    def _reply(self, form: Form, request: Message | None) -> Reply:
+        command = form.command
+        path: DocumentPath = ("commands", command, "reply")
+        written = self._spec.commands[command].reply
+        if written is None:
+            hint = "write fields, the name of a layout, `echo`, or `none`"
+            self._context.report(
+                path[:-1], "missing-reply", f"`{command}` does not say what it replies", hint, key=True
+            )
+            return Reply(None, ReplyForm.NONE)
+        if written == "none":
+            if request is None and self._spec.commands[command].request == "none":
+                text = f"`{command}` has neither a request nor a reply"
+                hint = "leave `request` out where the code is all that is sent, or say what nodes send"
+                self._context.report((*path[:-1], "request"), "missing-reply", text, hint)
+            return Reply(None, ReplyForm.NONE)
+        if written == "echo":
+            return self._echo(form, request)
+        if isinstance(written, schema.MessageSpec) and written.of is not None:
+            return self._other(path, form, written, written.of)
+        message = self._message(form, Direction.REPLY, f"{form.name}_reply", written)
+        shared = ReplyForm.LAYOUT if message.layout.shared else ReplyForm.OWN
+        from_each = tuple(written.from_each or ()) if isinstance(written, schema.MessageSpec) else ()
+        return Reply(message, shared, None, from_each)
+
+    def _echo(self, form: Form, request: Message | None) -> Reply:
+        if request is None:
+            path: DocumentPath = ("commands", form.command, "reply")
+            self._context.report(
+                path,
+                "echo-of-nothing",
+                f"`{form.command}` has no request that could come back",
+                "say what it replies, or `none`",
+            )
+            return Reply(None, ReplyForm.NONE)
+        reply = self._message(form, Direction.REPLY, form.name, {})
+        return Reply(dataclasses.replace(reply, layout=request.layout, dlc=request.dlc), ReplyForm.ECHO)
+
+    def _without_effect(
+        self, path: DocumentPath, written: schema.MessageSpec, keys: Collection[str], what: str, hint: str
+    ) -> None:
+        for key in sorted(written.model_fields_set & set(keys)):
+            self._context.report((*path, key), "no-effect", f"`{key}` says nothing of {what}", hint, key=True)
+
+    def _other(self, path: DocumentPath, form: Form, written: schema.MessageSpec, of: str) -> Reply:
+        others = set(schema.MessageSpec.model_fields) - OF_REPLIES
+        hint = "leave it out, or leave `of` out and lay the reply out here"
+        self._without_effect(path, written, others, "the reply of another command", hint)
+        hint = f"`{of}` is a layout: write reply: {of}" if of in self._shared else ""
+        if self._context.find((*path, "of"), "command", of, self._spec.commands, hint) is None:
+            return Reply(None, ReplyForm.NONE)
+        if of in self._pending:
+            in_turn = of != self._pending[-1]
+            text = (
+                f"`{of}` takes its reply from here in turn" if in_turn else "a command has no reply of its own to take"
+            )
+            hint = "give one of them a reply" if in_turn else "say what it replies"
+            self._context.report((*path, "of"), "circular-reference", text, hint)
+            return Reply(None, ReplyForm.NONE)
+        if len(self._pending) > LONGEST_CHAIN:
+            text = f"this is the end of a chain of {LONGEST_CHAIN} commands that take their reply from the next"
+            self._context.report((*path, "of"), "circular-reference", text, "name the command that has the reply")
+            return Reply(None, ReplyForm.NONE)
+        other = self._other_form((*path, "of"), form, of)
+        if other is None:
+            return Reply(None, ReplyForm.NONE)
+        _, reply = self.of(other)
+        return Reply(reply.message, ReplyForm.OTHER, other.name, tuple(written.from_each or ()))
+
+    def _other_form(self, path: DocumentPath, form: Form, of: str) -> Form | None:
+        """The form of the command `of` that has the reply: that of the same entry, where it has a table."""
+        table = self._spec.commands[of].table
+        if table is None:
+            return Form(of, None, None, ())
+        if table != self._spec.commands[form.command].table:
+            hint = f"name the table `{table}` here as well, or write the name of a layout"
+            self._context.report(path, "reply-of-table", f"`{of}` has a reply for each entry of a table", hint)
+            return None
+        if table not in self._tables:
+            return None
+        found = next((other for other in self.forms(of) if other.entry == form.entry), None)
+        if found is None:
+            at: DocumentPath = ("tables", table, "entries", form.entry or "", "commands")
+            hint = f"add `{of}` to its `commands`, or lay the reply of `{form.command}` out"
+            text = f"`{of}` has no `{form.entry}`, and so no reply that `{form.command}` could take"
+            self._context.report(at, "reply-of-table", text, hint)
+        return found
+
+    def _message(
+        self, form: Form, direction: Direction, layout_name: str, written: str | schema.Fields | schema.MessageSpec
+    ) -> Message:
+        command = form.command
+        path: DocumentPath = ("commands", command, direction.value)
+        spec = written if isinstance(written, schema.MessageSpec) else schema.MessageSpec(layout=written)
+        address = self._addresses.get(spec.address or self.address_of(command))
+        if spec.address is not None:
+            self._context.find((*path, "address"), "address", spec.address, self._addresses)
+        address = address or next(iter(self._addresses.values()))
+        layout = None
+        if spec.layout == ENTRY and form.layout is not None:
+            layout = form.layout
+        elif spec.layout == ENTRY and not self._lacks_table(command):
+            hint = "name the `table` of the command"
+            self._context.report(path, "entry-of-nothing", f"`{command}` has no table with an entry", hint)
+        elif isinstance(spec.layout, str):
+            hint = suggestions.layout(spec.layout, (*self._shared, *FORMS), self._spec.commands, self._spec.types)
+            layout = self._context.find(path, "layout", spec.layout, self._shared, hint)
+        if layout is None:
+            fields = spec.layout if isinstance(spec.layout, dict) else {}
+            at = (*path, "layout") if isinstance(written, schema.MessageSpec) else path
+            layout = self._own(at, layout_name, fields, command)
+        if spec.fields:
+            layout = self._resolver.joined((*path, "fields"), layout_name, layout, spec.fields)
+        of_entry = form.dlc if spec.layout == ENTRY else None
+        code = self.code_of(form) if spec.code is None else self._code((*path, "code"), form, spec.code)
+        keys = self._keys(command, code, address.name, direction)
+        for i, further in enumerate(spec.accept or ()):
+            for key in keys:
+                self._fits(further, key.width, (*path, "accept", i))
+        return Message(
+            f"{form.name}_{direction.value}",
+            form.name,
+            direction,
+            address.name,
+            address.rule(direction),
+            (*keys, *form.keys),
+            tuple(spec.accept or ()),
+            (),
+            self._dlc(path, spec, of_entry),
+            bool(spec.remote),
+            layout,
+            path,
+        )
+
+    def _dlc(self, path: DocumentPath, spec: schema.MessageSpec, of_entry: int | None) -> int:
+        if self._context.is_partly_dropped(path, ("dlc",)):
+            return LONGEST_DATA
+        return next(dlc for dlc in (of_entry, spec.dlc, self._spec.bus.dlc) if dlc is not None)
+
+    def _lacks_table(self, command: str) -> bool:
+        """Whether the table of a command could not be read."""
+        return self._context.is_partly_dropped(("commands", command), ("table",))
+
+    def code_of(self, form: Form) -> int | None:
+        """The code of a command, or of what an entry's kind makes of it."""
+        return self._code(("commands", form.command, "code"), form, self._spec.commands[form.command].code)
+
+    def _code(self, path: DocumentPath, form: Form, written: schema.Code | None) -> int | None:
+        if not isinstance(written, dict):
+            return written
+        if form.entry is None and self._lacks_table(form.command):
+            return None
+        if form.entry is None:
+            text = f"`{form.command}` has no table, so its code cannot depend on an entry"
+            self._context.report(path, "entry-of-nothing", text, "write one code, or name the `table` of the command")
+            return None
+        if form.kind is None:
+            at: DocumentPath = ("tables", self._spec.commands[form.command].table or "", "entries", form.entry)
+            text = f"`{form.entry}` has no `kind`, and the code of `{form.command}` differs by it"
+            self._context.report(at, "missing-key", text, f"kind: {' or '.join(written)}", key=True)
+            return None
+        at = ("tables", self._spec.commands[form.command].table or "", "entries", form.entry, "kind")
+        return self._context.find(at, f"code of `{form.command}` for the kind", form.kind, written)
+
+    def _own(self, path: DocumentPath, name: str, fields: schema.Fields, command: str) -> Layout:
+        written = self._spec.commands[command]
+        title = self._context.title(("commands", command), written.title, name)
+        return self._resolver.own(path, name, fields, title, written.manual or "")
+
+    def _keys(self, command: str, code: int | None, address: str, direction: Direction) -> tuple[Key, ...]:
+        if code is None:
+            return ()
+        path: DocumentPath = ("commands", command, "code")
+        here = self._spec.addresses[address]
+        named = self._spec.commands[command].address
+        if named is not None and named not in self._spec.addresses:
+            return ()
+        of_reply = here.reply_selector if direction is Direction.REPLY else None
+        selector = of_reply or here.selector or self._spec.selector
+        if selector is None and self._context.is_lost("selector"):
+            return ()
+        if selector is None:
+            if not self._lacks_selector:
+                text = "there is a code, but no `selector` that says where it stands"
+                self._context.report(path, "no-selector", text, "selector: {at: 0, raw: u8}", about=("selector",))
+            self._lacks_selector = True
+            return ()
+        return (self._key("code", selector, code, path),)
+
+    def _key(self, name: str, selector: schema.Selector, value: int, path: DocumentPath) -> Key:
+        order = selector.byte_order or self._spec.byte_order
+        _, width = selector.raw
+        self._fits(value, width, path)
+        return Key(name, selector.at.space, order, width, segments_at(selector.at, width, order), value)
+
+    def _fits(self, value: int, width: int, path: DocumentPath) -> None:
+        if value >= 1 << width:
+            text = f"0x{value:X} does not fit the selector's {width} bits"
+            self._context.report(path, "code-width", text, "check the value, and `raw` of the selector")
+
+    def _entries(self, table: str, written: schema.Table) -> dict[str, Form]:
+        selectors = written.index if isinstance(written.index, list) else [written.index]
+        entries = {}
+        for name, entry in written.entries.items():
+            path: DocumentPath = ("tables", table, "entries", name)
+            of_table = {n: c for n, c in self._spec.commands.items() if self._may_have(n, c, table)}
+            for i, command in enumerate(() if self._context.is_lost("commands") else entry.commands or ()):
+                self._context.find((*path, "commands", i), f"command of the table `{table}`:", command, of_table)
+            layout = self._entry_layout(path, f"{table}_{name}", written, entry)
+            if entry.index == schema.NO_INDEX:
+                continue
+            values = entry.index if isinstance(entry.index, list) else [entry.index]
+            if len(values) > len(selectors):
+                text = f"`{name}` has {len(values)} index values, the table only {len(selectors)}"
+                self._context.report((*path, "index"), "too-many-values", text, "give the table's `index` as a list")
+            places = ((*path, "index", i) if isinstance(entry.index, list) else (*path, "index") for i in range(9))
+            keys = (
+                self._key("index" if i == 0 else f"index_{i + 1}", selector, value, place)
+                for i, (selector, value, place) in enumerate(zip(selectors, values, places, strict=False))
+            )
+            entries[name] = Form(
+                "",
+                name,
+                layout,
+                tuple(keys),
+                entry.kind,
+                entry.dlc,
+            )
+        return entries
+
+    def _may_have(self, name: str, command: schema.Command, table: str) -> bool:
+        """Whether a command has a table, or names one that is not there."""
+        unknown = command.table is not None and command.table not in self._spec.tables
+        return command.table == table or unknown or self._lacks_table(name)
+
+    def _entry_layout(self, path: DocumentPath, name: str, table: schema.Table, entry: schema.Entry) -> Layout | None:
+        if isinstance(entry.layout, str):
+            return self._context.find((*path, "layout"), "layout", entry.layout, self._shared)
+        manual = entry.manual or table.manual
+        written = schema.LayoutSpec(title=entry.title, about=entry.about, fields=entry.layout, manual=manual)
+        return self._resolver.shared(path, name, written, (*path, "layout"))

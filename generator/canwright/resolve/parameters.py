@@ -1,0 +1,47 @@
+"""Parameters of a spec, resolved."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..diagnostics.diagnostic import DocumentPath
+from ..language import edition as schema
+from ..model.edition import Parameter, ParameterValue
+from .context import Context
+
+
+def resolve_parameters(context: Context, written: Mapping[str, schema.ParameterSpec]) -> dict[str, Parameter]:
+    result = {}
+    for name, spec in written.items():
+        path: DocumentPath = ("parameters", name)
+        if (spec.values is None) == (spec.number is None):
+            both = spec.values is not None
+            text = f"`{name}` has both `values` and `number`" if both else f"`{name}` has neither `values` nor `number`"
+            hint = "keep one" if both else "values: [A, B] is a choice, number: {} a number"
+            context.report(path, "parameter-kind", text, hint, key=True)
+        values: tuple[ParameterValue, ...] = ()
+        if isinstance(spec.values, list):
+            values = tuple(
+                ParameterValue(
+                    str(n),
+                    n if isinstance(n, int) else None,
+                    context.title(path, None, str(n)),
+                    context.text(path, None),
+                )
+                for n in spec.values
+            )
+        elif spec.values is not None:
+            values = tuple(
+                ParameterValue(n, None, context.title(at, v.title, n), context.text((*at, "about"), v.about))
+                for n, v in spec.values.items()
+                for at in [(*path, "values", n)]
+            )
+        result[name] = Parameter(
+            name,
+            values,
+            spec.number.min if spec.number else None,
+            spec.number.max if spec.number else None,
+            context.title(path, spec.title, name),
+            context.text((*path, "about"), spec.about),
+        )
+    return result

@@ -1,0 +1,304 @@
+"""Types and units of a spec, resolved."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal, TypeVar
+
+from ..diagnostics.diagnostic import DocumentPath
+from ..document.document import Document, read_document
+from ..language import edition as schema, suggestions
+from ..language.notation import Multiple
+from ..model.edition import (
+    IDENTITY,
+    Bound,
+    Dependent,
+    Encoding,
+    Linear,
+    Member,
+    Order,
+    Parameter,
+    Range,
+    Type,
+    Unit,
+)
+from ..templating import resources
+from .context import Context
+
+T = TypeVar("T")
+
+
+def read_units() -> tuple[Document, dict[str, Unit]]:
+    """The unit vocabulary."""
+    document, _ = read_document(resources.UNITS)
+    if not isinstance(document.data, dict):
+        raise TypeError(f"{document.name} is not a mapping of units")
+    units = {name: Unit(name, e["symbol"], e["dbc"], e["quantity"], e["title"]) for name, e in document.data.items()}
+    return document, units
+
+
+def resolve_types(
+    context: Context, spec: schema.EditionSpec, units: Mapping[str, Unit], parameters: Mapping[str, Parameter]
+) -> dict[str, Type]:
+    return {
+        name: _TypeResolver(context, spec.byte_order, units, parameters, ("types", name)).resolve(name, written)
+        for name, written in spec.types.items()
+    }
+
+
+def bare_type(context: Context, raw: tuple[Encoding, int], order: Order, path: DocumentPath) -> Type:
+    """The type of a field that names a raw format only: a number without scale, unit or range."""
+    encoding, width = raw
+    letter = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}[encoding]
+    empty = context.text(path, None)
+    always = Dependent.always
+    return Type(
+        f"{letter}{width}",
+        width,
+        encoding,
+        order,
+        None,
+        always(IDENTITY),
+        always(None),
+        (),
+        (),
+        None,
+        empty,
+        empty,
+        empty,
+        path,
+    )
+
+
+@dataclass
+class _TypeResolver:
+    context: Context
+    order: Order
+    units: Mapping[str, Unit]
+    parameters: Mapping[str, Parameter]
+    path: DocumentPath
+
+    def resolve(self, name: str, spec: schema.Type) -> Type:
+        encoding, width = spec.raw
+        linear = self._linear(spec)
+        return Type(
+            name,
+            width,
+            encoding,
+            spec.byte_order or self.order,
+            self._unit(spec.unit),
+            linear,
+            self._raw_range(spec, linear),
+            tuple(self._member(("enum", n), n, m) for n, m in (spec.enum or {}).items()),
+            tuple(self._member(("flags", n), n, f) for n, f in (spec.flags or {}).items()),
+            self._plausible(spec, linear),
+            self.context.title(self.path, spec.title, name),
+            self.context.text((*self.path, "about"), spec.about),
+            self.context.text((*self.path, "differs"), spec.differs),
+            self.path,
+        )
+
+    def _unit(self, name: str | None) -> Unit | None:
+        if name is not None and name not in self.units:
+            text, hint = f"there is no unit `{name}`", suggestions.unit(name, self.units)
+            self.context.report((*self.path, "unit"), "unknown-reference", text, hint)
+        return self.units.get(name or "")
+
+    def _member(self, at: DocumentPath, name: str, written: int | schema.Member | schema.Flag) -> Member:
+        path = (*self.path, *at)
+        if isinstance(written, int):
+            return Member(name, written, self.context.title(path, None, name), self.context.text(path, None))
+        value = written.value if isinstance(written, schema.Member) else written.bit
+        title = self.context.title(path, written.title, name)
+        return Member(name, value, title, self.context.text((*path, "about"), written.about))
+
+    def _linear(self, spec: schema.Type) -> Dependent[Linear]:
+        scale = self._multiples("scale", 1 if spec.scale is None else spec.scale)
+        offset = self._multiples("offset", 0 if spec.offset is None else spec.offset)
+        if scale.parameter and offset.parameter not in (None, scale.parameter):
+            self.context.report(
+                (*self.path, "offset"),
+                "two-parameters",
+                "scale and offset depend on two parameters",
+                "let both name one parameter",
+            )
+            offset = Dependent.always(_number(0))
+        by = scale.parameter or offset.parameter
+        if by is None:
+            return Dependent.always(self._line(scale.constant, offset.constant))
+        names = scale.cases if scale.parameter else offset.cases
+        return Dependent(by, None, {n: self._line(scale.at({by: n}), offset.at({by: n})) for n in names})
+
+    def _line(self, scale: Multiple | None, offset: Multiple | None) -> Linear | None:
+        """The two as one; None also where they do not belong together, or some of it is wrong already."""
+        known = {None, *(name for name, parameter in self.parameters.items() if not parameter.is_choice)}
+        if scale is None or offset is None or not {scale.parameter, offset.parameter} <= known:
+            return None
+        if (*self.path, "scale") in self.context.dropped:
+            return None
+        if offset.value and offset.parameter != scale.parameter:
+            text = "scale and offset are not multiples of one parameter"
+            by = scale.parameter or offset.parameter
+            self.context.report((*self.path, "offset"), "two-parameters", text, f"write both as number*{by}")
+            return None
+        return Linear(scale.value, offset.value, scale.parameter, scale.text)
+
+    def _multiples(
+        self, key: str, written: int | Literal["none"] | Multiple | schema.ScaleBy | schema.OffsetBy
+    ) -> Dependent[Multiple]:
+        if isinstance(written, (schema.ScaleBy, schema.OffsetBy)):
+            cases = self._cases(key, written.by, written.__pydantic_extra__)
+            for name, case in cases.items():
+                self._need_number((key, name), case.parameter if case else None)
+            return Dependent(written.by, None, cases)
+        if isinstance(written, Multiple):
+            self._need_number((key,), written.parameter)
+        return Dependent.always(_number(written) if isinstance(written, int) else _none_or(written))
+
+    def _need_number(self, at: DocumentPath, name: str | None) -> None:
+        """A finding where a parameter that is multiplied with is not there, or is no number."""
+        found = self.context.find((*self.path, *at), "parameter", name, self.parameters) if name is not None else None
+        if found is not None and found.is_choice and not self.context.is_amiss(("parameters", found.name)):
+            text = f"`{name}` is a choice among values, and only a `number` can be multiplied"
+            self.context.report((*self.path, *at), "parameter-kind", text, f"write `by: {name}` with its values")
+
+    def _cases(self, key: str, parameter_name: str, written: Mapping[str, Literal["none"] | T]) -> dict[str, T | None]:
+        """One entry for every value of the parameter, in the parameter's order; findings for what is amiss."""
+        path = (*self.path, key)
+        parameter = self.context.find((*path, "by"), "parameter", parameter_name, self.parameters)
+        if parameter is None:
+            return {}
+        if not parameter.is_choice and self.context.is_amiss(("parameters", parameter_name)):
+            return {}
+        if not parameter.is_choice:
+            text = f"`{parameter_name}` has no `values`, so `{key}` cannot depend on them"
+            self.context.report(
+                (*path, "by"), "parameter-kind", text, f"give it `values`, or write a multiple like 2*{parameter_name}"
+            )
+            return {}
+        known = {value.name: value for value in parameter.values}
+        for name in written:
+            self.context.find((*path, name), f"value of `{parameter_name}`:", name, known, key=True)
+        missing = [name for name in known if name not in written]
+        if len(missing) > len(set(written) - set(known)):
+            hint = "write `none` where the manual gives none"
+            text = f"`{key}` says nothing for {', '.join(missing)}"
+            self.context.report(path, "incomplete-choice", text, hint, key=True)
+        return {name: _none_or(written[name]) for name in known if name in written}
+
+    def _raw_range(self, spec: schema.Type, linear: Dependent[Linear]) -> Dependent[Range]:
+        if spec.raw_range is not None and spec.range is not None:
+            self.context.report(
+                (*self.path, "range"), "two-ranges", "both `range` and `raw_range` are given", "keep one"
+            )
+        if spec.raw_range is not None and spec.raw[0] is Encoding.FLOAT:
+            text = "`raw_range` is in raw integers, and this is a float"
+            self.context.report((*self.path, "raw_range"), "two-ranges", text, "write `range`", key=True)
+        for key in ("offset", "plausible") if spec.scale == "none" else ():
+            if getattr(spec, key) is not None:
+                text = f"`{key}` is in the unit, and without a scale no value is"
+                self.context.report((*self.path, key), "two-ranges", text, "leave it out", key=True)
+        raw = self._spans("raw_range", spec.raw_range)
+        times = any(line.times for _, line in linear.distinct() if line is not None)
+        if times and spec.raw[0] is Encoding.FLOAT:
+            text = "the scale of a float cannot be a multiple of a parameter"
+            self.context.report((*self.path, "scale"), "parameter-kind", text, "leave `scale` out, or write a number")
+        if times and any(not limits.is_constant for _, limits in raw.distinct() if limits is not None):
+            text = "scale and raw range depend on numbers both"
+            hint = "write `raw_range` in integers, or `range` in multiples as the scale is"
+            self.context.report((*self.path, "raw_range"), "two-parameters", text, hint)
+            return Dependent.always(None)
+        if spec.range is None:
+            return raw
+        if spec.scale == "none":
+            text = "`range` is in the unit, and without a scale no value is"
+            self.context.report((*self.path, "range"), "two-ranges", text, "write `raw_range`", key=True)
+            return raw
+        span = self._spans("range", spec.range)
+        if spec.raw[0] is Encoding.FLOAT:
+            return span
+        if linear.parameter is not None and span.parameter not in (None, linear.parameter):
+            self.context.report(
+                (*self.path, "range"),
+                "two-parameters",
+                "scale and range depend on two parameters",
+                "let both name one parameter",
+            )
+            return raw
+        by = linear.parameter or span.parameter
+        names = linear.cases if linear.parameter else span.cases
+        cases = {n: (span.at({by or "": n}), linear.at({by or "": n})) for n in names or [""]}
+        if not all(self._is_like_scale(limits, line) for limits, line in cases.values()):
+            return raw
+        found = {name: _raw_of(*pair) for name, pair in cases.items()}
+        return Dependent.always(found[""]) if by is None else Dependent(by, None, found)
+
+    def _is_like_scale(self, limits: Range | None, line: Linear | None) -> bool:
+        """Whether a range is in multiples of the parameter that the scale is; a finding where it is not."""
+        if limits is None or line is None or line.times is None:
+            return True
+        ends = (limits.low, limits.high)
+        if any(end.constant or end.parameter not in (None, line.times) for end in ends):
+            text = f"the scale is a multiple of `{line.times}` and this range is not"
+            hint = f"write it like -{line.times}..{line.times}, or write `raw_range`"
+            self.context.report((*self.path, "range"), "two-parameters", text, hint)
+        elif limits.low.coefficient > limits.high.coefficient:
+            text = f"the range is empty: its low end is above its high end, as `{line.times}` is above 0"
+            self.context.report((*self.path, "range"), "value", text, "check both ends")
+        else:
+            return True
+        return False
+
+    def _plausible(self, spec: schema.Type, linear: Dependent[Linear]) -> Range | None:
+        found = self._spans("plausible", spec.plausible).constant
+        times = any(line.times for _, line in linear.distinct() if line is not None)
+        if found is None or (found.is_constant and not times):
+            return found
+        text = "no frame tells what a number parameter is, so nothing can be plausible by it"
+        self.context.report((*self.path, "plausible"), "parameter-kind", text, "write numbers, or leave it out")
+        return None
+
+    def _spans(self, key: str, written: Range | schema.RangeBy | None) -> Dependent[Range]:
+        if isinstance(written, schema.RangeBy):
+            cases = self._cases(key, written.by, written.__pydantic_extra__)
+            for name, case in cases.items():
+                self._need_numbers((key, name), case)
+            return Dependent(written.by, None, cases)
+        self._need_numbers((key,), written)
+        return Dependent.always(written)
+
+    def _need_numbers(self, at: DocumentPath, limits: Range | None) -> None:
+        for name in dict.fromkeys((limits.low.parameter, limits.high.parameter) if limits else ()):
+            self._need_number(at, name)
+
+
+def _none_or(value: Literal["none"] | T) -> T | None:
+    return None if value == "none" else value
+
+
+def _number(value: int) -> Multiple:
+    """What stands where nothing is written."""
+    return Multiple(Fraction(value), None, "")
+
+
+def _raw_of(span: Range | None, linear: Linear | None) -> Range | None:
+    """The raw integers whose values lie in a range of values; a parameter that all of them are multiples of drops out."""
+    if span is None or linear is None or linear.scale == 0:
+        return None
+    if linear.times is not None:
+        span = Range(Bound(span.low.coefficient), Bound(span.high.coefficient))
+
+    def raw(bound: Bound) -> Bound:
+        return Bound((bound.constant - linear.offset) / linear.scale, bound.coefficient / linear.scale, bound.parameter)
+
+    low, high = raw(span.low), raw(span.high)
+    if linear.scale < 0:
+        low, high = high, low
+    if low.parameter is None:
+        low = Bound(Fraction(math.ceil(low.constant)))
+    if high.parameter is None:
+        high = Bound(Fraction(math.floor(high.constant)))
+    return Range(low, high)

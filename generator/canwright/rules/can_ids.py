@@ -1,0 +1,65 @@
+"""The CAN ids that messages and addresses can have, and whether two of them meet."""
+
+from __future__ import annotations
+
+from itertools import islice
+from math import gcd
+
+from ..model.edition import IdRule, Message, Space
+from .bit_patterns import Known
+
+ALL_BITS = (1 << 29) - 1
+ENUMERATED = 1 << 16
+"""Up to so many nodes, ids are listed; above, bits of the id that fields fill are not told from the rest."""
+
+
+def of_rule(rule: IdRule) -> range:
+    """All ids of a rule, without the bits of keys and fields."""
+    if rule.nodes is None:
+        return range(rule.base, rule.base + 1)
+    first, last = (rule.base + node * rule.node_step for node in (rule.nodes[0], rule.nodes[-1]))
+    return range(first, last + 1, rule.node_step)
+
+
+def of_message(message: Message) -> range:
+    """All ids of a message, without the bits of fields."""
+    keys = sum(k.value << k.segments[0].low for k in message.keys if k.space is Space.ID)
+    ids = of_rule(message.id)
+    return range(ids.start + keys, ids.stop + keys, ids.step)
+
+
+def free_bits(message: Message) -> int:
+    """Bits of the id that fields fill, and may hold anything."""
+    fields = (f for f in message.layout.fields if f.space is Space.ID and f.demanded is None)
+    segments = [s for f in fields for e in f.elements for s in e.segments]
+    return sum(((1 << s.width) - 1) << s.low for s in segments)
+
+
+def known(ids: range, free: int = 0) -> Known:
+    """The bits that all of these ids have in common, but for the `free` ones."""
+    differing = (1 << (ids[0] ^ ids[-1]).bit_length()) - (ids.step & -ids.step)
+    mask = ALL_BITS & ~(max(differing, 0) | free)
+    return Known(mask, ids[0] & mask)
+
+
+def meet(one: range, other: range, free: int = 0) -> int | None:
+    """The lowest id that two ranges share when the `free` bits do not count; None when there is none."""
+    if free:
+        ids = {id_ & ~free for id_ in islice(one, ENUMERATED)}
+        shared = ids & {id_ & ~free for id_ in islice(other, ENUMERATED)}
+        return min(shared, default=None)
+    between, common = other.start - one.start, gcd(one.step, other.step)
+    if between % common:
+        return None
+    turns = other.step // common
+    first = one.start + between // common * pow(one.step // common, -1, turns) % turns * one.step
+    every = one.step * turns
+    first += max(0, -((first - other.start) // every)) * every
+    return first if first in one and first in other else None
+
+
+def messages_meet(one: Message, other: Message) -> bool:
+    """Whether some id belongs to both messages, in the same format."""
+    if (one.id.extended, one.remote) != (other.id.extended, other.remote):
+        return False
+    return meet(of_message(one), of_message(other), free_bits(one) | free_bits(other)) is not None

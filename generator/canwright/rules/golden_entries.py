@@ -1,0 +1,81 @@
+"""What the rules about golden frames have in common: the parameters of an entry, and a message in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import TypeVar
+
+from ..diagnostics.diagnostic import DocumentPath, nearest
+from ..language.golden_frames import CheckedFrame, Exchange, Frame, RefusedFrame, Sourced
+from ..language.notation import LAST_ID, SHORT_ID
+from ..model import formatting
+from ..model.edition import Assignment, Edition, Field, Message, Parameter, Variant
+from ..semantics.decoder import CanFrame, Raw, raw_of, value_of
+from ..semantics.parameters import number
+from .rule import Finding, Found
+
+Problem = tuple[DocumentPath, str, str]
+"""Where in an entry, what is wrong, and what to do about it."""
+
+KEY = "[key]"
+"""Behind a path: it is about the key there, and not about its value."""
+
+E = TypeVar("E", bound=Sourced)
+
+
+def judged(edition: Edition, key: str, entries: Sequence[E], judge: Callable[[E], Iterable[Problem]]) -> Found:
+    """What is wrong with the entries of a list: with their parameters, or, where these are right, by `judge`."""
+    known = {parameter.name: parameter for parameter in edition.parameters}
+    for i, entry in enumerate(entries):
+        amiss = [*_ids(entry), *_parameters(edition, known, entry.parameters)]
+        for path, text, hint in amiss or judge(entry):
+            at_key = path[-1:] == (KEY,)
+            yield Finding((key, i, *(path[:-1] if at_key else path)), text, hint, key=at_key, in_frames=True)
+
+
+def _ids(entry: Sourced) -> Iterator[Problem]:
+    """Ids of more bits than those of their format have."""
+    frames: dict[DocumentPath, Sourced | CheckedFrame] = {(): entry}
+    if isinstance(entry, Exchange):
+        frames = {("request",): entry.request, ("reply",): entry.reply}
+    for path, frame in frames.items():
+        if isinstance(frame, (Frame, RefusedFrame, CheckedFrame)):
+            last = LAST_ID if frame.extended else SHORT_ID
+            if frame.id > last:
+                hint = "extended: true" if frame.id <= LAST_ID else "check the id"
+                yield (*path, "id"), f"0x{frame.id:X} is no CAN id: the last is 0x{last:X}", hint
+
+
+def _parameters(edition: Edition, known: Mapping[str, Parameter], given: Mapping[str, int | str]) -> Iterator[Problem]:
+    for name, value in given.items():
+        path: DocumentPath = ("parameters", name)
+        if name not in known:
+            yield (*path, KEY), f"there is no parameter `{name}`", nearest(name, known) or "leave it out"
+        elif known[name].is_choice and str(value) not in (names := [v.name for v in known[name].values]):
+            yield path, f"`{name}` has no value `{value}`", nearest(str(value), names) or "check `parameters`"
+        elif not known[name].is_choice:
+            try:
+                number(edition, known[name], str(value))
+            except ValueError as error:
+                yield path, str(error), f"write what the source gives, as {name}: 12.5"
+
+
+def told(message: Message, node: int | None, variant: Variant, frame: CanFrame, assignment: Assignment) -> str:
+    """A frame in words: `the request of dim, node 1: level 10 %`."""
+    fields = [f"{f.name} {_field(f, raw_of(f, frame), assignment)}" for f in variant.fields if f.constant is None]
+    return named(message, node) + (f": {', '.join(fields)}" if fields else "")
+
+
+def named(message: Message, node: int | None) -> str:
+    """`the request of dim, node 1`."""
+    return f"the {message.direction.value} of {message.command}" + (f", node {node}" if node is not None else "")
+
+
+def _field(field: Field, raw: Raw, assignment: Assignment) -> str:
+    if isinstance(raw, list):
+        return f"[{', '.join(_field(field, one, assignment) for one in raw)}]"
+    value = value_of(field.type, raw, assignment)
+    if isinstance(value, Fraction):
+        return formatting.exact(value) + (f" {field.type.unit.symbol}" if field.type.unit else "")
+    return f"raw {raw}" if value is None else value if isinstance(value, str) else f"[{', '.join(value)}]"

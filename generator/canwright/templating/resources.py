@@ -1,0 +1,22 @@
+"""The files that canwright brings along: templates, units and the JSON Schema.
+
+An installed package carries them inside; a clone has them beside `generator/`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+_INSTALLED = _PACKAGE / "data"
+_ROOT = _INSTALLED if _INSTALLED.is_dir() else _PACKAGE.parent.parent
+
+TEMPLATES = _ROOT / "templates"
+UNITS = _ROOT / "spec" / "units.yaml"
+SCHEMA = _ROOT / "spec" / "canwright.schema.json"
+
+EXAMPLES = _PACKAGE / "rules" / "examples"
+"""A folder for each rule: what it finds, and what it lets pass."""
+
+CHANGE_EXAMPLES = _PACKAGE / "compare" / "examples"
+"""A folder for each kind of change: an edition before and after."""

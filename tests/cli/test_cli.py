@@ -1,0 +1,172 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from canwright.cli import main
+from click.testing import CliRunner, Result
+
+from ..spec_texts import MINIMAL, ROOT
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(main, arguments, catch_exceptions=False)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my.yaml").write_text(MINIMAL, "utf-8")
+    return tmp_path
+
+
+def test_help_teaches() -> None:
+    result = run("--help")
+    assert result.exit_code == 0
+    for word in ("generate", "check", "show", "--spec my.yaml --out out", "Exit status"):
+        assert word in result.output
+
+
+def test_generate_then_check_then_edit(folder: Path) -> None:
+    result = run("generate", "--spec", "my.yaml", "--out", "out")
+    assert (result.exit_code, result.output.split(":")[0]) == (0, "lamp v1")
+    assert {p.name for p in (folder / "out").iterdir()} == {".canwright.json", "c", "python", "dbc", "docs"}
+    assert run("check", "--spec", "my.yaml", "--out", "out").exit_code == 0
+    (folder / "my.yaml").write_text(MINIMAL.replace("0..1000", "0..999"), "utf-8")
+    result = run("check", "--spec", "my.yaml", "--out", "out")
+    assert result.exit_code == 1
+    assert "+++ c/include/lamp/v1.h as generated" in result.output
+    assert run("generate", "--spec", "my.yaml", "--out", "out").exit_code == 0
+    assert run("check", "--spec", "my.yaml", "--out", "out").exit_code == 0
+
+
+def test_one_target_alone(folder: Path) -> None:
+    run("generate", "--spec", "my.yaml", "--target", "dbc", "--out", "out")
+    assert {p.name for p in (folder / "out").iterdir()} == {".canwright.json", "dbc"}
+
+
+def test_a_wrong_spec_writes_nothing(folder: Path) -> None:
+    (folder / "my.yaml").write_text(MINIMAL.replace("raw: u16", "raw: u99"), "utf-8")
+    result = run("generate", "--spec", "my.yaml", "--out", "out")
+    assert result.exit_code == 1
+    assert "my.yaml:7:16: error: `u99` is not a raw format" in result.output
+    assert "1 error; `canwright explain RULE` says more" in result.output
+    assert not (folder / "out").exists()
+
+
+def test_what_cannot_run_exits_2(folder: Path) -> None:
+    result = run("generate")
+    assert (result.exit_code, "there is no spec in spec/" in result.output) == (2, True)
+    assert run("generate", "--spec", "missing.yaml").exit_code == 2
+    result = run("generate", "--spec", "my.yaml", "--set", "size=big", "--out", "out")
+    assert (result.exit_code, result.output.endswith("; the spec has none\n")) == (2, True)
+    (folder / "file").write_text("")
+    assert run("generate", "--spec", "my.yaml", "--out", "file").exit_code == 2
+
+
+def test_wrong_use_names_what_is_meant(folder: Path) -> None:
+    for arguments, told in (
+        (("check", "--spec", "me.yaml"), "File 'me.yaml' does not exist. Did you mean my.yaml?"),
+        (("check", "my.yaml"), "a spec is named like --spec my.yaml"),
+        (("chek",), "there is no command `chek`; did you mean `check`?"),
+        (("check", "--spec", "my.yaml", "--set", "size=big"), "--set size=big is not a parameter and its value"),
+        (("check", "--spec", ARM, "--set", "p_max=5", "--set", "p_max=6"), "`p_max` is set to 5 already"),
+    ):
+        result = run(*arguments)
+        assert (result.exit_code, told in result.output) == (2, True), result.output
+    (folder / "too.yaml").write_text((folder / "my.yaml").read_text("utf-8"), "utf-8")
+    assert run("check", "--spec", "my.yaml", "--spec", "./my.yaml").exit_code == 0
+    result = run("check", "--spec", "my.yaml", "--spec", "too.yaml")
+    assert (result.exit_code, "is lamp v1 as well [name-collision]" in result.output) == (1, True)
+
+
+def test_check_of_a_spec_alone(folder: Path) -> None:
+    result = run("check", "--spec", "my.yaml")
+    assert (result.exit_code, result.stdout) == (0, "lamp v1: right\n")
+    assert "my.yaml:1:1: warning: there are no golden frames beside this spec [missing-frame]" in result.stderr
+    assert run("check", "--spec", "my.yaml", "--strict").exit_code == 1
+
+
+def test_show_by_name_and_by_code() -> None:
+    spec = str(ROOT / "spec/mwd_motor/v2.35.yaml")
+    shown = run("show", "set_torque", "--spec", spec).output
+    assert run("show", "0xA1", "--spec", spec).output == shown
+    for text in ("set_torque  0xA1", "0x140 + node (1..32)", "DATA[4..5]", "33/2048 A (MG)", "-2048..2048"):
+        assert text in shown
+    assert "转矩闭环控制" in run("show", "set_torque", "--lang", "zh", "--spec", spec).output
+
+
+def test_show_names_the_nearest() -> None:
+    result = run("show", "set_torqe", "--spec", str(ROOT / "spec/mwd_motor/v2.35.yaml"))
+    assert (result.exit_code, "did you mean `set_torque`?" in result.output) == (2, True)
+
+
+def test_what_cannot_be_printed_is_told() -> None:
+    command = [sys.executable, "-m", "canwright", "show", "set_torque"]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(command, cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (2, "canwright: cannot print: No space left on device\n")
+
+
+def test_a_reader_that_has_enough_is_no_failure_of_ours() -> None:
+    command = [sys.executable, "-m", "canwright", "show", "set_torque"]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout and process.stderr
+        process.stdout.close()
+        assert process.stderr.read() == ""
+
+
+def test_the_list_of_commands_is_not_cut_off() -> None:
+    _, _, commands = run("--help").output.partition("Commands:\n")
+    assert len(commands.splitlines()) == 10
+    assert "..." not in commands
+
+
+def test_show_takes_a_command_as_the_spec_has_it_and_one_edition() -> None:
+    specs = [f"--spec={ROOT / 'spec/mwd_motor' / name}.yaml" for name in ("v2.36-2024-11", "v2.36-2025-03")]
+    result = run("show", "read_control_parameter", "--edition", "v2.36-2025-03", *specs)
+    assert result.exit_code == 0
+    assert "read_control_parameter_angle_pid  0xC0" in result.output
+    assert "read_control_parameter_lower_angle  0xC0" in result.output
+    assert "mwd_motor v2.36-2024-11" not in result.output
+    both = run("show", "set_torque", *specs).output
+    assert "\n\nset_torque  0xA1  Torque control\nmwd_motor v2.36-2025-03" in both
+    result = run("show", "set_torque", "--edition", "v2.36-2025-04", *specs)
+    assert (result.exit_code, "did you mean `v2.36-2025-03`?" in result.output) == (2, True)
+
+
+ARM = str(ROOT / "tests/specs/arm/v1.yaml")
+
+
+@pytest.mark.parametrize(
+    ("setting", "says"),
+    [
+        ("p_max=0", "`p_max` has to be above 0, since a scale is a multiple of it"),
+        ("p_max=-12.5", "`p_max` has to be above 0"),
+        ("p_max=0.01", "`p_max` is at least 0.1"),
+        ("p_max=100.5", "`p_max` is at most 100"),
+        ("p_max=", "`` is not a number"),
+        ("p_max=nan", "`nan` is not a number"),
+        ("p_max=1e1", "`1e1` is not a number"),
+        ("p_max=1/0", "`1/0` divides by zero"),
+        ("p_max=$(id)", "`$(id)` is not a number"),
+        ("winding=12.5", "there are: i_max=NUMBER; p_max=NUMBER; t_max=NUMBER; v_max=NUMBER; winding=delta|open|star"),
+        ("q_max=12.5", "--set q_max=12.5 is not a parameter and its value"),
+    ],
+)
+def test_what_a_number_cannot_be_set_to(setting: str, says: str, tmp_path: Path) -> None:
+    result = run("generate", "--spec", ARM, "--target", "dbc", "--set", setting, "--out", str(tmp_path / "out"))
+    assert (result.exit_code, says in result.output) == (2, True), result.output
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_number_is_set_in_dbc_files_alone(tmp_path: Path) -> None:
+    settings = ("--set", "winding=star", "--set", "p_max=25/2")
+    assert run("generate", "--spec", ARM, *settings, "--out", str(tmp_path / "out")).exit_code == 0
+    names = {path.name for path in (tmp_path / "out/dbc").glob("*-command.dbc")}
+    assert names == {"arm-v1-star-p_max_12.5-command.dbc"}
+    assert run("check", "--spec", ARM, *settings, "--out", str(tmp_path / "out")).exit_code == 0
+    header = (tmp_path / "out/c/include/arm/v1.h").read_text("utf-8")
+    assert "canwright_ratio_t p_max;" in header

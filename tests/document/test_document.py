@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+import pickle
+from decimal import Decimal
+from pathlib import Path
+
+import pytest
+from canwright.diagnostics.diagnostic import Diagnostic, SpecError
+from canwright.document.document import MAX_BYTES, parse_document, read_document
+from hypothesis import given, strategies as st
+
+from ..spec_texts import places
+
+
+def findings(text: str) -> list[Diagnostic]:
+    try:
+        return parse_document("x.yaml", text).findings
+    except SpecError as error:
+        return list(error.diagnostics)
+
+
+def rule_of(text: str) -> str:
+    (place,) = places(findings(text))
+    return place
+
+
+def test_scalars_are_exact_and_plain() -> None:
+    text = "{a: 12, b: 0x1F, c: -0.10, d: true, e: v2.35, f: 0x140 + node, g: '12', h: 1..32, y: n}"
+    data = parse_document("x.yaml", text).data
+    assert data == {
+        "a": 12,
+        "b": 31,
+        "c": Decimal("-0.10"),
+        "d": True,
+        "e": "v2.35",
+        "f": "0x140 + node",
+        "g": "12",
+        "h": "1..32",
+        "y": "n",
+    }
+    assert isinstance(data, dict)
+    assert str(data["c"]) == "-0.10"
+
+
+@pytest.mark.parametrize(
+    "text", ["no", "On", "~", "null", ".inf", "-.NaN", "1_0", "0o7", "012", "12:30", "1e3", "1.", "+5", ".5", "True"]
+)
+def test_what_yaml_readers_disagree_on_is_refused(text: str) -> None:
+    assert rule_of(f"a: {text}") == "1:4 ambiguous-scalar"
+    assert parse_document("x.yaml", f"a: '{text}'").data == {"a": text}
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("a: 1\nb: 2\na: 3\n", "3:1 duplicate-key"),
+        ("a: &x 1\n", "1:4 yaml-alias"),
+        ("a: [*x]\n", "1:5 yaml-alias"),
+        ("<<: {a: 1}\n", "1:1 yaml-alias"),
+        ("a: !!python/object:os.system x\n", "1:4 yaml-tag"),
+        ("a: !x {b: 1}\n", "1:4 yaml-tag"),
+        ("a:\n", "1:1 yaml"),
+        ("a: 1\n---\nb: 2\n", "2:1 yaml"),
+        ("", "1:1 yaml"),
+        ("a: [1, 2\n", "1:4 yaml"),
+        ("[a]: 1\n", "1:1 yaml"),
+        ("a: " + "[" * 40 + "]" * 40, "1:27 yaml-depth"),
+    ],
+)
+def test_unsafe_and_broken_yaml_is_refused_where_it_stands(text: str, expected: str) -> None:
+    assert rule_of(text) == expected
+
+
+def test_a_file_that_is_too_long_or_not_utf8_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "x.yaml"
+    file.write_bytes(b"a: 1\nb: \xff\n")
+    with pytest.raises(SpecError, match=r"x\.yaml:2:4: error: byte 8, 0xFF, is not UTF-8 \[encoding\]"):
+        read_document(file)
+    file.write_bytes(b"#" * (MAX_BYTES + 1))
+    with pytest.raises(SpecError, match="file-size"):
+        read_document(file)
+
+
+def test_a_finding_shows_the_line_and_a_caret() -> None:
+    document = parse_document("x.yaml", "a:\n  bc: [1, def]\n")
+    text = str(document.finding(("a", "bc", 1), "some-rule", "that is wrong", "write ghi"))
+    assert text == "x.yaml:2:11: error: that is wrong [some-rule]\n    bc: [1, def]\n            ^^^\n  write ghi"
+
+
+@pytest.mark.parametrize("text", ["a:\n  bc: [1, def]\n", "a: 1\nb: {c: no}\n", "a: \u200b1\n"])
+def test_a_document_from_another_process_is_the_same(text: str) -> None:
+    """Its data and its places are not sent along."""
+    document = parse_document("x.yaml", text)
+    assert document.places
+    again = pickle.loads(pickle.dumps(document))
+    assert not {"data", "places", "lines"} & set(vars(again))
+    assert (again.data, again.lines, again.findings) == (document.data, document.lines, document.findings)
+    assert again.position(("a", "bc", 1)) == document.position(("a", "bc", 1))
+
+
+@given(st.text())
+def test_nothing_but_findings_ever_comes_out(text: str) -> None:
+    try:
+        parse_document("x.yaml", text)
+    except SpecError as error:
+        assert error.diagnostics

@@ -1,0 +1,1 @@
+"""Loading, checking and generating; what is committed, installed and published."""

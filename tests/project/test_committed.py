@@ -1,0 +1,96 @@
+"""What is committed is what the specs say, and nothing in it belongs elsewhere."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from canwright.cli import main
+from canwright.language.edition import EditionSpec, schema_text
+from canwright.language.golden_frames import GoldenFrames
+from click.testing import CliRunner
+
+from ..spec_texts import ROOT
+
+FOREIGN = re.compile(r"motor(?!ola\b)|\biq\b|mwd|0x140|torque", re.IGNORECASE)
+MACHINE = re.compile(r"(^|[^A-Za-z0-9_.])/(home|root|work|tmp|Users)/")
+
+
+def tracked(*folders: str) -> list[Path]:
+    return [
+        file
+        for folder in folders
+        for file in sorted((ROOT / folder).rglob("*"))
+        if file.is_file() and "__pycache__" not in file.parts
+    ]
+
+
+def test_generated_is_what_would_be_generated(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    result = CliRunner().invoke(main, ["check"], catch_exceptions=False)
+    assert result.exit_code == 0, result.output[:4000]
+
+
+@pytest.mark.parametrize(
+    ("name", "concept"), [("canwright.schema.json", EditionSpec), ("canwright.frames.schema.json", GoldenFrames)]
+)
+def test_the_json_schema_is_that_of_the_language(name: str, concept: type[EditionSpec] | type[GoldenFrames]) -> None:
+    text = (ROOT / "spec" / name).read_text("utf-8")
+    assert text == schema_text(concept), f"run `canwright schema > spec/{name}`"
+
+
+def test_the_json_schema_describes_every_key_and_allows_no_other() -> None:
+    schema = json.loads((ROOT / "spec/canwright.schema.json").read_text("utf-8"))
+    for name, concept in {"edition": schema, **schema["$defs"]}.items():
+        if concept.get("type") != "object":
+            continue
+        assert "additionalProperties" in concept, name
+        for key, value in concept["properties"].items():
+            assert value.get("description"), f"{name}.{key}"
+
+
+def test_specs_fit_the_json_schema() -> None:
+    for schema, files in (
+        ("canwright.schema.json", [f for f in ROOT.glob("spec/*/*.yaml") if ".frames" not in f.name]),
+        ("canwright.frames.schema.json", list(ROOT.glob("spec/*/*.frames.yaml"))),
+    ):
+        command = [sys.executable, "-m", "check_jsonschema", "--schemafile", str(ROOT / "spec" / schema)]
+        subprocess.run([*command, *map(str, files)], check=True, capture_output=True)
+
+
+def test_no_protocol_stands_in_the_generator() -> None:
+    for file in tracked("generator", "templates"):
+        found = FOREIGN.search(file.read_text("utf-8", "replace"))
+        assert not found, f"{file}: {found}"
+
+
+def test_no_path_of_a_machine_is_committed() -> None:
+    for file in tracked("generator", "templates", "spec", "generated", "tests"):
+        if file != Path(__file__) and file.suffix in (
+            ".py",
+            ".j2",
+            ".yaml",
+            ".md",
+            ".h",
+            ".c",
+            ".dbc",
+            ".txt",
+            ".json",
+        ):
+            assert not MACHINE.search(file.read_text("utf-8", "replace")), file
+
+
+def test_output_is_the_same_whatever_the_hash_seed_and_the_locale(tmp_path: Path) -> None:
+    trees = []
+    for seed, locale in (("1", "C"), ("2", "C.UTF-8")):
+        out = tmp_path / seed
+        command = [sys.executable, "-m", "canwright", "generate", "--out", str(out)]
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "LC_ALL": locale}
+        subprocess.run(command, check=True, capture_output=True, cwd=ROOT, env=environment)
+        trees.append({f.relative_to(out): f.read_bytes() for f in out.rglob("*") if f.is_file()})
+    assert trees[0] == trees[1]

@@ -1,0 +1,67 @@
+"""Work grows with the commands and no faster: reading and checking a spec, and every target."""
+
+from __future__ import annotations
+
+import cProfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import ParamSpec
+
+import pytest
+from canwright.project.loader import described
+from canwright.project.pipeline import TARGETS, generate
+from canwright.rules.bit_patterns import Known, pairs
+from canwright.targets import Described
+from hypothesis import given, strategies as st
+
+from ..benchmarks.generate_speed import multiplied
+
+P = ParamSpec("P")
+
+TIMES = (5, 10, 15)
+MOST = 1.05
+"""How much more the third five times the commands may take than the second five."""
+
+
+def calls(work: Callable[P, object], *arguments: P.args, **named: P.kwargs) -> int:
+    """How many functions are called on the way: what time tells, and the same in every run."""
+    profile = cProfile.Profile()
+    profile.runcall(work, *arguments, **named)
+    return sum(entry.callcount for entry in profile.getstats())
+
+
+@pytest.fixture(scope="module")
+def specs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    folder = tmp_path_factory.mktemp("specs")
+    found = [multiplied(folder, times) for times in TIMES]
+    described(found[0])
+    return found
+
+
+@pytest.fixture(scope="module")
+def read(specs: list[Path]) -> list[Described]:
+    return [described(spec) for spec in specs]
+
+
+def test_reading_grows_with_the_commands(specs: list[Path]) -> None:
+    few, more, most = (calls(described, spec) for spec in specs)
+    assert most - more < MOST * (more - few)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_target_grows_with_the_commands(target: str, read: list[Described]) -> None:
+    generate(read[:1], [target], {})
+    few, more, most = (calls(generate, [one], [target], {}) for one in read)
+    assert most - more < MOST * (more - few)
+
+
+@given(st.lists(st.tuples(st.integers(0, 15), st.integers(0, 15)), max_size=12))
+def test_pairs_are_all_that_agree_in_what_both_know(bits: list[tuple[int, int]]) -> None:
+    known = [Known(mask, value & mask) for mask, value in bits]
+    expected = [
+        (i, j)
+        for i, one in enumerate(known)
+        for j, other in enumerate(known[:i])
+        if not (one.value ^ other.value) & one.mask & other.mask
+    ]
+    assert list(pairs(known)) == expected

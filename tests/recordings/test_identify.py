@@ -1,0 +1,250 @@
+"""Logs of known editions, and what `canwright identify` makes of them. The frames are worked out by hand."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import can
+import pytest
+from canwright.cli import main
+from canwright.project.loader import described, spec_files
+from canwright.recordings.identify import identify
+from canwright.recordings.readers import LogError, frames
+from canwright.recordings.scoring import Reader
+from canwright.semantics.decoder import CanFrame
+from click.testing import CliRunner, Result
+
+from ..spec_texts import MINIMAL, ROOT, edition
+
+EDITIONS = [described(file).edition for file in spec_files(ROOT / "spec")]
+
+# 48.7 V as 0.1 V in DATA[3..4]: 487 = 0x01E7
+V2_35 = ["142#9A00000000000000", "142#9A3200E701000000", "142#A10000009B000000", "142#A1329B00F4010080"]
+# 48.72 V as 0.01 V in DATA[2..3]: 4872 = 0x1308; 1 A in DATA[4..5]
+V2_35_2024_02 = ["141#9A00000000000000", "141#9A32081364000000"]
+V2_36 = ["143#9A00000000000000", "183#9A32081364000000"]
+# 0x18 calibrates, and only the edition of 2025-03 has it
+V2_36_2025_03 = ["143#1800000000000000", "183#1800000100020011", "143#9A00000000000000", "183#9A32081364000000"]
+
+
+def write(folder: Path, lines: list[str]) -> Path:
+    file = folder / "bus.log"
+    file.write_text("".join(f"({i}.000000) can0 {line}\n" for i, line in enumerate(lines)), "utf-8")
+    return file
+
+
+def run(folder: Path, lines: list[str], *options: str) -> Result:
+    specs = [option for file in spec_files(ROOT / "spec") for option in ("--spec", str(file))]
+    return CliRunner().invoke(main, ["identify", str(write(folder, lines)), *specs, *options])
+
+
+@pytest.mark.parametrize(
+    ("lines", "node", "fits"),
+    [
+        (V2_35, 2, ["v2.35"]),
+        (V2_35_2024_02, 1, ["v2.35-2024-02"]),
+        (V2_36, 3, ["v2.36-2024-11", "v2.36-2025-03"]),
+        (V2_36_2025_03, 3, ["v2.36-2025-03"]),
+        (["141#8100000000000000"], 1, ["v2.35", "v2.35-2024-02", "v2.36-2024-11", "v2.36-2025-03"]),
+        (["141#EE00000000000000"], 1, []),
+    ],
+)
+def test_what_fits(lines: list[str], node: int, fits: list[str], tmp_path: Path) -> None:
+    found, foreign = identify(frames(write(tmp_path, lines)), EDITIONS)
+    assert [(f.node, sorted(e.name for e in f.editions)) for f in found] == [(node, fits)]
+    assert not foreign
+
+
+def test_a_bus_of_three_editions_is_told_node_by_node(tmp_path: Path) -> None:
+    result = run(tmp_path, V2_35 + V2_35_2024_02 + V2_36_2025_03)
+    assert result.exit_code == 0
+    assert "node 1, 2 frames: fits v2.35-2024-02\n" in result.output
+    assert "node 2, 4 frames: fits v2.35\n" in result.output
+    assert "node 3, 4 frames: fits v2.36-2025-03\n" in result.output
+    assert "is not within a plausible 6..100 V" in result.output
+    assert "0x183 is no id of this edition (2 of 2, as in 183#1800000100020011)" in result.output
+
+
+def test_when_it_cannot_tell_it_says_what_would(tmp_path: Path) -> None:
+    result = run(tmp_path, ["141#9C00000000000000", "141#9C32010002000A00", "7FF#00"])
+    assert result.exit_code == 1
+    assert "cannot tell, v2.35 and v2.35-2024-02 fit alike" in result.output
+    assert "replies to read_status_1" in result.output
+    assert "1 of 3 frames have no id of mwd_motor and are left out: 0x7FF" in result.output
+    assert run(tmp_path, ["7FF#00"]).exit_code == 1
+
+
+def test_json(tmp_path: Path) -> None:
+    found = json.loads(run(tmp_path, V2_35, "--format", "json").output)
+    (node,) = found["nodes"]
+    assert (found["family"], node["node"], node["fits"]) == ("mwd_motor", 2, ["v2.35"])
+    assert node["editions"][0] == {"edition": "v2.35", "explained": 4, "score": 0, "against": []}
+    assert all(edition["score"] >= 3 for edition in node["editions"][1:])
+
+
+# What real drives were seen to answer, published by those who use them: 23.88 V; 48.72 V; gains of the loops
+MEASURED = [
+    (["141#9A00000000000000", "141#9A1F540900000000"], "v2.35-2024-02"),
+    (["141#9A00000000000000", "141#9A24081300000000"], "v2.35-2024-02"),
+    (["142#9A00000000000000", "142#9A250A1300000000"], "v2.35-2024-02"),
+    (["143#9A00000000000000", "143#9A22111300000000"], "v2.35-2024-02"),
+    (["141#3000000000000000", "141#30001E001E051E05"], "v2.35"),
+]
+
+
+@pytest.mark.parametrize(("lines", "fits"), MEASURED)
+def test_what_drives_were_seen_to_answer(lines: list[str], fits: str, tmp_path: Path) -> None:
+    result = run(tmp_path, lines)
+    assert (result.exit_code, f"2 frames: fits {fits}\n" in result.output) == (0, True)
+
+
+# 23.8 V as 0.1 V in DATA[3..4]; another reading of the reply would be a request with two odd bytes
+POLLED = ["141#9A00000000000000", "141#9A2800EE00000000"]
+
+
+def test_what_follows_a_request_is_its_reply(tmp_path: Path) -> None:
+    for lines in (POLLED * 9, POLLED[1:] * 9, [POLLED[0], *POLLED] * 9, [*POLLED, *V2_36[2:]] * 9):
+        found, _ = identify(frames(write(tmp_path, lines)), EDITIONS)
+        assert [e.name for e in found[0].editions] == ["v2.35"], lines
+    text = run(tmp_path, POLLED).output
+    assert "0x141 carries a reply of read_status_1, though replies come on 0x181 (1 of 2, as in" in text
+    assert "request of read_status_1, though replies come on 0x181: DATA[1], DATA[3] should be 0" in (
+        run(tmp_path, POLLED[1:]).output
+    )
+
+
+@pytest.mark.parametrize(
+    ("lines", "fits"),
+    [
+        # flags that no manual names, a motor state that none does, codes that a host tries
+        (["141#9A00000000000000", "141#9A1F540905001024"], "v2.35-2024-02"),
+        (["141#9A00000000000000", "141#9A1F540905000100"], "v2.35-2024-02"),
+        (["141#9A00000000000000", "141#9A1F00F000000024"], "v2.35"),
+        (["141#B500000000000000", "141#3700000000000000", *V2_35_2024_02], "v2.35-2024-02"),
+    ],
+)
+def test_what_no_edition_knows_speaks_for_none(lines: list[str], fits: str, tmp_path: Path) -> None:
+    found, _ = identify(frames(write(tmp_path, lines)), EDITIONS)
+    assert [e.name for e in found[0].editions] == [fits]
+
+
+def test_frames_of_no_edition_are_told(tmp_path: Path) -> None:
+    lines = ["141#B500000000000000"] * 2 + ["141#9A"] + V2_35_2024_02
+    text = run(tmp_path, lines).output
+    assert "node 1, 5 frames: fits v2.35-2024-02\n" in text
+    assert "  no edition has 3 frames, left out: 141#B500000000000000 (2), 141#9A (1)\n" in text
+    assert "explains every frame" in text and "explains 1 of 2 frames" in text
+    (node,) = json.loads(run(tmp_path, lines, "--format", "json").output)["nodes"]
+    assert (node["frames"], node["of_no_edition"]) == (5, 3)
+    assert "it has no frame of 8 bytes that starts with 30 on 0x141" in run(tmp_path, MEASURED[4][0]).output
+
+
+def test_what_would_tell_only_reads_and_was_not_seen_yet(tmp_path: Path) -> None:
+    # 23.88 V at 0.01 A reads as 26.5 V in the other edition
+    text = run(tmp_path, ["141#9A00000000000000", "141#9A1F540901000000"]).output
+    assert "cannot tell, v2.35-2024-02 and v2.35 fit alike" in text
+    assert text.rstrip().endswith("read_status_1 would tell more") and "set_power" not in text
+    assert "replies to read_control_parameter would tell more" in run(tmp_path, V2_36).output
+    text = MINIMAL + "".join(
+        f"  {name}:\n    code: 0x1{i}\n    effects: [{effects}]\n    reply: {{level: {{at: 2, type: level}}}}\n"
+        for i, (name, effects) in enumerate((("burn", "burns"), ("read", "")), start=1)
+    )
+    editions = [edition(tmp_path, f"{text}effects: {{burns: {{}}}}\n".replace("0.1", scale)) for scale in ("0.1", "1")]
+    (found,), _ = identify([CanFrame(0x101, bytes([0x10] + [0] * 7))], editions)
+    assert found.tell == ("read",)
+
+
+def test_a_long_log(tmp_path: Path) -> None:
+    lines = [line for i in range(2_500) for line in (V2_35[0], f"142#9A32{i % 7:02X}E701000000", *V2_35[2:])]
+    recorded = list(frames(write(tmp_path, lines)))
+    begin = time.process_time()
+    found, _ = identify(recorded, EDITIONS)
+    assert (len(recorded), found[0].judged) == (10_000, 10_000)
+    assert time.process_time() - begin < 5
+
+
+def test_a_rare_slip_does_not_decide(tmp_path: Path) -> None:
+    lines = V2_35 * 30 + ["142#9A3200E701000400"]
+    found, _ = identify(frames(write(tmp_path, lines)), EDITIONS)
+    assert [e.name for e in found[0].editions] == ["v2.35"]
+    assert found[0].candidates[0].against and found[0].candidates[0].score == 0
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "(1.5) can0 141#9A01",
+        "141#9A01",
+        "  can0  141   [2]  9A 01",
+        " (2026-01-01 10:00:00.000000)  can0  141   [2]  9A 01",
+        " (1.5)  can0  RX - -  141   [2]  9A 01   '..'",
+        "\x1b[34m  can0  141   [2]  9A 01\x1b[0m",
+        "(1.5) can0 141##09A01",
+        "(1.5) can0 141#9A01 R\n  can0  20000004   [8]  00 04 00 00 00 00 00 60   ERRORFRAME\n\tcontroller-problem{}",
+        "(1.5) can0 20000088#0000000000000000\n(1.5) can0 141#9A01\n(1.6) can0 14",
+    ],
+)
+def test_what_candump_writes(line: str, tmp_path: Path) -> None:
+    file = tmp_path / "x.txt"
+    file.write_text(f"# a comment\n\n{line}", "utf-8")
+    assert list(frames(file)) == [CanFrame(0x141, b"\x9a\x01")]
+
+
+def test_extended_and_remote_frames(tmp_path: Path) -> None:
+    file = tmp_path / "x.log"
+    file.write_text("can0 00000141#R\ncan0  00000142   [0]  remote request\n", "utf-8")
+    assert list(frames(file)) == [CanFrame(0x141, b"", True, True), CanFrame(0x142, b"", True, True)]
+
+
+@pytest.mark.parametrize("ending", ["asc", "blf", "trc", "csv"])
+def test_a_log_of_python_can(ending: str, tmp_path: Path) -> None:
+    file = tmp_path / f"bus.{ending}"
+    with can.Logger(str(file)) as log:
+        for line in V2_35:
+            id_, data = line.split("#")
+            log.on_message_received(
+                can.Message(arbitration_id=int(id_, 16), data=bytes.fromhex(data), is_extended_id=False, timestamp=1.0)
+            )
+        log.on_message_received(can.Message(is_error_frame=True, timestamp=1.0))
+    assert [frame.data.hex().upper() for frame in frames(file)] == [line.split("#")[1] for line in V2_35]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("can0 141#9A0\n", ":1: expected a frame as candump writes it"),
+        ("can0 141#\nhello\n", ":2: expected a frame as candump writes it"),
+    ],
+)
+def test_what_is_no_log(text: str, says: str, tmp_path: Path) -> None:
+    file = tmp_path / "x.log"
+    file.write_text(text, "utf-8")
+    with pytest.raises(LogError, match=says):
+        list(frames(file))
+    result = CliRunner().invoke(main, ["identify", str(file), "--spec", str(spec_files(ROOT / "spec")[0])])
+    assert (result.exit_code, says in result.output) == (2, True)
+
+
+def test_bytes_and_broken_recordings(tmp_path: Path) -> None:
+    file = tmp_path / "x.log"
+    file.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(LogError, match="is no text"):
+        list(frames(file))
+    broken = tmp_path / "x.blf"
+    broken.write_bytes(b"not a recording at all, but long enough to be looked at" * 10)
+    with pytest.raises(LogError, match=r"cannot be read as \.blf"):
+        list(frames(broken))
+
+
+@pytest.mark.parametrize("file", spec_files(ROOT / "spec"), ids=lambda file: file.stem)
+def test_golden_frames_speak_for_their_own_edition(file: Path) -> None:
+    """What an encoder of an edition writes has nothing against it there, but for values that no node would report."""
+    item = described(file)
+    assert item.frames is not None
+    far_out = {m.command for m in item.edition.all_messages() for f in m.layout.fields if f.type.plausible}
+    checked = [g for g in item.frames.frames if not g.decode_only and g.command not in far_out]
+    assert len(checked) > 100
+    for golden in checked:
+        assert Reader(item.edition).read(CanFrame(golden.id, golden.data)).reasons == (), golden

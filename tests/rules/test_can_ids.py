@@ -1,0 +1,67 @@
+"""Ids that run into each other, by what messages there are and by what an address makes of a node."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ..spec_texts import MINIMAL, findings, marked
+
+
+def test_ids_that_no_message_has_run_into_nothing(tmp_path: Path) -> None:
+    """An address that only frames without a request come from has no requests, whatever `id` says of them."""
+    of_all = "all: {id: 0x102}}"
+    text = MINIMAL.replace("nodes: 1..4}}", f"nodes: 1..4}}, {of_all}")
+    only_request = text.replace("reply: echo", "reply: none")
+    beat = "  beat: {address: all, code: 2, request: none, reply: {level: {at: 2, type: level}}}\n"
+    assert marked(findings(tmp_path, only_request + beat)) == []
+    assert marked(findings(tmp_path, text + beat)) == ["id-collision: 0x102"]
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "met"),
+    [
+        ("300 + node * 10", "305 + node * 10", ""),
+        ("300 + node * 10", "310 + node * 10", "0x136"),
+        ("300 + node * 10", "302 + node * 6", "0x140"),
+        ("300 + node * 10", "301 + node * 6", ""),
+        ("302 + node * 6", "350 + node * 4", "0x15E"),
+        ("350 + node * 4", "302 + node * 6", "0x15E"),
+        ("300 + node * 10", "330", "0x14A"),
+        ("300 + node * 10", "331", ""),
+    ],
+)
+def test_ids_that_are_not_powers_of_two_apart(tmp_path: Path, one: str, other: str, met: str) -> None:
+    nodes = ", nodes: 0..15" if "node" in other else ""
+    addresses = f"{{lamp: {{id: {one}, nodes: 0..15}}, all: {{id: {other}{nodes}}}}}"
+    found = findings(tmp_path, MINIMAL.replace("{lamp: {id: 0x100 + node, nodes: 1..4}}", addresses))
+    assert [f.message.split()[3] for f in found if f.rule == "id-collision"] == ([met] if met else [])
+
+
+IN_THE_ID = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses:
+  lamp: {id: 0x10000 + node, nodes: 0..3, extended: true}
+  store: {id: 0x1C000 + node, nodes: 0..3, extended: true}
+selector: {at: id.6, raw: u10}
+commands:
+  read: {code: 0x061, request: {dlc: 0}, reply: {level: {at: 0, raw: u8}}}
+  recall: {address: store, request: {dlc: 0}, reply: {level: {at: 0, raw: u8}, index: {at: id.6, raw: u8}}}
+"""
+
+
+def test_an_id_that_is_looked_for_at_another_address_is_found(tmp_path: Path) -> None:
+    """The store has fixed two bits of the selector of the others, and is asked first."""
+    assert findings(tmp_path, IN_THE_ID) == []
+    found = findings(tmp_path, IN_THE_ID.replace("0x061", "0x361"))
+    assert [(f.rule, f.message, f.hint) for f in found] == [
+        (
+            "id-collision",
+            "the ids of this reply are taken for those of the address `store`, which has no such code",
+            "0x1C000 is that of node 0 there: check `id`, `nodes` and `selector` of both addresses, or give it another "
+            "code",
+        )
+    ]

@@ -1,0 +1,254 @@
+"""Every rule by its examples: what it finds, to the letter, and what it lets pass."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+from canwright.cli import main
+from canwright.compare import CHANGES
+from canwright.diagnostics.diagnostic import Diagnostic, Position, Severity, SpecError
+from canwright.project.loader import load
+from canwright.rules import EVERY
+from canwright.templating.resources import EXAMPLES, SCHEMA
+from click.testing import CliRunner
+from jsonschema import Draft202012Validator
+
+from ..spec_texts import MINIMAL
+
+FOLDERS = sorted(folder.name for folder in EXAMPLES.iterdir())
+ELSEWHERE = {
+    "file-size": "its example would be a megabyte; test_source has it",
+    "stale-output": "it is about output; test_cli has it",
+}
+
+
+def found(folder: Path, name: str, rule: str, monkeypatch: pytest.MonkeyPatch) -> list[Diagnostic]:
+    """Findings of an example. That it has no golden frames is not held against it, except by the rule that wants them."""
+    monkeypatch.chdir(folder)
+    try:
+        findings = load(Path(name)).warnings
+    except SpecError as error:
+        findings = error.diagnostics
+    return [finding for finding in findings if rule == "missing-frame" or finding.rule != "missing-frame"]
+
+
+def test_every_rule_has_examples() -> None:
+    assert set(FOLDERS) | set(ELSEWHERE) == set(EVERY)
+    assert not set(FOLDERS) & set(ELSEWHERE)
+
+
+@pytest.mark.parametrize("rule", FOLDERS)
+def test_what_a_rule_finds(rule: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = EXAMPLES / rule
+    bad = found(folder, "bad.yaml", rule, monkeypatch)
+    assert "\n".join(map(str, bad)) + "\n" == (folder / "expected.txt").read_text("utf-8")
+    assert {(finding.rule, finding.severity) for finding in bad} == {(rule, EVERY[rule].severity)}
+    assert all(finding.hint for finding in bad) or rule in ("value", "yaml")
+    assert found(folder, "good.yaml", rule, monkeypatch) == []
+
+
+STRUCTURAL = (
+    *("field-type", "missing-key", "missing-reply", "name", "parameter-kind", "two-ranges", "type", "unknown-key"),
+    *("value", "ambiguous-scalar", "no-effect"),
+)
+"""Rules about the shape of a spec, which a JSON Schema can say as well."""
+
+
+@pytest.fixture(scope="module")
+def json_schema() -> Draft202012Validator:
+    return Draft202012Validator(json.loads(SCHEMA.read_text("utf-8")))
+
+
+@pytest.mark.parametrize("rule", FOLDERS)
+def test_the_json_schema_accepts_what_is_good(rule: str, json_schema: Draft202012Validator) -> None:
+    assert json_schema.is_valid(yaml.load((EXAMPLES / rule / "good.yaml").read_text("utf-8"), yaml.CSafeLoader))
+
+
+@pytest.mark.parametrize("rule", STRUCTURAL)
+def test_the_json_schema_rejects_what_has_a_wrong_shape(rule: str, json_schema: Draft202012Validator) -> None:
+    assert not json_schema.is_valid(yaml.load((EXAMPLES / rule / "bad.yaml").read_text("utf-8"), yaml.CSafeLoader))
+
+
+@pytest.mark.parametrize("rule", EVERY)
+def test_explain(rule: str) -> None:
+    result = CliRunner().invoke(main, ["explain", rule])
+    assert result.exit_code == 0
+    assert result.output.startswith(f"{rule} ({EVERY[rule].severity.value})\n\n{EVERY[rule].purpose}\n")
+    assert ("Bad, bad.yaml:" in result.output) == (rule in FOLDERS)
+    assert f"[{rule}]" in result.output or rule in ELSEWHERE
+
+
+def test_explain_lists_all_and_names_the_nearest() -> None:
+    listed = CliRunner().invoke(main, ["explain"]).output
+    assert [line.split()[0] for line in listed.splitlines()] == [*EVERY, *CHANGES]
+    result = CliRunner().invoke(main, ["explain", "overlp"])
+    assert (result.exit_code, "did you mean `overlap`?" in result.output) == (2, True)
+
+
+MIXED = (
+    MINIMAL.replace("selector:", "selecter:")
+    .replace("u16", "u99")
+    .replace("reply: echo", "repl: echo\n    effects: [glows]")
+    .replace("edition: v1", "edition: v1\ntitle: 100% lamps")
+    + "  glow: {code: 0x110, reply: {a: {at: 1, raw: u8}, b: {at: 1.4, raw: u8}}}\n"
+)
+
+
+def test_one_run_tells_all_that_is_wrong(tmp_path: Path) -> None:
+    """Structure, references and meaning together, in file order, and nothing that only follows from another finding."""
+    (tmp_path / "my.yaml").write_text(MIXED, "utf-8")
+    with pytest.raises(SpecError) as refused:
+        load(tmp_path / "my.yaml")
+    assert [(d.position.line, d.rule) for d in refused.value.diagnostics] == [
+        (6, "unknown-key"),
+        (8, "value"),
+        (14, "unknown-key"),
+        (15, "unknown-reference"),
+        (16, "code-width"),
+        (16, "overlap"),
+    ]
+
+
+FRAMES = """canwright: 1
+family: lamp
+edition: v1
+sources: {manual: The manual.}
+frames:
+  - {request: dim, node: 1, id: "0x101", data: "10 00 64 00 00 00 00 00", raw: {level: 100}, source: manual}
+"""
+
+
+def test_one_file_that_is_no_yaml_hides_nothing_of_the_others(tmp_path: Path) -> None:
+    """Its golden frames, the spec whose frames it is, and other specs are told in the same run, warnings as well."""
+    broken = MINIMAL.replace("types:", "types: {")
+    texts = {
+        "a.yaml": broken,
+        "a.frames.yaml": FRAMES,
+        "b.yaml": MINIMAL.replace("scale: 0.1", "scale: 0"),
+        "b.frames.yaml": FRAMES.replace("{request", "[{request"),
+        "c.yaml": MINIMAL.replace("type: level", "type: levl"),
+        "d.yaml": MINIMAL,
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text, "utf-8")
+    specs = [argument for name in "abcd" for argument in ("--spec", str(tmp_path / f"{name}.yaml"))]
+    result = CliRunner().invoke(main, ["check", "--format", "json", *specs])
+    told = [(Path(f["file"]).name, f["line"], f["rule"]) for f in json.loads(result.stdout)["findings"]]
+    assert (result.exit_code, told) == (
+        1,
+        [
+            ("a.frames.yaml", 6, "value"),
+            ("a.yaml", 6, "yaml"),
+            ("b.frames.yaml", 6, "yaml"),
+            ("b.yaml", 7, "zero-scale"),
+            ("c.yaml", 12, "unknown-reference"),
+            ("d.yaml", 1, "missing-frame"),
+        ],
+    )
+
+
+def machine(folder: Path, printer: str, text: str = MIXED) -> tuple[int, str]:
+    file = folder / "a, b.yaml"
+    file.write_text(text, "utf-8")
+    result = CliRunner().invoke(main, ["check", "--spec", str(file), "--format", printer])
+    return result.exit_code, result.stdout.replace(str(folder), "folder")
+
+
+def test_json(tmp_path: Path) -> None:
+    code, printed = machine(tmp_path, "json")
+    assert code == 1
+    findings = json.loads(printed)["findings"]
+    assert len(findings) == 6
+    assert findings[0] == {
+        "file": "folder/a, b.yaml",
+        "line": 6,
+        "column": 1,
+        "end_column": 9,
+        "severity": "error",
+        "rule": "unknown-key",
+        "message": "unknown key `selecter`",
+        "hint": "did you mean `selector`?",
+    }
+
+
+def test_github_annotations(tmp_path: Path) -> None:
+    code, printed = machine(tmp_path, "github", MINIMAL.replace("at: 2", "at: 7"))
+    assert code == 1
+    assert printed == (
+        "::error file=folder/a%2C b.yaml,line=12,col=27,title=beyond-frame::"
+        "`level` takes bytes 7 to 8, and the frame has bytes 0 to 7%0Acheck `at`, the type and `dlc`\n"
+    )
+
+
+def test_sarif(tmp_path: Path) -> None:
+    code, printed = machine(tmp_path, "sarif")
+    assert code == 1
+    (run,) = json.loads(printed)["runs"]
+    assert {rule["id"] for rule in run["tool"]["driver"]["rules"]} == {result["ruleId"] for result in run["results"]}
+    region = run["results"][0]["locations"][0]["physicalLocation"]["region"]
+    assert region == {"startLine": 6, "startColumn": 1, "endColumn": 9}
+
+
+def test_the_caret_stands_under_what_is_meant_in_a_terminal() -> None:
+    """Wide characters take two columns there, and combining ones none; machines are told characters."""
+    text = "  灯e\u0301: {title: 调光, at: x}"
+    found = str(Diagnostic(Severity.ERROR, "value", "no", Position("a.yaml", 1, text.index("x") + 1, 1, text)))
+    assert found.split("\n")[2].index("^") - 2 == text.index("x") + 3 - 1
+    wide = str(Diagnostic(Severity.ERROR, "value", "no", Position("a.yaml", 1, text.index("调") + 1, 2, text)))
+    assert wide.endswith("^^^^")
+
+
+def test_a_layout_that_fields_are_added_to_is_used(tmp_path: Path) -> None:
+    (tmp_path / "my.yaml").write_text(
+        MINIMAL
+        + "  ask: {code: 0x11, manual: '1', reply: {layout: state, fields: {lamp: {at: 1, raw: u8}}}}\n"
+        + "layouts: {state: {fields: {level: {at: 2, type: level}}}}\n",
+        "utf-8",
+    )
+    assert [d.rule for d in load(tmp_path / "my.yaml").warnings] == ["missing-frame"]
+
+
+def test_machines_are_told_when_all_is_well(tmp_path: Path) -> None:
+    assert machine(tmp_path, "github", MINIMAL)[0] == 0
+    code, printed = machine(tmp_path, "json", MINIMAL)
+    assert (code, [f["rule"] for f in json.loads(printed)["findings"]]) == (0, ["missing-frame"])
+
+
+def test_what_is_refused_names_what_is_there(tmp_path: Path) -> None:
+    """A golden frame that a copied spec no longer has is found before it is replayed."""
+    (tmp_path / "lamp.yaml").write_text(MINIMAL, "utf-8")
+    (tmp_path / "lamp.frames.yaml").write_text(
+        "canwright: 1\nfamily: lamp\nedition: v1\nsources: {manual: The manual.}\nframes: []\nrefused:\n"
+        "  - {encode: request, command: dim, node: 1, raw: {levle: 1001}, says: out_of_range, source: manual}\n"
+        "  - {encode: request, command: dom, node: 1, raw: {level: 1001}, says: out_of_range, source: manual}\n"
+        "  - {encode: request, command: dim, node: 1, raw: {level: 1001}, says: out_of_range, source: manual}\n",
+        "utf-8",
+    )
+    with pytest.raises(SpecError) as refused:
+        load(tmp_path / "lamp.yaml")
+    assert [
+        (d.position.line, d.message, d.hint) for d in refused.value.diagnostics if d.rule == "refused-contradiction"
+    ] == [
+        (7, "there is no field `levle` in the request of dim", "did you mean `level`?"),
+        (8, "there is no command `dom`", "did you mean `dim`?"),
+    ]
+
+
+def test_a_field_that_moved_is_told_once_for_each_frame(tmp_path: Path) -> None:
+    (tmp_path / "lamp.yaml").write_text(MINIMAL.replace("at: 2", "at: 4"), "utf-8")
+    frame = "id: 0x101, node: 1, data: 10 00 64 00 00 00 00 00, source: manual"
+    (tmp_path / "lamp.frames.yaml").write_text(
+        "canwright: 1\nfamily: lamp\nedition: v1\nsources: {manual: The manual.}\nframes:\n"
+        f"  - {{request: dim, {frame}, raw: {{level: 100}}, values: {{level: 10}}}}\n"
+        f"  - {{request: dim, {frame}, raw: {{level: 0}}, values: {{level: 10}}}}\n",
+        "utf-8",
+    )
+    with pytest.raises(SpecError) as refused:
+        load(tmp_path / "lamp.yaml")
+    assert [(d.position.line, d.message) for d in refused.value.diagnostics] == [
+        (6, "the bytes hold 0 in `level`"),
+        (7, "`level` is 0 by the spec's scale"),
+    ]
