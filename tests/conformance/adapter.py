@@ -9,7 +9,7 @@ from typing import Protocol
 
 from canwright.language.golden_frames import Refusal
 from canwright.model.edition import Direction
-from canwright.semantics.decoder import CanFrame as CanFrame
+from canwright.semantics.frame import CanFrame as CanFrame
 
 Raw = int | list[int]
 Value = float | str | list[str] | list[float] | None

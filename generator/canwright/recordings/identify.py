@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from ..compare import Change, Impact, Side, compare
 from ..model.edition import Command, Edition
-from ..semantics.decoder import CanFrame, has_id, node_of
+from ..semantics.frame import CanFrame, has_id, node_of
 from .scoring import STRONG, Reader, Reading, Reason
 
 LEAD = 3

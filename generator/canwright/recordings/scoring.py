@@ -13,7 +13,8 @@ from fractions import Fraction
 
 from ..model import formatting
 from ..model.edition import Assignment, Direction, Edition, Element, Encoding, Field, Key, Message, Space, Type, Variant
-from ..semantics.decoder import CanFrame, data_bits, has_id, node_of, value_of
+from ..semantics.decoder import value_of
+from ..semantics.frame import CanFrame, data_bits, has_id, node_of
 
 WEAK = 1
 """Unusual: a reserved byte of a reply that is not 0, a raw integer beyond its printed range."""

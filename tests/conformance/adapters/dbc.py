@@ -15,7 +15,8 @@ from typing import TypeVar
 
 from canwright.language.golden_frames import Refusal
 from canwright.model.edition import Assignment, Direction, Message, Space
-from canwright.semantics.decoder import CanFrame as ModelFrame, has_id, is_message, node, raw_of, wrong_constants
+from canwright.semantics.dispatch import node_of_id as node
+from canwright.semantics.frame import CanFrame as ModelFrame, has_id, is_message, raw_of, wrong_constants
 from canwright.targets import Described, dbc
 from canwright.targets.dbc.frames import Traffic, obstacle
 

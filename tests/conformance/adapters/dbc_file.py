@@ -12,7 +12,7 @@ from cantools.database import Database, DecodeError, EncodeError
 from cantools.database.can import Message as CanMessage, Signal
 from canwright.language.golden_frames import Refusal
 from canwright.model.edition import Command, Direction, Edition, Encoding, Field, Message, Space
-from canwright.semantics.decoder import is_message
+from canwright.semantics.frame import is_message
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
 from .dbc_fields import Data, Number, cells, float_of, values_of

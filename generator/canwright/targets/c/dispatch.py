@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from ...model.edition import Command, Direction, Edition, Message, ReplyForm
-from ...semantics.decoder import by_rule
+from ...semantics.dispatch import dispatch_plan
 from . import bits
 from .forms import address_mask
 from .messages import Forms, RuleView, frame_id
@@ -72,7 +72,7 @@ def entries(names: Names, edition: Edition, forms: Forms, direction: Direction) 
             " && ".join(_other_length(dlc) for dlc in dict.fromkeys(m.dlc for m in messages if not m.remote)),
             _Tree(names, forms, messages, address_mask(edition, messages[0].address, direction)).from_key(messages, 0),
         )
-        for messages in by_rule(found)
+        for messages in (entry.messages for entry in dispatch_plan(found).entries)
     ]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ...model.edition import Direction, Edition, Key, Message, ReplyForm
-from ...semantics.decoder import by_rule, open_bits
+from ...semantics.dispatch import Entry, dispatch_plan
 from . import bits, text
 
 
@@ -22,12 +22,12 @@ class Readers:
 
 def routes(edition: Edition, direction: Direction, readers: Readers) -> Iterator[str]:
     """One `Route(...)` expression for every rule from node to id."""
-    for messages in by_rule(edition.messages(direction)):
-        yield _route(messages, readers)
+    for entry in dispatch_plan(edition.messages(direction)).entries:
+        yield _route(entry, readers)
 
 
-def _route(messages: list[Message], readers: Readers) -> str:
-    rule, mask = messages[0].id, open_bits(messages)
+def _route(entry: Entry, readers: Readers) -> str:
+    rule, mask, messages = entry.rule, entry.mask, list(entry.messages)
     nodes = f"range({rule.nodes[0]}, {rule.nodes[-1] + 1})" if rule.nodes is not None else "None"
     arguments = [f"0x{rule.base:X}", str(rule.node_step), nodes]
     if mask:
