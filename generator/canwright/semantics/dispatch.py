@@ -149,10 +149,9 @@ Conditions = tuple[tuple[Bits, int], ...]
 class _Candidate(NamedTuple):
     """Messages with the same keys, one of each length, and the conditions that are still to be decided.
 
-    Among candidates, the lowest `rank` goes first. `place` is where its first message stands in the spec.
+    `place` is where the first of them stands in the spec.
     """
 
-    rank: int
     place: int
     conditions: Conditions
     messages: tuple[Message, ...]
@@ -160,18 +159,17 @@ class _Candidate(NamedTuple):
 
 def _candidates(messages: Sequence[Message]) -> list[_Candidate]:
     """Every message under each value that it claims: by the first key's place, then the most keys, at last no key."""
-    firsts = list(dict.fromkeys(Bits.of(message.keys[0]) for message in messages if message.keys))
     found: dict[Conditions, tuple[int, dict[int, Message]]] = {}
     for place, message in enumerate(messages):
         for conditions in _conditions(message):
             found.setdefault(conditions, (place, {}))[1].setdefault(message.dlc, message)
-    ordered = sorted(
-        found.items(), key=lambda one: (firsts.index(one[0][0][0]) if one[0] else len(firsts), -len(one[0]))
+    candidates = [_Candidate(place, keys, tuple(same.values())) for keys, (place, same) in found.items()]
+    firsts = dict.fromkeys(Bits.of(message.keys[0]) for message in messages if message.keys)
+    order = {bits: number for number, bits in enumerate(firsts)}
+    return sorted(
+        candidates,
+        key=lambda one: (order[one.conditions[0][0]] if one.conditions else len(order), -len(one.conditions)),
     )
-    return [
-        _Candidate(rank, place, conditions, tuple(by_length.values()))
-        for rank, (conditions, (place, by_length)) in enumerate(ordered)
-    ]
 
 
 def _conditions(message: Message) -> Iterator[Conditions]:
@@ -190,18 +188,14 @@ class _Tree:
     def __init__(self, mask: int, any_length: bool) -> None:
         self._mask = mask
         self._any_length = any_length
-        self._known: dict[tuple[tuple[int, Conditions], ...], Node] = {}
 
     def of(self, candidates: Sequence[_Candidate]) -> Node:
-        """The tree for candidates in order of rank: the first whose conditions are met is meant."""
+        """The tree for candidates in this order: the first whose conditions are met is meant."""
         if not candidates:
             return Reject(Refusal.UNKNOWN_CODE)
         if not candidates[0].conditions:
             return self._by_length(candidates[0].messages)
-        known = tuple((one.rank, one.conditions) for one in candidates)
-        if known not in self._known:
-            self._known[known] = self._select(candidates[0].conditions[0][0], candidates)
-        return self._known[known]
+        return self._select(candidates[0].conditions[0][0], candidates)
 
     def _select(self, subject: Bits, candidates: Sequence[_Candidate]) -> Node:
         others: list[_Candidate] = []
@@ -216,7 +210,7 @@ class _Tree:
                 by_value.setdefault(value, []).append(one._replace(conditions=left))
         cases: list[Case] = []
         for value, own in sorted(by_value.items(), key=lambda item: min(one.place for one in item[1])):
-            then = self.of(_until_sure([*own, *others]))
+            then = self.of([*own, *others])
             if cases and cases[-1].then == then:
                 cases[-1] = Case((*cases[-1].values, value), then)
             else:
@@ -240,13 +234,3 @@ class _Tree:
         """Rejects ids with bits that others of the entry fill and this message does not."""
         unused = self._mask & ~message.id_mask
         return Select(MaskedId(unused), (Case((0,), then),), Reject(Refusal.UNKNOWN_ID)) if unused else then
-
-
-def _until_sure(candidates: Iterable[_Candidate]) -> list[_Candidate]:
-    """Candidates in order of rank, up to the first that has no condition left: it is found before those behind it."""
-    ordered: list[_Candidate] = []
-    for one in sorted(candidates, key=lambda one: one.rank):
-        ordered.append(one)
-        if not one.conditions:
-            break
-    return ordered
