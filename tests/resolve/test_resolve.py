@@ -327,3 +327,10 @@ def test_a_constant_that_shares_its_bits_with_the_selector_is_told(tmp_path: Pat
     assert findings(tmp_path, text) == []
     text = text.replace("zero: {at: 1, raw: u8, constant: 0}", "zero: {at: 2, raw: u8, constant: 0}", 1)
     assert marked(findings(tmp_path, text)) == ["overlap: 2"]
+
+
+@pytest.mark.parametrize(("given", "found"), [("reserved: 3", "reserved"), ("holds: node", "holds")])
+def test_a_field_has_one_role(tmp_path: Path, given: str, found: str) -> None:
+    text = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
+    text = text.replace("zero: {at: 1, raw: u8, constant: 0}", f"zero: {{at: 1, raw: u8, constant: 0, {given}}}", 1)
+    assert marked(findings(tmp_path, text)) == [f"field-type: {found}"]

@@ -17,28 +17,17 @@ import cantools
 import pytest
 from cantools.database import Database
 from canwright.language.golden_frames import Refusal
-from canwright.model.edition import (
-    Assignment,
-    Direction,
-    Edition,
-    Element,
-    Encoding,
-    Field,
-    Key,
-    Layout,
-    Message,
-    Segment,
-    Space,
-    Variant,
-)
+from canwright.model.edition import Direction, Edition, Key, Message
+from canwright.model.layout import ConstantRole, Element, Field, Layout, Segment, Space, Variant
+from canwright.model.types import Assignment, Encoding
 from canwright.project.loader import described
 from canwright.targets import Described, dbc
 from hypothesis import given, settings, strategies as st
 
 from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
 from ..conformance.adapters.dbc import DbcAdapter
-from ..spec_texts import SMALL, called, edition
 from ..resolve.test_tables import TABLE
+from ..spec_texts import SMALL, called, edition
 from .test_dbc import CASES, SPECS, files
 
 
@@ -112,7 +101,7 @@ def packed(message: Message, raw: Mapping[str, list[int]]) -> bytes:
     """The data of a message, bit by bit."""
     places = [(bits_of(key.segments), key.value) for key in message.keys if key.space is Space.DATA]
     for field in message.layout.fields:
-        values = [field.constant] * len(field.elements) if field.constant is not None else raw.get(field.name, [])
+        values = [field.fixed] * len(field.elements) if field.fixed is not None else raw.get(field.name, [])
         places += [(element.bits, value) for element, value in zip(field.elements, values, strict=False)]
     frame = sum(1 << bit for bits, value in places for i, bit in enumerate(bits) if value >> i & 1)
     return frame.to_bytes(message.dlc, "little")
@@ -158,7 +147,7 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
     raw = {
         field.name: [data.draw(raw_integers(field, assignment)) for _ in field.elements]
         for field in variant.fields
-        if field.constant is None
+        if field.fixed is None
     }
     flat = {f.name: raw[f.name] if f.is_array else raw[f.name][0] for f in variant.fields if f.name in raw}
     node = data.draw(st.sampled_from(message.id.nodes)) if message.id.nodes else None
@@ -203,8 +192,12 @@ def moved(layout: Layout, constant: int | None) -> Layout:
     first, *others = layout.fields
     away = dataclasses.replace(first, elements=(Element(None, (Segment(4, 0, 8, 0), Segment(5, 0, 8, 8))),))
     byte = (Element(None, (Segment(1, 0, 8, 0),)),)
-    fixed = dataclasses.replace(others[-1], name="fixed", elements=byte, constant=constant)
-    fields = (away, *others) if constant is None else (fixed, away, *others)
+    fixed = (
+        ()
+        if constant is None
+        else (dataclasses.replace(others[-1], name="fixed", elements=byte, role=ConstantRole(constant)),)
+    )
+    fields = (*fixed, away, *others)
     return dataclasses.replace(layout, fields=fields, variants=(Variant((), fields),))
 
 

@@ -12,7 +12,9 @@ from rich.text import Text as RichText
 from ..diagnostics.diagnostic import nearest
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting
-from ..model.edition import Command, Edition, Field, IdRule, Layout, Level, Message, ReplyForm
+from ..model.edition import Command, Edition, IdRule, Message, ReplyForm
+from ..model.layout import Field, Layout, ReservedRole
+from ..model.metadata import Level
 from ..targets import Described
 
 _STYLES = {Level.NOTE: "cyan", Level.WARNING: "yellow", Level.DANGER: "bold red"}
@@ -131,8 +133,8 @@ def _relevant(command: Command, layout: Layout, field: Field) -> tuple[str, ...]
 
 def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
     type_ = field.type
-    if field.constant is not None:
-        return "constant" if field.checked else "reserved, sent as", str(field.constant)
+    if field.fixed is not None:
+        return "reserved, sent as" if isinstance(field.role, ReservedRole) else "constant", str(field.fixed)
     if type_.enum:
         return "\n".join(f"{m.value} {m.name}" for m in type_.enum), ""
     if type_.flags:

@@ -102,7 +102,7 @@ def _names(command: Command) -> tuple[set[str], set[str]]:
 
 
 def _fields(message: Message | None) -> object:
-    return message and {(f.elements, f.only, f.constant, f.checked, _meaning(f.type)) for f in message.layout.fields}
+    return message and {(f.elements, f.only, f.fixed, f.demanded, _meaning(f.type)) for f in message.layout.fields}
 
 
 def _meaning(type_: Type) -> tuple[object, ...]:

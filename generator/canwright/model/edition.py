@@ -13,11 +13,16 @@ from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
 from .layout import (
+    ConstantRole as ConstantRole,
     Element as Element,
     Field as Field,
+    FieldRole as FieldRole,
     Layout as Layout,
+    NodeRole as NodeRole,
+    ReservedRole as ReservedRole,
     Segment as Segment,
     Space as Space,
+    ValueRole as ValueRole,
     Variant as Variant,
 )
 from .metadata import (
@@ -140,7 +145,7 @@ class Message:
     @property
     def node_key(self) -> Key | None:
         """The bits of the field that holds the node, as a key is read; None when there is no such field."""
-        field = next((f for f in self.layout.fields if f.holds_node), None)
+        field = next((f for f in self.layout.fields if isinstance(f.role, NodeRole)), None)
         if field is None:
             return None
         return Key(field.name, field.space, field.type.order, field.type.width, field.elements[0].segments, 0)

@@ -41,7 +41,7 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
                 less = (frozenset(c) for size in range(len(selected) + 1) for c in combinations(selected, size))
                 meant = (keys for keys in less if keys != selected or keys not in by_length)
                 others = [constants for keys in meant for constants in holding.get(keys, ())]
-                names = (f.name for at, f in mine.items() if any(_holds(o.get(at)) != f.constant for o in others))
+                names = (f.name for at, f in mine.items() if any(_holds(o.get(at)) != f.fixed for o in others))
                 deciding[message.name] = frozenset(names)
     for command in commands:
         if command.reply_form is ReplyForm.ECHO and command.request and command.reply:
@@ -95,7 +95,7 @@ def _constants(message: Message) -> Constants:
 
 
 def _holds(field: Field | None) -> int | None:
-    return field.constant if field else None
+    return field.fixed if field else None
 
 
 def _keyed(
@@ -111,7 +111,7 @@ def _keyed(
 
 
 def _key(field: Field) -> Key:
-    value = (field.constant or 0) & ((1 << field.type.width) - 1)
+    value = (field.fixed or 0) & ((1 << field.type.width) - 1)
     return Key(field.name, field.space, field.type.order, field.type.width, field.elements[0].segments, value)
 
 

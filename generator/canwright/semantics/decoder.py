@@ -119,7 +119,7 @@ def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:
 
 def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
     """The raw integer of each field, constants left out."""
-    return {f.name: raw_of(f, frame) for f in variant.fields if f.constant is None}
+    return {f.name: raw_of(f, frame) for f in variant.fields if f.fixed is None}
 
 
 def raw_of(field: Field, frame: CanFrame) -> Raw:

@@ -70,7 +70,7 @@ class Receiver:
         there = variant.fields if variant else (field for field in layout.fields if not field.only)
         wrong = wrong_constants(there, frame)
         if wrong:
-            return Refused(Refusal.WRONG_CONSTANT, f"`{wrong[0].name}` should hold {wrong[0].constant}", wrong[0].name)
+            return Refused(Refusal.WRONG_CONSTANT, f"`{wrong[0].name}` should hold {wrong[0].fixed}", wrong[0].name)
         if variant is None:
             text = f"the fields of {read.message.name} depend on `{layout.parameter}`, which is not given"
             return Refused(Refusal.MISSING_PARAMETER, text)

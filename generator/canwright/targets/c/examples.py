@@ -163,7 +163,7 @@ class _Example:
 
     def _side(self, message: Message, raw: Raw) -> SideView:
         variant = message.layout.variant(self._known)
-        fields = [f for f in variant.fields if f.constant is None] if variant else []
+        fields = [f for f in variant.fields if f.fixed is None] if variant else []
         values = [f".{member(f.name)} = {_initializer(f, raw.get(f.name, 0))}" for f in fields]
         return SideView(self._frames[self._names.lower(message.name)], tuple(values), tuple(self._shown(fields)))
 

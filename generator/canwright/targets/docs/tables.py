@@ -8,21 +8,9 @@ from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from ...model import formatting
-from ...model.edition import (
-    Assignment,
-    Command,
-    Encoding,
-    Field,
-    IdRule,
-    Key,
-    Layout,
-    Message,
-    Order,
-    ReplyForm,
-    Space,
-    Text,
-    Type,
-)
+from ...model.edition import Command, IdRule, Key, Message, ReplyForm
+from ...model.layout import Field, Layout, NodeRole, ReservedRole, Space
+from ...model.types import Assignment, Encoding, Order, Text, Type
 from .text import code, markdown
 
 Labels = Mapping[str, str]
@@ -112,7 +100,7 @@ def field_rows(
             numbers = _numbers(field, layout, command, labels)
             what = (
                 said(field, labels, language)
-                + (f"{labels['and']}{labels['holds_node']}" if field.holds_node else "")
+                + (f"{labels['and']}{labels['holds_node']}" if isinstance(field.role, NodeRole) else "")
                 + _section(field, layout, command, labels)
                 + _members(field.type, labels)
             )
@@ -151,8 +139,8 @@ def _section(field: Field, layout: Layout, command: Command, labels: Labels) -> 
 
 
 def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> tuple[str, str, str]:
-    if field.constant is not None:
-        return "", code(str(field.constant)), labels["constant" if field.checked else "sent_so"]
+    if field.fixed is not None:
+        return "", code(str(field.fixed)), labels["sent_so" if isinstance(field.role, ReservedRole) else "constant"]
     here = field.only if layout.parameter == field.type.linear.parameter else ()
     among = here or command.only.get(field.type.linear.parameter or "", ())
     return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
@@ -203,9 +191,9 @@ def _id_with_code(message: Message) -> IdRule | None:
     """The id as it is on the bus, where a key stands in it; None where no key does, or a field varies it."""
     placed = [(key.segments[0].low, key.value) for key in message.keys if key.space is Space.ID]
     fields = [field for field in message.layout.fields if field.space is Space.ID]
-    if not placed or any(field.constant is None for field in fields):
+    if not placed or any(field.fixed is None for field in fields):
         return None
-    placed += [(field.elements[0].segments[0].low, field.constant or 0) for field in fields]
+    placed += [(field.elements[0].segments[0].low, field.fixed or 0) for field in fields]
     return replace(message.id, base=message.id.base | sum(value << low for low, value in placed))
 
 
