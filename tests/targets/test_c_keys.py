@@ -6,7 +6,9 @@ import dataclasses
 
 import pytest
 from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Command, Direction, Edition, Key, Message, Order, Segment, Space
+from canwright.model.edition import Command, Direction, Edition, Key, KeyRole, Message
+from canwright.model.layout import Segment, Space
+from canwright.model.types import Order
 from canwright.project.loader import described
 from canwright.targets import Described
 
@@ -40,7 +42,15 @@ NODE_2 = 0x10002
 
 def second_key(value: int) -> Key:
     segments = (Segment(3, 0, 8, 0), Segment(2, 0, 8, 8))
-    return Key("index", Space.DATA, Order.BIG, 16, segments, value)
+    return Key(
+        name="index",
+        role=KeyRole.INDEX,
+        space=Space.DATA,
+        order=Order.BIG,
+        width=16,
+        segments=segments,
+        value=value,
+    )
 
 
 def with_second_keys(edition: Edition) -> Edition:

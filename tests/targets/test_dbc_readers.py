@@ -17,7 +17,7 @@ import cantools
 import pytest
 from cantools.database import Database
 from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction, Edition, Key, Message
+from canwright.model.edition import Direction, Edition, KeyRole, Message
 from canwright.model.layout import ConstantRole, Element, Field, Layout, Segment, Space, Variant
 from canwright.model.types import Assignment, Encoding
 from canwright.project.loader import described
@@ -180,7 +180,9 @@ def with_second_selector(at: int, constant: int | None = None) -> Described:
         reply = command.reply
         assert reply
         code = dataclasses.replace(reply.keys[0], value=0x1B)
-        index = Key("index", Space.DATA, code.order, 8, (Segment(at, 0, 8, 0),), value)
+        index = dataclasses.replace(
+            code, name="index", role=KeyRole.INDEX, segments=(Segment(at, 0, 8, 0),), value=value
+        )
         layout = moved(reply.layout, constant)
         moved_reply = dataclasses.replace(reply, keys=(code, index), accept=(), claims=(0x1B,), layout=layout)
         commands.append(dataclasses.replace(command, reply=moved_reply))

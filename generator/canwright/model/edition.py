@@ -103,21 +103,34 @@ class Address:
         return self.request if direction is Direction.REQUEST else self.reply
 
 
-@dataclass(frozen=True)
-class Key:
-    """Bits that must hold `value` for a frame to be a given message; the selector and, where there is one, a second."""
+class KeyRole(str, Enum):
+    """What the value of a key stands for."""
+
+    CODE = "code"
+    """The code of the command, where its selector is."""
+    INDEX = "index"
+    """An index of the entry of a table."""
+    CONSTANT = "constant"
+    """The constant of a field that other messages have otherwise."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BitRun:
+    """Bits that are read as one unsigned integer."""
 
     name: str
     space: Space
     order: Order
     width: int
     segments: tuple[Segment, ...]
-    value: int
 
-    @property
-    def is_index(self) -> bool:
-        """Whether it tells the entry of a table."""
-        return self.name.rstrip("0123456789") in ("index", "index_")
+
+@dataclass(frozen=True, kw_only=True)
+class Key(BitRun):
+    """Bits that must have `value` for a frame to be a given message."""
+
+    role: KeyRole
+    value: int
 
 
 @dataclass(frozen=True)
@@ -143,12 +156,18 @@ class Message:
     path: DocumentPath = field(compare=False)
 
     @property
-    def node_key(self) -> Key | None:
-        """The bits of the field that holds the node, as a key is read; None when there is no such field."""
+    def node_bits(self) -> BitRun | None:
+        """The bits of the field whose role is the node; None when there is no such field."""
         field = next((f for f in self.layout.fields if isinstance(f.role, NodeRole)), None)
         if field is None:
             return None
-        return Key(field.name, field.space, field.type.order, field.type.width, field.elements[0].segments, 0)
+        return BitRun(
+            name=field.name,
+            space=field.space,
+            order=field.type.order,
+            width=field.type.width,
+            segments=field.elements[0].segments,
+        )
 
     @cached_property
     def id_mask(self) -> int:

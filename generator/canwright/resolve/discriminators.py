@@ -7,8 +7,8 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 
-from ..model.edition import Command, Direction, Field, Key, Layout, Message, ReplyForm, Segment, Space, Variant
-from ..model.layout import bits_of
+from ..model.edition import Command, Direction, Key, KeyRole, Message, ReplyForm
+from ..model.layout import Field, Layout, Segment, Space, Variant, bits_of
 
 Place = tuple[Space, tuple[Segment, ...]]
 Constants = dict[Place, Field]
@@ -111,8 +111,16 @@ def _keyed(
 
 
 def _key(field: Field) -> Key:
-    value = (field.fixed or 0) & ((1 << field.type.width) - 1)
-    return Key(field.name, field.space, field.type.order, field.type.width, field.elements[0].segments, value)
+    width = field.type.width
+    return Key(
+        name=field.name,
+        role=KeyRole.CONSTANT,
+        space=field.space,
+        order=field.type.order,
+        width=width,
+        segments=field.elements[0].segments,
+        value=(field.fixed or 0) & ((1 << width) - 1),
+    )
 
 
 def _without(layout: Layout, names: frozenset[str]) -> Layout:

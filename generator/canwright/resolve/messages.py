@@ -7,14 +7,8 @@ from collections.abc import Collection, Mapping
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import edition as schema, suggestions
-from ..model.edition import (
-    Address,
-    Direction,
-    Key,
-    Layout,
-    Message,
-    ReplyForm,
-)
+from ..model.edition import Address, Direction, Key, KeyRole, Message, ReplyForm
+from ..model.layout import Layout
 from .context import Context
 from .layouts import LayoutResolver, segments_at
 from .reply_forms import Form, Reply
@@ -285,13 +279,21 @@ class MessageResolver:
                 self._context.report(path, "no-selector", text, "selector: {at: 0, raw: u8}", about=("selector",))
             self._lacks_selector = True
             return ()
-        return (self._key("code", selector, code, path),)
+        return (self._key("code", KeyRole.CODE, selector, code, path),)
 
-    def _key(self, name: str, selector: schema.Selector, value: int, path: DocumentPath) -> Key:
+    def _key(self, name: str, role: KeyRole, selector: schema.Selector, value: int, path: DocumentPath) -> Key:
         order = selector.byte_order or self._spec.byte_order
         _, width = selector.raw
         self._fits(value, width, path)
-        return Key(name, selector.at.space, order, width, segments_at(selector.at, width, order), value)
+        return Key(
+            name=name,
+            role=role,
+            space=selector.at.space,
+            order=order,
+            width=width,
+            segments=segments_at(selector.at, width, order),
+            value=value,
+        )
 
     def _fits(self, value: int, width: int, path: DocumentPath) -> None:
         if value >= 1 << width:
@@ -315,7 +317,7 @@ class MessageResolver:
                 self._context.report((*path, "index"), "too-many-values", text, "give the table's `index` as a list")
             places = ((*path, "index", i) if isinstance(entry.index, list) else (*path, "index") for i in range(9))
             keys = (
-                self._key("index" if i == 0 else f"index_{i + 1}", selector, value, place)
+                self._key("index" if i == 0 else f"index_{i + 1}", KeyRole.INDEX, selector, value, place)
                 for i, (selector, value, place) in enumerate(zip(selectors, values, places, strict=False))
             )
             entries[name] = Form(

@@ -89,7 +89,7 @@ class Receiver:
         if wrong:
             return _no_answer(wrong.text)
         source = node_of(expected, reply)
-        asked, told = sent.message.node_key, expected.node_key
+        asked, told = sent.message.node_bits, expected.node_bits
         to, bits = sent.node, -1
         if asked and not command.from_each:
             to, bits = held(asked, request), (1 << asked.width) - 1

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from ...model.edition import Encoding, Field, Key, Segment, Space
+from ...model.edition import BitRun, Key
+from ...model.layout import Field, Segment, Space
+from ...model.types import Encoding
 from .numbers import Integer, integer, smallest, working
 
 
@@ -21,7 +23,7 @@ def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") 
     return f"({kind.name})({read})"
 
 
-def key_value(key: Key, frame: str = "frame") -> str:
+def key_value(key: BitRun, frame: str = "frame") -> str:
     """What a frame holds where a key stands."""
     return _read(key.space, key.segments, key.width, frame)
 

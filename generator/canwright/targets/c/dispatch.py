@@ -159,7 +159,7 @@ def _answer(forms: Forms, command: Command, request: Message, reply: Message) ->
         yield f"{bits.operand(frame_id(reply, 'reply') + rule.mask)} == {rule.id_macro}"
     if rule.has_nodes and command.from_each:
         yield _one_of("from", command.from_each)
-    elif rule.has_nodes and request.id.nodes is not None and request.node_key is None:
+    elif rule.has_nodes and request.id.nodes is not None and request.node_bits is None:
         yield "from == to"
     yield from _held_nodes(command, request, reply)
     if command.reply_form is ReplyForm.ECHO:
@@ -168,7 +168,7 @@ def _answer(forms: Forms, command: Command, request: Message, reply: Message) ->
 
 def _held_nodes(command: Command, request: Message, reply: Message) -> Iterator[str]:
     """Conditions on the node where a field of the request or of the reply holds it, as many bits as both have."""
-    asked, told = request.node_key, reply.node_key
+    asked, told = request.node_bits, reply.node_bits
     if told is not None and command.from_each:
         nodes = sorted({node & (1 << told.width) - 1 for node in command.from_each})
         yield _one_of(bits.operand(bits.key_value(told, "reply")), nodes)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from ...model import formatting
-from ...model.edition import Command, IdRule, Key, Message, ReplyForm
+from ...model.edition import Command, IdRule, Key, KeyRole, Message, ReplyForm
 from ...model.layout import Field, Layout, NodeRole, ReservedRole, Space
 from ...model.types import Assignment, Encoding, Order, Text, Type
 from .text import code, markdown
@@ -48,7 +48,7 @@ def code_of(command: Command) -> str:
 
 def index(message: Message | None) -> str:
     """The bytes that tell the entry: `0x05 0x0A`."""
-    return " ".join(f"0x{key.value:02X}" for key in message.keys if key.is_index) if message else ""
+    return " ".join(f"0x{key.value:02X}" for key in message.keys if key.role is KeyRole.INDEX) if message else ""
 
 
 class Cells(NamedTuple):
@@ -84,7 +84,7 @@ def field_cells(field: Field) -> list[Cells]:
 def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels: Labels) -> Iterator[Row]:
     """The selector of a frame."""
     for i, (key, start) in enumerate(zip(message.keys, cells, strict=True)):
-        note = labels["selector_of_entry" if command.entry and key.is_index else "selector"]
+        note = labels["selector_of_entry" if command.entry and key.role is KeyRole.INDEX else "selector"]
         if i == 0 and message.accept:
             accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept)
             note += f"{labels['and']}{labels['accepted']} {accepted}"
