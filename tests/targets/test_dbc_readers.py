@@ -177,15 +177,15 @@ def with_second_selector(at: int, constant: int | None = None) -> Described:
     commands = []
     for name, value in (("shine", 0x0A), ("turn", 0x0B)):
         command = small.edition.command(name)
-        reply = command.reply
-        assert reply
+        (form,) = command.replies
+        reply = form.message
         code = dataclasses.replace(reply.keys[0], value=0x1B)
         index = dataclasses.replace(
             code, name="index", role=KeyRole.INDEX, segments=(Segment(at, 0, 8, 0),), value=value
         )
         layout = moved(reply.layout, constant)
         moved_reply = dataclasses.replace(reply, keys=(code, index), accept=(), claims=(0x1B,), layout=layout)
-        commands.append(dataclasses.replace(command, reply=moved_reply))
+        commands.append(dataclasses.replace(command, replies=(dataclasses.replace(form, message=moved_reply),)))
     return Described(dataclasses.replace(small.edition, commands=tuple(commands)), None)
 
 

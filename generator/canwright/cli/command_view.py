@@ -12,7 +12,7 @@ from rich.text import Text as RichText
 from ..diagnostics.diagnostic import nearest
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting
-from ..model.edition import Command, Edition, IdRule, Message, ReplyForm
+from ..model.edition import Command, EchoReply, Edition, IdRule, Message, OtherReply, SharedReply
 from ..model.layout import Field, Layout, ReservedRole
 from ..model.metadata import Level
 from ..targets import Described
@@ -79,11 +79,14 @@ def _facts(command: Command, language: str) -> Iterator[RichText]:
 
 
 def _reply_form(command: Command) -> str:
-    form = {
-        ReplyForm.ECHO: "the request comes back",
-        ReplyForm.OTHER: f"that of {command.reply_of}",
-        ReplyForm.LAYOUT: f"the shared layout {command.reply.layout.name}" if command.reply else "",
-    }.get(command.reply_form, "")
+    form = ""
+    for reply in command.replies:
+        if isinstance(reply, EchoReply):
+            form = "the request comes back"
+        elif isinstance(reply, OtherReply):
+            form = f"that of {reply.of}"
+        elif isinstance(reply, SharedReply):
+            form = f"the shared layout {reply.message.layout.name}"
     each = f"one from each of {', '.join(map(str, command.from_each))}, in this order" if command.from_each else ""
     return ", ".join(part for part in (form, each) if part)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
-from ..model.edition import Command, Edition, Field, Layout, Message, ReplyForm, Type
+from ..model.edition import Command, Edition, Field, Layout, Message, Type
 
 
 class Named(Protocol):
@@ -92,7 +92,7 @@ def _bits(field: Field) -> set[int]:
 
 
 def _content(command: Command) -> tuple[object, ...]:
-    echo = command.reply_form is ReplyForm.ECHO
+    echo = command.is_echoed
     return (_fields(command.request), echo, None if echo else _fields(command.reply))
 
 

@@ -119,7 +119,7 @@ class Variant:
     fields: tuple[Field, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Layout:
     """Fields with their bits. `shared` layouts have a name in the spec; the others belong to one message.
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ..language.golden_frames import Refusal
 from ..model import formatting
-from ..model.edition import Assignment, Direction, Edition, Key, Message, ReplyForm, Variant
+from ..model.edition import Assignment, Direction, Edition, Key, Message, Variant
 from .decoder import CanFrame, by_rule, data_bits, difference, held, node, node_of, open_bits, wrong_constants
 
 
@@ -98,7 +98,7 @@ class Receiver:
             return _no_answer(f"it comes from node {source}, not {_listed(nodes)}")
         if told and not _is_from(nodes, held(told, reply), bits & (1 << told.width) - 1):
             return _no_answer(f"`{told.name}` holds node {held(told, reply)}, not {_listed(nodes)}")
-        if command.reply_form is ReplyForm.ECHO and request.data != reply.data:
+        if command.is_echoed and request.data != reply.data:
             return _no_answer(f"the reply of {command.name} is an echo, and this differs")
         return Read(expected, source)
 

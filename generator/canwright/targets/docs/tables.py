@@ -8,12 +8,13 @@ from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from ...model import formatting
-from ...model.edition import Command, IdRule, Key, KeyRole, Message, ReplyForm
+from ...model.edition import Command, EchoReply, IdRule, Key, KeyRole, Message, OtherReply, OwnReply, SharedReply
 from ...model.layout import Field, Layout, NodeRole, ReservedRole, Space
 from ...model.types import Assignment, Encoding, Order, Text, Type
 from .text import code, markdown
 
 Labels = Mapping[str, str]
+_FORM_LABELS = {EchoReply: "echo", OwnReply: "own", SharedReply: "layout", OtherReply: "other"}
 MOST_MEMBERS = 8
 """How many members are told in a row of a byte table; the page of types has them all, with their titles."""
 
@@ -212,19 +213,24 @@ def facts(message: Message, id_: str, nodes: str, labels: Labels) -> Iterator[tu
 
 def reply_form(command: Command, labels: Labels, commands: str) -> str:
     """The form of the reply, with the layout or the command that it is shared with; `commands` leads to its page."""
-    form = labels[command.reply_form.value]
-    if command.reply_form is ReplyForm.OTHER and command.reply_of:
-        return f"{form} [{markdown(command.reply_of)}]({commands}{command.reply_of}.md)"
-    if command.reply_form is ReplyForm.LAYOUT and command.reply:
-        return f"{form} {code(command.reply.layout.name)}"
+    form = labels[_form_label(command)]
+    for reply in command.replies:
+        if isinstance(reply, OtherReply):
+            return f"{form} [{markdown(reply.of)}]({commands}{reply.of}.md)"
+        if isinstance(reply, SharedReply):
+            return f"{form} {code(reply.message.layout.name)}"
     return form
+
+
+def _form_label(command: Command) -> str:
+    return _FORM_LABELS[type(command.replies[0])] if command.replies else "none"
 
 
 def reply_facts(command: Command, labels: Labels) -> Iterator[tuple[str, str]]:
     """How the reply comes about."""
     yield (
         labels["form"],
-        reply_form(command, labels, "") + labels["comma"] + labels[f"means_{command.reply_form.value}"],
+        reply_form(command, labels, "") + labels["comma"] + labels[f"means_{_form_label(command)}"],
     )
     if command.from_each:
         yield labels["from_each"], code(", ".join(map(str, command.from_each)))

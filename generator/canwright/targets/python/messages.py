@@ -15,7 +15,6 @@ from ...model.edition import (
     Message,
     Order,
     Parameter,
-    ReplyForm,
     Space,
     Variant,
 )
@@ -339,7 +338,7 @@ def _message_doc(command: Command, message: Message) -> tuple[str, ...]:
     title = f"{text.english(command.title)}{code}, {message.direction.value}."
     manual = f"Manual {text.plain(command.manual)}." if command.manual else ""
     if message.direction is Direction.REPLY:
-        echo = "The request, sent back." if command.reply_form is ReplyForm.ECHO else ""
+        echo = "The request, sent back." if command.is_echoed else ""
         return (title, f"{echo} {manual}".strip())
     effects = " ".join(text.sentence(text.english(e.title)) for e in command.effects)
     missing = "" if command.implemented else "Not implemented, says the manual."

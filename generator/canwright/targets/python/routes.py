@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ...model.edition import BitRun, Direction, Edition, Message, ReplyForm
+from ...model.edition import BitRun, Direction, Edition, Message
 from ...semantics.decoder import by_rule, open_bits
 from . import bits, text
 
@@ -105,7 +105,7 @@ def answers(edition: Edition, readers: Readers) -> Iterator[str]:
             for i, k in enumerate(reply.keys)
         )
         nodes = text.tuple_of(map(str, command.from_each))
-        echo = command.reply_form is ReplyForm.ECHO
+        echo = command.is_echoed
         names = text.class_name(command.request.name), text.class_name(reply.name)
         held = "".join(
             f", {word}=({readers.of(key, 0 if m.remote else m.dlc)}, 0x{(1 << key.width) - 1:X})"
