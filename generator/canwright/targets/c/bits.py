@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from ...model.edition import Encoding, Field, Key, Segment, Space
+from ...model.edition import BitRun, Key
+from ...model.layout import Field, Segment, Space
+from ...model.types import Encoding
 from .numbers import Integer, integer, smallest, working
 
 
@@ -21,14 +23,14 @@ def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") 
     return f"({kind.name})({read})"
 
 
-def key_value(key: Key, frame: str = "frame") -> str:
+def key_value(key: BitRun, frame: str = "frame") -> str:
     """What a frame holds where a key stands."""
     return _read(key.space, key.segments, key.width, frame)
 
 
 def constant_holds(field: Field, frame: str = "frame") -> list[str]:
     """Conditions that hold when a frame carries the constant of a field."""
-    value = (field.constant or 0) & ((1 << field.type.width) - 1)
+    value = (field.fixed or 0) & ((1 << field.type.width) - 1)
     kind = _shown(field.type.width, field.elements[0].segments)
     return [
         f"{operand(_read(field.space, e.segments, field.type.width, frame))} == {kind.bits(value)}"
@@ -64,8 +66,8 @@ def write_bytes(fields: Sequence[Field], members: dict[str, str], shared: Iterab
             continue
         for number, element in enumerate(field.elements):
             for s in element.segments:
-                if field.constant is not None:
-                    fixed[s.byte] = fixed.get(s.byte, 0) | _piece(field.constant, s)
+                if field.fixed is not None:
+                    fixed[s.byte] = fixed.get(s.byte, 0) | _piece(field.fixed, s)
                 else:
                     parts.setdefault(s.byte, []).append(_write(field, _member(field, members, number), s))
     for index in sorted({*parts, *fixed}):
@@ -82,8 +84,8 @@ def write_id(fields: Sequence[Field], members: dict[str, str]) -> list[str]:
         if field.space is Space.ID:
             for number, element in enumerate(field.elements):
                 for s in element.segments:
-                    if field.constant is not None:
-                        terms.append(f"0x{_piece(field.constant, s):X}u")
+                    if field.fixed is not None:
+                        terms.append(f"0x{_piece(field.fixed, s):X}u")
                     else:
                         terms.append(_write(field, _member(field, members, number), s))
     return terms

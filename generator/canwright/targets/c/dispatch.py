@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from ...model.edition import Command, Direction, Edition, Message, ReplyForm
+from ...model.edition import Command, Direction, Edition, Message
 from ...semantics.decoder import by_rule
 from . import bits
 from .forms import address_mask
@@ -146,7 +146,7 @@ def answers(names: Names, edition: Edition, forms: Forms) -> list[AnswerView]:
 def _answer(forms: Forms, command: Command, request: Message, reply: Message) -> Iterator[str]:
     message = forms.message(reply)
     rule = message.form.rule
-    if command.reply_form is not ReplyForm.ECHO:
+    if not command.is_echoed:
         node = "&from, " if rule.has_nodes else ""
         calls = [
             f"{message.form.name}_match({node}{', '.join(('reply', f'{message.dlc}u', *codes))}) == CANWRIGHT_OK"
@@ -159,16 +159,16 @@ def _answer(forms: Forms, command: Command, request: Message, reply: Message) ->
         yield f"{bits.operand(frame_id(reply, 'reply') + rule.mask)} == {rule.id_macro}"
     if rule.has_nodes and command.from_each:
         yield _one_of("from", command.from_each)
-    elif rule.has_nodes and request.id.nodes is not None and request.node_key is None:
+    elif rule.has_nodes and request.id.nodes is not None and request.node_bits is None:
         yield "from == to"
     yield from _held_nodes(command, request, reply)
-    if command.reply_form is ReplyForm.ECHO:
+    if command.is_echoed:
         yield "canwright_same_data(request, reply)"
 
 
 def _held_nodes(command: Command, request: Message, reply: Message) -> Iterator[str]:
     """Conditions on the node where a field of the request or of the reply holds it, as many bits as both have."""
-    asked, told = request.node_key, reply.node_key
+    asked, told = request.node_bits, reply.node_bits
     if told is not None and command.from_each:
         nodes = sorted({node & (1 << told.width) - 1 for node in command.from_each})
         yield _one_of(bits.operand(bits.key_value(told, "reply")), nodes)

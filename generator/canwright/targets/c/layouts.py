@@ -62,7 +62,7 @@ def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) ->
         names.lower(layout.name),
         english(layout.title) + (f" ({layout.manual})" if layout.manual else ""),
         tuple(text for text in (english(layout.about), *facts) if text),
-        tuple(_member(names, layout, f, types) for f in layout.fields if f.constant is None),
+        tuple(_member(names, layout, f, types) for f in layout.fields if f.fixed is None),
         bool(layout.fields),
         layout.parameter is not None,
         check,
@@ -107,7 +107,7 @@ def _unpacked(layout: Layout, variant: Variant) -> Iterator[str]:
         if field.demanded is not None and field.only and field in variant.fields:
             other = " || ".join(c.replace(" == ", " != ") for c in bits.constant_holds(field))
             yield f"if ({other}) {{\n    return CANWRIGHT_WRONG_CONSTANT;\n}}"
-        elif field.constant is None:
+        elif field.fixed is None:
             for number, element in enumerate(field.elements):
                 raw = bits.read_field(field, element.segments) if field in variant.fields else "0"
                 yield f"message->{member(field.name)}{f'[{number}]' if field.is_array else ''} = {raw};"
@@ -121,7 +121,7 @@ def _check(names: Names, layout: Layout, types: Types) -> Body | None:
 def _checked(names: Names, layout: Layout, variant: Variant, types: Types) -> Iterator[str]:
     """One statement a field and reason. A field that is not there must be 0, or it would be lost without a word."""
     for field in layout.fields:
-        if field.constant is not None:
+        if field.fixed is not None:
             continue
         item = f"message->{member(field.name)}" + ("[i]" if field.is_array else "")
         if field not in variant.fields:
@@ -157,4 +157,4 @@ def _mentions(body: Body, *texts: str) -> bool:
 
 def fields_named(layouts: Sequence[Layout]) -> list[str]:
     """The names of all fields that are members of some struct, in order, each once."""
-    return list(dict.fromkeys(f.name for layout in layouts for f in layout.fields if f.constant is None))
+    return list(dict.fromkeys(f.name for layout in layouts for f in layout.fields if f.fixed is None))

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ...model import formatting
-from ...model.edition import Command, Direction, Edition, Level, ReplyForm
+from ...model.edition import Command, Direction, Edition, OtherReply
+from ...model.metadata import Level
 from ..base import header
 from .choices import ParameterView, parameters
 from .dispatch import AnswerView, Entry, answers, entries
@@ -226,9 +227,9 @@ def _reply_doc(command: Command) -> str:
     each = f", from each of the nodes {', '.join(map(str, nodes))} in this order" if nodes else ""
     if command.reply is None:
         return "There is no reply."
-    if command.reply_form is ReplyForm.ECHO:
+    if command.is_echoed:
         return f"The reply is the request, sent back{each}."
-    if command.reply_form is ReplyForm.OTHER:
+    if isinstance(command.replies[0], OtherReply):
         return f"The reply is that of {command.reply.command}{each}."
     return f"One reply{each}." if each else ""
 
