@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
-from ...language.golden_frames import Refusal
 from ...model.edition import Assignment
 from ...templating.environment import environment
 from .. import Described, Output
@@ -14,6 +14,9 @@ from .examples import example
 from .problems import between as between, problems as problems
 from .text import call, code, comment, defines, function, in_comment, paragraph
 from .view import edition_view
+
+RUNTIME = Path(__file__).parent / "runtime"
+"""Headers that are the same for every protocol: what editions of a family share."""
 
 SHARED = ("canwright.h", "canwright_float.h")
 FILTERS: dict[str, Callable[..., object]] = {
@@ -24,29 +27,6 @@ FILTERS: dict[str, Callable[..., object]] = {
     "paragraph": paragraph,
     "safe_text": in_comment,
 }
-REFUSALS = {
-    Refusal.UNKNOWN_ID: "No message of this direction has this id, or none of this format.",
-    Refusal.UNKNOWN_CODE: "The id is known, the code is not.",
-    Refusal.WRONG_LENGTH: "The message has another DLC.",
-    Refusal.WRONG_CONSTANT: "A field that always holds one value holds another.",
-    Refusal.MISSING_PARAMETER: "The answer depends on a parameter that is not known.",
-    Refusal.NO_SCALE: "There is a raw integer, and no way to a value.",
-    Refusal.OUT_OF_RANGE: "Beyond the range, the bits or the names of the type; or a field that is not there is set.",
-    Refusal.NOT_FINITE: "NaN or infinity.",
-    Refusal.UNKNOWN_NODE: "The address has no such node.",
-    Refusal.NOT_ANSWER: "The reply does not belong to the request.",
-}
-
-
-class StatusView(NamedTuple):
-    """A status, its word and what it means."""
-
-    name: str
-    word: str
-    doc: str
-
-
-STATUSES = tuple(StatusView(f"CANWRIGHT_{refusal.name}", refusal.value, REFUSALS[refusal]) for refusal in Refusal)
 
 
 class FamilyView(NamedTuple):
@@ -70,8 +50,8 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     for family in dict.fromkeys(view.family for _, view in views):
         editions = [view for _, view in views if view.family == family]
         for file in SHARED:
-            text = env.get_template(f"{file}.j2").render(headers=[v.header for v in editions], refusals=STATUSES)
-            yield Output(f"include/{family}/{file}", text)
+            lines = "".join(f"/* {view.header} */\n" for view in editions)
+            yield Output(f"include/{family}/{file}", lines + (RUNTIME / file).read_text("utf-8"))
         for view in editions:
             yield Output(f"include/{family}/{view.file}.h", env.get_template("edition.h.j2").render(e=view))
             yield Output(f"include/{family}/{view.file}_float.h", env.get_template("edition_float.h.j2").render(e=view))
