@@ -10,10 +10,9 @@ from ...language.golden_frames import Refusal
 from ...model import formatting
 from ...model.edition import Assignment, Direction, Edition, Parameter
 from ...templating.environment import environment
-from .. import Described, Output, header
+from ..base import Described, Output, header
 from . import codec_names, messages, routes, text, types
 from .examples import example
-from .problems import problems as problems
 
 _TEXTS = re.compile(r'""".*?"""|"[^"\\\n]*(?:\\.[^"\\\n]*)*"', re.DOTALL)
 """Docstrings and other texts of a module, whose words are no names."""
