@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from canwright.language.golden_frames import Refusal
 from canwright.project.loader import described
-from canwright.targets import header
+from canwright.targets.base import header
 from canwright.targets.c import RUNTIME, SHARED
 
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, build, compilers

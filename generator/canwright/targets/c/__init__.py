@@ -11,7 +11,7 @@ from ...templating.environment import environment
 from ..base import Described, Output
 from .bits import operand
 from .examples import example
-from .text import call, code, comment, defines, function, in_comment, paragraph
+from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import edition_view
 
 RUNTIME = Path(__file__).parent / "runtime"
@@ -19,9 +19,10 @@ RUNTIME = Path(__file__).parent / "runtime"
 
 SHARED = ("canwright.h", "canwright_float.h")
 FILTERS: dict[str, Callable[..., object]] = {
-    "code": code,
+    "arguments": arguments,
     "comment": comment,
     "defines": defines,
+    "fold": fold,
     "operand": operand,
     "paragraph": paragraph,
     "safe_text": in_comment,
@@ -42,7 +43,6 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     The parameters stay open: a program decides on them.
     """
     env = environment("c", FILTERS)
-    env.globals.update(call=call, function=function, tab="    ")
     views = [(one, edition_view(one.edition)) for one in described]
     shown = [(view, example(one, view)) for one, view in views]
     families: list[FamilyView] = []
@@ -52,13 +52,15 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
             lines = "".join(f"/* {view.header} */\n" for view in editions)
             yield Output(f"include/{family}/{file}", lines + (RUNTIME / file).read_text("utf-8"))
         for view in editions:
-            yield Output(f"include/{family}/{view.file}.h", env.get_template("edition.h.j2").render(e=view))
-            yield Output(f"include/{family}/{view.file}_float.h", env.get_template("edition_float.h.j2").render(e=view))
+            yield Output(f"include/{family}/{view.file}.h", fold(env.get_template("edition.h.j2").render(e=view)))
+            yield Output(
+                f"include/{family}/{view.file}_float.h", fold(env.get_template("edition_float.h.j2").render(e=view))
+            )
         examples = tuple(x.file for v, x in shown if v.family == family and x.exchanges)
         families.append(FamilyView(family, tuple(v.file for v in editions), examples))
     for view, x in shown:
         if x.exchanges:
-            yield Output(f"examples/{x.file}.c", env.get_template("examples/example.c.j2").render(e=view, x=x))
+            yield Output(f"examples/{x.file}.c", fold(env.get_template("examples/example.c.j2").render(e=view, x=x)))
     has_examples = any(x.exchanges for _, x in shown)
     env.globals.update(headers=[view.header for _, view in views], families=families, has_examples=has_examples)
     for file in ("CMakeLists.txt", *(["examples/CMakeLists.txt"] * has_examples), "README.md") if shown else ():
