@@ -12,8 +12,8 @@ from ...model.edition import Command, Direction, Encoding, Field, Message, Type
 from ..base import Described
 from .names import Names, member
 from .numbers import integer
+from .types import TypeView
 from .validity import constant_limits
-from .values import TypeView
 from .view import EditionView, FrameView
 
 COMMANDS = 4
