@@ -6,15 +6,15 @@ from collections.abc import Iterator
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition, Layout
-from . import codec_names, text
+from . import text
+from .imports import NAMES
 
 Problem = tuple[DocumentPath, str, str]
 """Where, what is wrong, and what to do about it."""
 
 _MODULE = {
-    *codec_names.NAMES,
-    *("Any", "ClassVar", "Enum", "Fraction", "IntEnum", "IntFlag", "Iterable", "Parameters", "R", "Self", "Struct"),
-    *("TYPE_CHECKING", "TypeVar", "FAMILY", "EDITION", "SPEC_HASH", "UNKNOWN"),
+    *NAMES,
+    *("Parameters", "FAMILY", "EDITION", "SPEC_HASH", "UNKNOWN"),
 }
 
 
