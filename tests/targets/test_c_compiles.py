@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 from canwright.project.loader import described
-from canwright.targets import Described, c
+from canwright.targets import c
+from canwright.targets.base import Described
 
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, compilers
 from ..conformance.adapters.c_harness import harness

@@ -8,7 +8,7 @@ import pytest
 from canwright.language.golden_frames import Refusal
 from canwright.model.edition import Command, Direction, Edition, Key, Message, Order, Segment, Space
 from canwright.project.loader import described
-from canwright.targets import Described
+from canwright.targets.base import Described
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
 from ..conformance.adapters.c import CAdapter, adapter

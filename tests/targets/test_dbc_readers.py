@@ -32,13 +32,14 @@ from canwright.model.edition import (
     Variant,
 )
 from canwright.project.loader import described
-from canwright.targets import Described, dbc
+from canwright.targets import dbc
+from canwright.targets.base import Described
 from hypothesis import given, settings, strategies as st
 
 from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
 from ..conformance.adapters.dbc import DbcAdapter
-from ..spec_texts import SMALL, called, edition
 from ..resolve.test_tables import TABLE
+from ..spec_texts import SMALL, called, edition
 from .test_dbc import CASES, SPECS, files
 
 

@@ -13,7 +13,7 @@ from ..diagnostics.diagnostic import nearest
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting
 from ..model.edition import Command, Edition, Field, IdRule, Layout, Level, Message, ReplyForm
-from ..targets import Described
+from ..targets.base import Described
 
 _STYLES = {Level.NOTE: "cyan", Level.WARNING: "yellow", Level.DANGER: "bold red"}
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.edition import Command, Direction, Edition, Effect, Level, Message, ReplyForm
-from . import api, discriminators, fields, match
+from . import discriminators, fields, match
 from .change import Fact, Impact, Item, Said, Side
 from .collector import Found, Use, listed
 from .fields import Editions
@@ -139,7 +139,7 @@ def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
         names = {"old": old.entry.name, "new": new.entry.name}
         found.renamed("entry-renamed", entry, old.entry.path, new.entry.path, use, **names)
     elif old.group != new.group:
-        names = {"old": old.group, "new": new.group, "names": api.command(old.name, new.name)}
+        names = {"old": old.group, "new": new.group}
         found.renamed("command-renamed", item, *where, use, **names)
     discriminators.compare(found, both, old, new)
     _facts(found, both, old, new)

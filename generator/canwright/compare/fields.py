@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.edition import Edition, Encoding, Field, Layout, Type
-from . import api, match, quantities
+from . import match, quantities
 from .change import Fact, Impact, Item, Said, Side
 from .collector import Found, Use, listed
 
@@ -27,8 +27,7 @@ def compare(found: Found, both: Editions, command: str, old: Layout, new: Layout
     """All changes of one layout, as it is used by a message of `command`."""
     item = _item(command, old, new)
     if item.kind == "layout" and both.layouts.get(old.name) == new.name:
-        names = api.layout(old.name, new.name)
-        found.renamed("layout-renamed", item, old.path, new.path, use, old=old.name, new=new.name, names=names)
+        found.renamed("layout-renamed", item, old.path, new.path, use, old=old.name, new=new.name)
     if item.kind == "layout":
         found.texts(item, (old.path, new.path), old, new)
         found.section(item, (old.path, new.path), old.manual, new.manual, Use((), use.commands))
@@ -65,8 +64,7 @@ def _item(command: str, old: Layout, new: Layout) -> Item:
 def _field(found: Found, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
     where = old.path, new.path
     if old.name != new.name:
-        names = api.field(old.name, new.name)
-        found.renamed("field-renamed", item, *where, use, old=old.name, new=new.name, names=names)
+        found.renamed("field-renamed", item, *where, use, old=old.name, new=new.name)
 
     def add(rule: str, impact: Impact, key: str, one: str, other: str) -> None:
         paths = (*old.path, key), (*new.path, key)
@@ -141,8 +139,7 @@ def _type(found: Found, both: Editions, item: Item, old: Field, new: Field, use:
     paths = (one.path, other.path) if same else (_path(old), _path(new))
     pair = quantities.Pair(one, other, owner, name, *paths, use)
     if same and one.name != other.name:
-        names = api.type_(one.name, other.name)
-        found.renamed("type-renamed", owner, *paths, use, old=one.name, new=other.name, names=names)
+        found.renamed("type-renamed", owner, *paths, use, old=one.name, new=other.name)
     elif not same and one.name != other.name:
         found.renamed("type-of-field-changed", item, *paths, use, name=new.name, old=one.name, new=other.name)
     if one.width != other.width:

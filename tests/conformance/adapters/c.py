@@ -11,7 +11,8 @@ from pathlib import Path
 
 from canwright.language.golden_frames import Refusal
 from canwright.model.edition import Command, Direction, Edition, Encoding, Field, Message
-from canwright.targets import Described, c as target
+from canwright.targets import c as target
+from canwright.targets.base import Described
 
 from ...compilers import build
 from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value

@@ -16,7 +16,8 @@ from typing import TypeVar
 from canwright.language.golden_frames import Refusal
 from canwright.model.edition import Assignment, Direction, Message, Space
 from canwright.semantics.decoder import CanFrame as ModelFrame, has_id, is_message, node, raw_of, wrong_constants
-from canwright.targets import Described, dbc
+from canwright.targets import dbc
+from canwright.targets.base import Described
 from canwright.targets.dbc.frames import Traffic, obstacle
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused

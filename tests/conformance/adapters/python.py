@@ -13,7 +13,8 @@ from typing import Any
 
 from canwright.language.golden_frames import Refusal
 from canwright.model.edition import Direction, Edition, Space
-from canwright.targets import Described, python as target
+from canwright.targets import python as target
+from canwright.targets.base import Described
 from canwright.targets.python.text import attribute, class_name
 
 from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value

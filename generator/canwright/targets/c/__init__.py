@@ -8,10 +8,9 @@ from typing import NamedTuple
 from ...language.golden_frames import Refusal
 from ...model.edition import Assignment
 from ...templating.environment import environment
-from .. import Described, Output
+from ..base import Described, Output
 from .bits import operand
 from .examples import example
-from .problems import between as between, problems as problems
 from .text import call, code, comment, defines, function, in_comment, paragraph
 from .view import edition_view
 

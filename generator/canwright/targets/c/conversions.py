@@ -12,9 +12,10 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...model.edition import Edition, Encoding, Linear, Type
+from ..base import NameProblem
 from .choices import Choice, choose
 from .multiples import Thousandths, ratio, unless_above_zero
-from .names import Names, Problem
+from .names import Names
 from .numbers import INT64, UINT64, Integer, common, integer
 from .validity import constant_limits, has_constant_limits
 
@@ -290,7 +291,7 @@ def _literal(number: Fraction | int) -> str:
     return f"({literal})" if number < 0 else literal
 
 
-def problems(edition: Edition) -> Iterator[Problem]:
+def problems(edition: Edition) -> Iterator[NameProblem]:
     """Scales that no double holds."""
     for type_ in edition.types:
         for _, linear in type_.linear.distinct():
@@ -298,4 +299,5 @@ def problems(edition: Edition) -> Iterator[Problem]:
                 continue
             parts = (Fraction(linear.scale.numerator), Fraction(linear.scale.denominator), linear.offset)
             if any(abs(part) > DOUBLE_LIMIT for part in parts):
-                yield (*type_.path, "scale"), "scale or offset are beyond what a double holds", "check the numbers"
+                text = "scale or offset are beyond what a double holds"
+                yield NameProblem((*type_.path, "scale"), text, "check the numbers")

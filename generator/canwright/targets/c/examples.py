@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ...language.golden_frames import Frame
 from ...model.edition import Command, Direction, Encoding, Field, Message, ReplyForm, Type
-from .. import Described
+from ..base import Described
 from .names import Names, member
 from .numbers import integer
 from .validity import constant_limits

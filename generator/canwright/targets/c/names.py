@@ -9,10 +9,8 @@ from collections.abc import Iterator
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition, Layout, Parameter, Type
+from ..base import NameProblem
 from .forms import form_of, named_forms
-
-Problem = tuple[DocumentPath, str, str]
-"""Where, what is wrong, and what to do about it."""
 
 C_WORDS = (
     "alignas alignof auto bool break case char const constexpr continue default do double else enum extern false float "
@@ -68,20 +66,20 @@ def layouts(edition: Edition) -> list[Layout]:
     return list({id(layout): layout for layout in (*shared, *used)}.values())
 
 
-def problems(edition: Edition) -> Iterator[Problem]:
+def problems(edition: Edition) -> Iterator[NameProblem]:
     """Different things of this edition that would have one name in C."""
     owners: dict[str, str] = {}
     for name, what, path in defined(edition):
         other = owners.setdefault(name, what)
         if other != what:
-            yield path, f"{what} and {other} would both be `{name}` in C", "rename one of them"
+            yield NameProblem(path, f"{what} and {other} would both be `{name}` in C", "rename one of them")
     for layout in layouts(edition):
         fields: dict[str, str] = {}
         for field in layout.fields:
             other = fields.setdefault(member(field.name), field.name)
             if other != field.name:
                 text = f"the fields `{field.name}` and `{other}` would both be `{member(other)}` in C"
-                yield field.path, text, "rename one of them"
+                yield NameProblem(field.path, text, "rename one of them")
 
 
 def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:

@@ -9,8 +9,9 @@ from fractions import Fraction
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Bound, Dependent, Edition, Encoding, Linear, Member, Range, Type
+from ..base import NameProblem
 from .choices import Choice, choose
-from .names import Names, Problem, member
+from .names import Names, member
 from .numbers import INT64, UINT64, Integer, integer
 
 RATIO_LIMIT = 1 << 30
@@ -58,13 +59,13 @@ def has_constant_limits(type_: Type) -> bool:
     return type_.raw_range.parameter is None and not _depends_on_number(type_)
 
 
-def problems(edition: Edition) -> Iterator[Problem]:
+def problems(edition: Edition) -> Iterator[NameProblem]:
     """Ranges that cannot be checked with 64-bit integers."""
     for type_ in edition.types:
         path: DocumentPath = (*type_.path, "raw_range")
         two = {type_.linear.parameter, type_.raw_range.parameter} - {None}
         if type_.encoding is Encoding.FLOAT and (_depends_on_number(type_) or len(two) > 1):
-            yield (
+            yield NameProblem(
                 path,
                 "C has no check for a range of floats that depends on this",
                 "let it depend on the scale's choice",
@@ -73,7 +74,8 @@ def problems(edition: Edition) -> Iterator[Problem]:
         for _, limits in type_.raw_range.distinct():
             for bound in (limits.low, limits.high) if limits else ():
                 if bound.parameter is not None and max(map(abs, _factors(bound))) >= RATIO_LIMIT:
-                    yield path, "these factors are too large for a check with 64-bit integers in C", "use smaller ones"
+                    text = "these factors are too large for a check with 64-bit integers in C"
+                    yield NameProblem(path, text, "use smaller ones")
 
 
 def _depends_on_number(type_: Type) -> bool:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from ...model import formatting
 from ...model.edition import Command, Direction, Edition, Level, ReplyForm
-from .. import header
+from ..base import header
 from .choices import ParameterView, parameters
 from .dispatch import AnswerView, Entry, answers, entries
 from .facts import errata

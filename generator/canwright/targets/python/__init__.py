@@ -10,11 +10,10 @@ from typing import NamedTuple
 from ...model import formatting
 from ...model.edition import Assignment, Direction, Edition, Parameter
 from ...templating.environment import environment
-from .. import Described, Output, header
+from ..base import Described, Output, header
 from . import messages, routes, text, types
 from .examples import example
 from .imports import PUBLIC, Imports
-from .problems import problems as problems
 
 _RUNTIME = Path(__file__).with_name("runtime")
 """The modules that are copied into the package of each family."""

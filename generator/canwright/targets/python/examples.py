@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ...language.golden_frames import Frame, Value
 from ...model.edition import Command, Direction, Edition, Field, Message
-from .. import Described
+from ..base import Described
 from . import messages, text, types
 from .imports import Imports
 
