@@ -10,6 +10,7 @@ from ...language.golden_frames import Frame, Value
 from ...model.edition import Command, Direction, Edition, Field, Message
 from ..base import Described
 from . import messages, text, types
+from .imports import Imports
 
 
 class Example(NamedTuple):
@@ -64,7 +65,7 @@ def _example(edition: Edition, command: Command, request: Frame, reply: Frame) -
     asked, answer = command.message(Direction.REQUEST), command.message(Direction.REPLY)
     if asked is None or answer is None or answer.command != command.name:
         return None
-    views = types.type_views(edition)
+    views = types.type_views(edition, Imports())
     arguments = list(_arguments(asked, request, views))
     fields = [f for f in answer.layout.fields if f.name in reply.values]
     if None in arguments or not fields:

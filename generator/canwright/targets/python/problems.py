@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition, Layout
 from ..base import NameProblem
-from . import codec_names, text
+from . import text
+from .imports import NAMES
 
 _MODULE = {
-    *codec_names.NAMES,
-    *("Any", "ClassVar", "Enum", "Fraction", "IntEnum", "IntFlag", "Iterable", "Parameters", "R", "Self", "Struct"),
-    *("TYPE_CHECKING", "TypeVar", "FAMILY", "EDITION", "SPEC_HASH", "UNKNOWN"),
+    *NAMES,
+    *("Parameters", "FAMILY", "EDITION", "SPEC_HASH", "UNKNOWN"),
 }
 
 
