@@ -17,7 +17,8 @@ from canwright.cli import main
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.project import site
 from canwright.project.loader import load
-from canwright.project.pipeline import TARGETS, generate
+from canwright.project.pipeline import generate
+from canwright.targets.registry import target_names
 from click.testing import CliRunner
 from markdown_it import MarkdownIt
 
@@ -33,7 +34,7 @@ def made(say: Sequence[str], folder: Path, languages: tuple[str, ...] = ("en", "
     """All that is generated, where the texts are said in turn."""
     turns = itertools.cycle(say)
     described = filled(lambda: next(turns), folder, languages)
-    return {path: content.decode("utf-8") for path, content in generate([described], list(TARGETS), {}).files.items()}
+    return {path: content.decode("utf-8") for path, content in generate([described], target_names(), {}).files.items()}
 
 
 @pytest.fixture(scope="module")

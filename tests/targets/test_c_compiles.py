@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 from canwright.project.loader import described
-from canwright.targets import Described, c
+from canwright.targets import c
+from canwright.targets.base import Described
 
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, compilers
 from ..conformance.adapters.c_harness import harness
@@ -129,7 +130,7 @@ def test_main_header_has_no_float(units: Path) -> None:
 
 def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
     program = (
-        "import sys; from pathlib import Path; from canwright.load import described; from canwright.targets import c; "
+        "import sys; from pathlib import Path; from canwright.project.loader import described; from canwright.targets import c; "
         "sys.stdout.write(repr([(o.path, o.text) for o in c.generate([described(Path(sys.argv[1]))], {})]))"
     )
     made = {

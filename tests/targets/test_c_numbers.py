@@ -146,7 +146,8 @@ def test_thousandths(name: str, made: tuple[Edition, CAdapter]) -> None:
 
 
 def _headers(edition: Edition) -> list[str]:
-    from canwright.targets import Described, c
+    from canwright.targets import c
+    from canwright.targets.base import Described
 
     return [output.text for output in c.generate([Described(edition, None)], {}) if output.path.endswith(".h")]
 

@@ -12,7 +12,8 @@ from canwright.language.golden_frames import Refusal
 from canwright.model.edition import Direction, Edition, Linear, Type
 from canwright.project.loader import described
 from canwright.semantics.decoder import linear_of
-from canwright.targets import Described, c
+from canwright.targets import c
+from canwright.targets.base import Described
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
 from ..conformance.adapters import c as c_adapter, python as python_adapter

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..model.edition import Assignment
 from ..semantics import parameters
-from ..targets import Described
+from ..targets.base import Described
 from .common import stop
 
 

@@ -17,7 +17,8 @@ from ..resolve.doubts import Doubts, is_text, matters
 from ..resolve.edition import resolve
 from ..rules import Finding, Phase, Rule, Subject
 from ..rules.too_large import commands
-from ..targets import Described, c
+from ..targets.base import Described
+from ..targets.registry import targets
 from .golden_file import Beside, read as read_frames
 
 FRAMES_SUFFIX = ".frames.yaml"
@@ -152,7 +153,8 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     if findings:
         raise SpecError(findings)
     documents = {id(one.described.edition): one.document for one in result}
-    clashes = c.between([one.described.edition for one in result])
+    editions = [one.described.edition for one in result]
+    clashes = (clash for target in targets() for clash in target.collisions(editions))
     findings = [
         documents[id(edition)].finding(("edition",), "name-collision", text, "rename one of the editions")
         for edition, text in clashes

@@ -9,7 +9,9 @@ from fractions import Fraction
 from ..diagnostics.diagnostic import nearest
 from ..language.golden_frames import Frame
 from ..model import formatting
-from ..model.edition import Assignment, Direction, Edition, Field, Message, Order, Space
+from ..model.edition import Direction, Edition, Message
+from ..model.layout import Field, Space
+from ..model.types import Assignment, Order
 from ..semantics.decoder import Decoder, Identified, Rejection, Value, field_value
 from ..semantics.encoder import Encoder, Encoders
 from ..semantics.frame import CanFrame, Raw, difference, node_of, raws, wrong_constants
@@ -52,7 +54,7 @@ class _Judge:
             text = f"the fields depend on `{message.layout.parameter}`, which is not given"
             return [((), text, f"add parameters: {{{message.layout.parameter}: …}}")]
         wrong = [
-            (("data",), f"`{f.name}` should hold {f.constant}", "check `data`")
+            (("data",), f"`{f.name}` should hold {f.fixed}", "check `data`")
             for f in wrong_constants(variant.fields, can)
         ]
         found = raws(variant, can)
@@ -179,7 +181,7 @@ def _values(
 def _no_field(name: str, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> tuple[str, str]:
     """That a name is none of a field with a value, and what to do."""
     if name in fields:
-        return f"`{name}` always holds {fields[name].constant}", "take it out: constants are left out here"
+        return f"`{name}` always holds {fields[name].fixed}", "take it out: constants are left out here"
     return f"there is no field `{name}`", nearest(name, found) or "take it out"
 
 

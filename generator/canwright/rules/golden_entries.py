@@ -10,7 +10,9 @@ from ..diagnostics.diagnostic import DocumentPath, nearest
 from ..language.golden_frames import CheckedFrame, Exchange, Frame, RefusedFrame, Sourced
 from ..language.notation import LAST_ID, SHORT_ID
 from ..model import formatting
-from ..model.edition import Edition, Field, Message, Parameter
+from ..model.edition import Edition, Message
+from ..model.layout import Field
+from ..model.types import Parameter
 from ..semantics.decoder import Decoded, Value
 from ..semantics.frame import Raw
 from ..semantics.parameters import number
@@ -67,7 +69,7 @@ def described(decoded: Decoded) -> str:
     fields = [
         f"{field.name} {_shown(field, decoded.raws[field.name], decoded.values[field.name])}"
         for field in decoded.variant.fields
-        if field.constant is None
+        if field.fixed is None
     ]
     return named(decoded.message, decoded.node) + (f": {', '.join(fields)}" if fields else "")
 

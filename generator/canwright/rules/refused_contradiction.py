@@ -8,7 +8,8 @@ from fractions import Fraction
 from ..diagnostics.diagnostic import DocumentPath, nearest
 from ..language.golden_frames import Refusal, RefusedFrame, RefusedValues, Value
 from ..model import formatting
-from ..model.edition import Direction, Edition, Field, Message
+from ..model.edition import Direction, Edition, Message
+from ..model.layout import Field
 from ..semantics.decoder import Decoder, Rejection
 from ..semantics.encoder import SPECIAL, Encoder, Encoders
 from ..semantics.frame import CanFrame
@@ -80,7 +81,7 @@ def _amiss(encoder: Encoder, message: Message, entry: RefusedValues) -> Iterator
     """What keeps an entry from being asked at all: fields that are not there, or are of another shape."""
     fields = encoder.fields(message)
     if fields is None:
-        fields = {f.name: f for f in message.layout.fields if f.constant is None}
+        fields = {f.name: f for f in message.layout.fields if f.fixed is None}
     written = [("raw", name) for name in entry.raw] + [("values", name) for name in entry.values]
     unknown = [path for path in written if path[1] not in fields]
     for path in unknown:

@@ -15,8 +15,10 @@ from typing import NamedTuple
 from ..language import notation
 from ..language.golden_frames import Refusal
 from ..model import formatting
-from ..model.edition import Assignment, Direction, Edition, Encoding, Field, Linear, Message, Type, Variant
-from .dispatch import Bits, Entry, Found, Length, MaskedId, Node, Select, Subject, dispatch_plan
+from ..model.edition import BitRun, Direction, Edition, Message
+from ..model.layout import Field, Variant
+from ..model.types import Assignment, Encoding, Linear, Type
+from .dispatch import Entry, Found, Length, MaskedId, Node, Select, Subject, dispatch_plan
 from .frame import CanFrame, Raw, raw_of, raws, read_bits, wrong_constants
 
 Value = Fraction | str | list[str] | None
@@ -79,7 +81,7 @@ class Decoder:
         there = variant.fields if variant else (field for field in layout.fields if not field.only)
         wrong = wrong_constants(there, frame)
         if wrong:
-            text = f"`{wrong[0].name}` should hold {wrong[0].constant}"
+            text = f"`{wrong[0].name}` should hold {wrong[0].fixed}"
             return Rejection(Refusal.WRONG_CONSTANT, text, wrong[0].name)
         if variant is None:
             text = f"the fields of {found.message.name} depend on `{layout.parameter}`, which is not given"
@@ -94,7 +96,7 @@ class Decoder:
 
 def values(variant: Variant, frame: CanFrame, assignment: Assignment) -> dict[str, Value | list[Value]]:
     """The value of each field, constants left out; a list for an array."""
-    return {f.name: field_value(f, raw_of(f, frame), assignment) for f in variant.fields if f.constant is None}
+    return {f.name: field_value(f, raw_of(f, frame), assignment) for f in variant.fields if f.fixed is None}
 
 
 def field_value(field: Field, raw: Raw, assignment: Assignment) -> Value | list[Value]:
@@ -152,7 +154,7 @@ def _read(subject: Subject, frame: CanFrame) -> int:
         return len(frame.data)
     if isinstance(subject, MaskedId):
         return frame.id & subject.mask
-    return read_bits(subject.segments, subject.space, frame)
+    return read_bits(subject, frame)
 
 
 def _text(reason: Refusal, path: Sequence[tuple[Select, int]], direction: Direction, frame: CanFrame) -> str:
@@ -166,6 +168,6 @@ def _text(reason: Refusal, path: Sequence[tuple[Select, int]], direction: Direct
     codes = " and ".join(
         f"{formatting.place(select.subject.space, select.subject.segments)} 0x{value:02X}"
         for select, value in path
-        if isinstance(select.subject, Bits)
+        if isinstance(select.subject, BitRun)
     )
     return f"no {direction.value} on 0x{frame.id:X} has {codes}"

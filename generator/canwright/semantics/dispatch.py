@@ -6,28 +6,14 @@ The order of decisions: the id rule, the longest matching keys, the length, the 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, reduce
 from operator import or_
 from typing import NamedTuple
 
 from ..language.golden_frames import Refusal
-from ..model.edition import IdRule, Key, Message, Order, Segment, Space
-
-
-@dataclass(frozen=True)
-class Bits:
-    """Bits of the id or of the data, as an unsigned integer; bytes beyond the data count as 0."""
-
-    space: Space
-    order: Order = field(compare=False)
-    width: int
-    segments: tuple[Segment, ...]
-
-    @classmethod
-    def of(cls, key: Key) -> Bits:
-        """The bits that a key is compared with."""
-        return cls(key.space, key.order, key.width, key.segments)
+from ..model.edition import BitRun, IdRule, Key, Message
+from ..model.types import Order
 
 
 @dataclass(frozen=True)
@@ -42,7 +28,7 @@ class Length:
     """The number of data bytes."""
 
 
-Subject = Bits | MaskedId | Length
+Subject = BitRun | MaskedId | Length
 
 
 @dataclass(frozen=True)
@@ -143,7 +129,7 @@ def _entry(rule: IdRule, remote: bool, messages: Sequence[Message]) -> Entry:
     return Entry(rule, remote, mask, tuple(messages), node)
 
 
-Conditions = tuple[tuple[Bits, int], ...]
+Conditions = tuple[tuple[BitRun, int], ...]
 
 
 class _Candidate(NamedTuple):
@@ -164,12 +150,18 @@ def _candidates(messages: Sequence[Message]) -> list[_Candidate]:
         for conditions in _conditions(message):
             found.setdefault(conditions, (place, {}))[1].setdefault(message.dlc, message)
     candidates = [_Candidate(place, keys, tuple(same.values())) for keys, (place, same) in found.items()]
-    firsts = dict.fromkeys(Bits.of(message.keys[0]) for message in messages if message.keys)
+    firsts = dict.fromkeys(_bits(message.keys[0]) for message in messages if message.keys)
     order = {bits: number for number, bits in enumerate(firsts)}
     return sorted(
         candidates,
         key=lambda one: (order[one.conditions[0][0]] if one.conditions else len(order), -len(one.conditions)),
     )
+
+
+def _bits(key: Key) -> BitRun:
+    """The bits that a key is about; those of different messages are equal where they are the same bits."""
+    order = key.order if len(key.segments) > 1 else Order.LITTLE
+    return BitRun(name="", space=key.space, order=order, width=key.width, segments=key.segments)
 
 
 def _conditions(message: Message) -> Iterator[Conditions]:
@@ -179,7 +171,7 @@ def _conditions(message: Message) -> Iterator[Conditions]:
         return
     first, *others = message.keys
     for value in message.claims:
-        yield ((Bits.of(first), value), *((Bits.of(key), key.value) for key in others))
+        yield ((_bits(first), value), *((_bits(key), key.value) for key in others))
 
 
 class _Tree:
@@ -197,7 +189,7 @@ class _Tree:
             return self._by_length(candidates[0].messages)
         return self._select(candidates[0].conditions[0][0], candidates)
 
-    def _select(self, subject: Bits, candidates: Sequence[_Candidate]) -> Node:
+    def _select(self, subject: BitRun, candidates: Sequence[_Candidate]) -> Node:
         others: list[_Candidate] = []
         """Candidates that have no condition on the subject: they remain, whatever its value is."""
         by_value: dict[int, list[_Candidate]] = {}

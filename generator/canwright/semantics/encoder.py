@@ -12,7 +12,9 @@ from fractions import Fraction
 from ..language import notation
 from ..language.golden_frames import Refusal, Value
 from ..model import formatting
-from ..model.edition import Bound, Encoding, Field, Message, Range, Segment, Space, Type
+from ..model.edition import Message
+from ..model.layout import Field, Segment, Space
+from ..model.types import Bound, Encoding, Range, Type
 from .decoder import Rejection, linear_of, value_of
 from .frame import CanFrame, Raw
 
@@ -38,18 +40,17 @@ class Encoder:
 
     def __init__(self, parameters: Mapping[str, int | str]) -> None:
         self.assignment = {name: str(value) for name, value in parameters.items()}
-        self._fields: dict[int, tuple[Message, dict[str, Field] | None]] = {}
+        self._fields: dict[Message, dict[str, Field] | None] = {}
         self._allows: dict[int, tuple[Type, Callable[[int], bool]]] = {}
         self._nearest: dict[int, tuple[Field, Callable[[Fraction], int | Rejection]]] = {}
 
     def fields(self, message: Message) -> dict[str, Field] | None:
         """The fields of a message by name, constants left out; None when they depend on what is not given."""
-        known = self._fields.get(id(message))
-        if known is None:
+        if message not in self._fields:
             variant = message.layout.variant(self.assignment)
-            fields = None if variant is None else {f.name: f for f in variant.fields if f.constant is None}
-            known = self._fields[id(message)] = (message, fields)
-        return known[1]
+            fields = None if variant is None else {f.name: f for f in variant.fields if f.fixed is None}
+            self._fields[message] = fields
+        return self._fields[message]
 
     def encode_raws(self, message: Message, node: int | None, raws: Mapping[str, Raw]) -> CanFrame | Rejection:
         """The frame of a message with the raw integer of each field; ValueError for fields that it does not have."""
@@ -79,7 +80,7 @@ class Encoder:
         parts: list[tuple[Space, Sequence[Segment], int]] = [(k.space, k.segments, k.value) for k in message.keys]
         variant = message.layout.variant(self.assignment)
         for field in variant.fields if variant else ():
-            raw = raws[field.name] if field.constant is None else field.constant
+            raw = raws[field.name] if field.fixed is None else field.fixed
             ordered = raw if isinstance(raw, list) else [raw] * len(field.elements)
             parts += [(field.space, e.segments, one) for e, one in zip(field.elements, ordered, strict=True)]
         for space, segments, raw in parts:

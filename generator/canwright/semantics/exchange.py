@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..language.golden_frames import Refusal
-from ..model.edition import Direction, ReplyForm
+from ..model.edition import Direction
 from .decoder import Decoder, Identified, Rejection
-from .frame import CanFrame, difference, held, node_of
+from .frame import CanFrame, difference, node_of, read_bits
 
 
 def check_reply(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified | Rejection:
@@ -23,16 +23,16 @@ def check_reply(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identif
     if wrong:
         return _no_answer(wrong.text)
     source = node_of(expected, reply)
-    asked, reported = sent.message.node_key, expected.node_key
+    asked, reported = sent.message.node_bits, expected.node_bits
     to, bits = sent.node, -1
     if asked and not command.from_each:
-        to, bits = held(asked, request), (1 << asked.width) - 1
+        to, bits = read_bits(asked, request), (1 << asked.width) - 1
     nodes: Sequence[int] = command.from_each or (() if to is None else (to,))
     if not _is_from(nodes, source, bits):
         return _no_answer(f"it comes from node {source}, not {_listed(nodes)}")
-    if reported and not _is_from(nodes, held(reported, reply), bits & (1 << reported.width) - 1):
-        return _no_answer(f"`{reported.name}` holds node {held(reported, reply)}, not {_listed(nodes)}")
-    if command.reply_form is ReplyForm.ECHO and request.data != reply.data:
+    if reported and not _is_from(nodes, read_bits(reported, reply), bits & (1 << reported.width) - 1):
+        return _no_answer(f"`{reported.name}` holds node {read_bits(reported, reply)}, not {_listed(nodes)}")
+    if command.is_echoed and request.data != reply.data:
         return _no_answer(f"the reply of {command.name} is an echo, and this differs")
     return Identified(expected, source)
 

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..model import formatting
-from ..model.edition import Encoding, Field, Key, Message, Segment, Space, Type, Variant
+from ..model.edition import BitRun, Message
+from ..model.layout import Field, Segment, Space, Variant
+from ..model.types import Encoding, Type
 from .dispatch import node_of_id
 
 Raw = int | list[int]
@@ -23,8 +25,12 @@ class CanFrame:
     remote: bool = False
 
 
-def read_bits(segments: Sequence[Segment], space: Space, frame: CanFrame) -> int:
+def read_bits(bits: BitRun, frame: CanFrame) -> int:
     """Bits of a frame as an unsigned integer; bytes beyond its data count as 0."""
+    return _read(bits.segments, bits.space, frame)
+
+
+def _read(segments: Sequence[Segment], space: Space, frame: CanFrame) -> int:
     found = 0
     for s in segments:
         source = frame.id if space is Space.ID else frame.data[s.byte] if s.byte < len(frame.data) else 0
@@ -32,19 +38,14 @@ def read_bits(segments: Sequence[Segment], space: Space, frame: CanFrame) -> int
     return found
 
 
-def held(key: Key, frame: CanFrame) -> int:
-    """What the bits of a key hold in a frame."""
-    return read_bits(key.segments, key.space, frame)
-
-
 def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
     """The raw integer of each field, constants left out."""
-    return {f.name: raw_of(f, frame) for f in variant.fields if f.constant is None}
+    return {f.name: raw_of(f, frame) for f in variant.fields if f.fixed is None}
 
 
 def raw_of(field: Field, frame: CanFrame) -> Raw:
     """The raw integer of a field, a list for an array."""
-    found = [_signed(field.type, read_bits(e.segments, field.space, frame)) for e in field.elements]
+    found = [_signed(field.type, _read(e.segments, field.space, frame)) for e in field.elements]
     return found if field.is_array else found[0]
 
 
@@ -112,11 +113,11 @@ def difference(message: Message, frame: CanFrame) -> Difference | None:
             "length", f"{formatting.counted(len(frame.data), 'byte')}, but {message.name} has {message.dlc}"
         )
     key = next(key for i, key in enumerate(message.keys) if not _key_holds(message, i, frame))
-    found = f"{formatting.place(key.space, key.segments)} is 0x{held(key, frame):02X}"
+    found = f"{formatting.place(key.space, key.segments)} is 0x{read_bits(key, frame):02X}"
     return Difference("keys", f"{found}, but {message.name} has 0x{key.value:02X}")
 
 
 def _key_holds(message: Message, index: int, frame: CanFrame) -> bool:
-    key: Key = message.keys[index]
-    found = held(key, frame)
+    key = message.keys[index]
+    found = read_bits(key, frame)
     return found == key.value or (index == 0 and found in (*message.accept, *message.claims))

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from canwright.language.golden_frames import Refusal
 from canwright.model.edition import Direction
-from canwright.targets import Described, docs as target
+from canwright.targets import docs as target
+from canwright.targets.base import Described
 
 from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
 from .docs_tables import FieldRow, MessagePage, Scale, message, plain, tables

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from ...language import notation
 from ...model.edition import Assignment, Direction, Edition, IdRule
-from .. import header
+from ..base import header
 from .frames import Frame, Part, Scope, Traffic, partners
 from .selectors import joined_span
 from .signals import Signals

@@ -12,7 +12,7 @@ from ...model import formatting
 from ...model.edition import Assignment, Edition
 from ...templating import resources
 from ...templating.environment import environment
-from .. import Described, Output, header
+from ..base import Described, Output, header
 from . import editions
 from .common import Common
 from .pages import Pages

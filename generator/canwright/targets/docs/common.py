@@ -10,6 +10,7 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...language.golden_frames import GoldenFrames
 from ...model import formatting
 from ...model.edition import Command, Direction, Edition, Field, Layout, Message, Mode, Variant
+from ..registry import own_targets
 from .examples import Worked, worked
 from .picture import Drawing, Drawings
 from .tables import Cells, field_cells, index, key_cells
@@ -75,7 +76,7 @@ class Common:
     def since(self, old: Edition) -> Sequence[Change]:
         """What changed since an edition."""
         if id(old) not in self._since:
-            self._since[id(old)] = compare(old, self.edition)
+            self._since[id(old)] = compare(old, self.edition, own_targets())
         return self._since[id(old)]
 
     def _sheets(self) -> Iterator[Sheet]:

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 from ...language.golden_frames import Frame, Value
 from ...model.edition import Command, Direction, Edition, Field, Message
-from .. import Described
+from ..base import Described
 from . import messages, text, types
+from .imports import Imports
 
 
 class Example(NamedTuple):
@@ -64,7 +65,7 @@ def _example(edition: Edition, command: Command, request: Frame, reply: Frame) -
     asked, answer = command.message(Direction.REQUEST), command.message(Direction.REPLY)
     if asked is None or answer is None or answer.command != command.name:
         return None
-    views = types.type_views(edition)
+    views = types.type_views(edition, Imports())
     arguments = list(_arguments(asked, request, views))
     fields = [f for f in answer.layout.fields if f.name in reply.values]
     if None in arguments or not fields:
@@ -108,7 +109,7 @@ def _arguments(message: Message, frame: Frame, views: Mapping[str, types.TypeVie
     if message.id.nodes is not None:
         yield f"node={frame.node}"
     variant = message.layout.variant({name: str(value) for name, value in frame.parameters.items()})
-    for field in (f for f in (variant.fields if variant else ()) if f.constant is None):
+    for field in (f for f in (variant.fields if variant else ()) if f.fixed is None):
         value = _value(field, frame.values.get(field.name), views[field.type.name])
         yield None if value is None else f"{text.attribute(field.name)}={value}"
 

@@ -15,11 +15,11 @@ from ...model.edition import (
     Message,
     Order,
     Parameter,
-    ReplyForm,
     Space,
     Variant,
 )
 from . import bits, facts, text, types
+from .imports import Imports
 from .types import TypeView
 
 
@@ -46,25 +46,55 @@ class FieldView:
         return "tuple[int, ...]" if self.count else "int"
 
 
-class CaseView(NamedTuple):
-    """What is read under some values of the layout's parameter: assignments, or one `struct`."""
+class ConstantView(NamedTuple):
+    """A field that always has the same value: the expression that reads it, and the value."""
 
-    condition: str
+    read: str
+    value: str
+    name: str
+
+
+class ReadView(NamedTuple):
+    """The expression that reads the raw integer, or integers, of a field."""
+
+    attribute: str
+    expression: str
+
+
+class CaseView(NamedTuple):
+    """How fields are read under some values of the layout's parameter: all by one `struct`, or each on its own."""
+
+    values: tuple[str, ...]
     names: tuple[str, ...]
     struct: str
-    targets: str
-    lines: tuple[str, ...]
-    constants: tuple[tuple[str, str, str], ...]
+    targets: tuple[str, ...]
+    """What the `struct` is assigned to."""
+    reads: tuple[ReadView, ...]
+    constants: tuple[ConstantView, ...]
+
+
+class EncodeCaseView(NamedTuple):
+    """The expression of the data bytes under some values of the layout's parameter."""
+
+    values: tuple[str, ...]
+    expression: str
+
+
+class EncodeView(NamedTuple):
+    """How data bytes are written; `parameter` decides among several cases."""
+
+    parameter: str
+    cases: tuple[EncodeCaseView, ...]
 
 
 class BodyView(NamedTuple):
-    """What a class with fields has; `has_node` and `depends` decide its keywords.
+    """The body of a class with fields; `has_node` and `depends` decide its keywords.
 
-    `constants` are those of every case, which are looked at before the case is.
+    `constants` are those of every case; they are checked before the case is chosen.
     """
 
     fields: tuple[FieldView, ...]
-    constants: tuple[tuple[str, str, str], ...]
+    constants: tuple[ConstantView, ...]
     cases: tuple[CaseView, ...]
     parameter: str
     has_node: bool
@@ -72,10 +102,10 @@ class BodyView(NamedTuple):
 
 
 class MessageView(NamedTuple):
-    """One class a message; `body` is None when its fields stand in a base class."""
+    """The class of a message; `body` is None when a base class has its fields."""
 
     name: str
-    bases: str
+    bases: tuple[str, ...]
     doc: tuple[str, ...]
     command: str
     direction: str
@@ -88,12 +118,12 @@ class MessageView(NamedTuple):
     step: int
     code: str
     data: str
-    """The bytes of a frame without fields."""
+    """Expression of the bytes of a frame without fields; empty for one with fields."""
     can_id: str
-    """Expression of the id, where fields stand in it."""
-    parameter: str
-    encode: tuple[tuple[str, str], ...]
-    facts: tuple[tuple[str, str], ...]
+    """Expression of the id, where it has fields."""
+    encode: EncodeView | None
+    metadata: tuple[tuple[str, str], ...]
+    """Names and expressions of class attributes."""
 
 
 class LayoutView(NamedTuple):
@@ -102,8 +132,8 @@ class LayoutView(NamedTuple):
     name: str
     doc: tuple[str, ...]
     body: BodyView
-    encode: tuple[tuple[str, str], ...]
-    """How all of them write their bytes; empty when they differ in more than their code."""
+    encode: EncodeView | None
+    """How all of them write their bytes; None when they differ in more than their code."""
 
 
 Group = tuple[str, int, bool]
@@ -135,8 +165,9 @@ def _is_alike(messages: Sequence[Message]) -> bool:
 class MessageViews:
     """Builds the views of all messages of an edition."""
 
-    def __init__(self, edition: Edition, type_views: Mapping[str, TypeView]) -> None:
+    def __init__(self, edition: Edition, type_views: Mapping[str, TypeView], imports: Imports) -> None:
         self._types = type_views
+        self._imports = imports
         self._parameters: dict[str, Parameter] = {p.name: p for p in edition.parameters}
         messages = edition.all_messages()
         groups: dict[Group, list[Message]] = {}
@@ -154,25 +185,28 @@ class MessageViews:
         doc = (text.sentence(text.english(layout.title)), text.english(layout.about), manual)
         body = self._body(layout, message.dlc, message.id.nodes is not None)
         base = group(message)
-        encodes = self._encodes(message, "self.CODE") if base in self._alike else ()
-        return LayoutView(self._bases[base], doc, body, encodes)
+        encode = self._encode(message, "self.CODE") if base in self._alike else None
+        return LayoutView(self._bases[base], doc, body, encode)
 
     def _message(self, command: Command, message: Message) -> MessageView:
         base_group = group(message)
         shared = base_group in self._shared
-        bare = "ToNode" if message.id.nodes is not None else "ToAll"
-        base = self._bases[base_group] if shared else "" if message.layout.fields else bare
+        bases = []
+        if shared:
+            bases.append(self._bases[base_group])
+        elif not message.layout.fields:
+            bases.append(self._imports.use("ToNode" if message.id.nodes is not None else "ToAll"))
         is_request = message.direction is Direction.REQUEST
         if is_request:
             answer = text.class_name(command.reply.name) if command.reply else "Message"
-            role = f'Request["{answer}"]'
+            bases.append(f'Request["{answer}"]')
         else:
-            role = "Reply"
+            bases.append("Reply")
         nodes = message.id.nodes
         own = message.layout.fields and not shared
         return MessageView(
             text.class_name(message.name),
-            ", ".join(part for part in (base, role) if part),
+            tuple(bases),
             _message_doc(command, message),
             command.name,
             message.direction.value,
@@ -186,67 +220,59 @@ class MessageViews:
             f"0x{message.keys[0].value:02X}" if message.keys else "",
             "" if message.layout.fields else self._constant_data(message),
             self._can_id(message),
-            message.layout.parameter or "",
-            self._encodes(message) if message.layout.fields and base_group not in self._alike else (),
+            self._encode(message) if message.layout.fields and base_group not in self._alike else None,
             facts.of_class(command, self._parameters) if is_request or command.request is None else (),
         )
 
     def _body(self, layout: Layout, dlc: int, has_node: bool) -> BodyView:
-        fields = tuple(self._field(f, layout.manual) for f in layout.fields if f.constant is None)
+        fields = tuple(self._field(f, layout.manual) for f in layout.fields if f.fixed is None)
         cases = tuple(self._case(layout, v, dlc) for v in layout.variants)
         constants = tuple(_constants((f for f in layout.fields if not f.only), dlc))
-        return BodyView(fields, constants, cases, layout.parameter or "", has_node, depends(layout))
+        return BodyView(fields, constants, cases, text.attribute(layout.parameter or ""), has_node, depends(layout))
 
-    def _condition(self, layout: Layout, variant: Variant) -> str:
+    def _values(self, layout: Layout, variant: Variant) -> tuple[str, ...]:
+        """The parameter values of a variant; none where the layout has one variant only."""
         if layout.parameter is None or len(layout.variants) == 1:
-            return ""
+            return ()
         parameter = self._parameters[layout.parameter]
-        return ", ".join(types.parameter_key(parameter, v) for v in variant.values)
+        return tuple(types.parameter_key(parameter, v) for v in variant.values)
 
     def _case(self, layout: Layout, variant: Variant, dlc: int) -> CaseView:
         places = self._places(variant.fields)
-        names = tuple(text.attribute(f.name) for f in variant.fields if f.constant is None)
+        names = tuple(text.attribute(f.name) for f in variant.fields if f.fixed is None)
         constants = tuple(_constants((f for f in variant.fields if f.only), dlc))
-        scalar = [p for f, p in places if not f.is_array and f.constant is None]
-        only_scalars = all(not f.is_array and f.constant is None for f, _ in places)
+        scalar = [p for f, p in places if not f.is_array and f.fixed is None]
+        only_scalars = all(not f.is_array and f.fixed is None for f, _ in places)
         ordered = sorted(scalar, key=lambda p: p.first_byte) if only_scalars else []
         pattern = bits.struct_format(ordered, dlc) if len(ordered) > 1 else None
-        targets = ", ".join(p.target for p in ordered) if pattern else ""
-        lines = () if pattern else tuple(self._reads(variant.fields, dlc))
-        return CaseView(self._condition(layout, variant), names, pattern or "", targets, lines, constants)
-
-    def _reads(self, fields: Sequence[Field], dlc: int) -> list[str]:
-        lines = []
-        for field in fields:
-            if field.constant is not None:
-                continue
-            reads = [bits.read(bits.place("", field, e), dlc) for e in field.elements]
-            value = f"({', '.join(reads)},)" if field.is_array else reads[0]
-            lines.append(f"self.{text.attribute(field.name)}_raw = {value}")
-        return lines
+        targets = tuple(p.target for p in ordered) if pattern else ()
+        reads = () if pattern else tuple(_reads(variant.fields, dlc))
+        return CaseView(self._values(layout, variant), names, pattern or "", targets, reads, constants)
 
     def _places(self, fields: Sequence[Field]) -> list[tuple[Field, bits.Place]]:
         found = []
         for field in fields:
             for i, element in enumerate(field.elements):
                 slot = f"self.{text.attribute(field.name)}_raw" + (f"[{i}]" if field.is_array else "")
-                target = slot if field.constant is None else hex(field.constant & (1 << field.type.width) - 1)
+                target = slot if field.fixed is None else hex(field.fixed & (1 << field.type.width) - 1)
                 place = bits.place(target, field, element)
-                found.append((field, place if field.constant is None else place._replace(signed=False)))
+                found.append((field, place if field.fixed is None else place._replace(signed=False)))
         return found
 
-    def _encodes(self, message: Message, code: str = "") -> tuple[tuple[str, str], ...]:
-        return tuple(self._encode(message, variant, code) for variant in message.layout.variants)
+    def _encode(self, message: Message, code: str = "") -> EncodeView:
+        """How a message writes its bytes; `code` is the expression of the selector's value, if it is not constant."""
+        layout = message.layout
+        cases = (EncodeCaseView(self._values(layout, v), self._data(message, v, code)) for v in layout.variants)
+        return EncodeView(text.attribute(layout.parameter or ""), tuple(cases))
 
-    def _encode(self, message: Message, variant: Variant, code: str) -> tuple[str, str]:
-        """Under which condition, and the expression of the data bytes; `code` stands for the selector's value."""
+    def _data(self, message: Message, variant: Variant, code: str) -> str:
+        """The expression of the data bytes."""
         keys = [bits.key_place(k)._replace(target=code or f"0x{k.value:02X}") for k in message.keys]
         places = [p for p in (*keys, *(p for _, p in self._places(variant.fields))) if p.space is Space.DATA]
-        condition = self._condition(message.layout, variant)
         ordered = sorted(places, key=lambda p: p.first_byte)
         pattern = bits.struct_format(ordered, message.dlc)
         if pattern is not None:
-            return condition, f'pack("{pattern}", {", ".join(p.target for p in ordered)})'
+            return f'{self._imports.use("pack")}("{pattern}", {", ".join(p.target for p in ordered)})'
         wide = {p.order for p in places if len(p.segments) > 1}
         order = Order.BIG if wide == {Order.BIG} else Order.LITTLE
         places = [p if len(p.segments) > 1 else p._replace(order=order) for p in places]
@@ -255,11 +281,11 @@ class MessageViews:
             for o in (Order.LITTLE, Order.BIG)
         ]
         if len(wide) > 1:
-            return condition, f"merge({sides[0]}, {sides[1]}, {message.dlc})"
+            return f"{self._imports.use('merge')}({sides[0]}, {sides[1]}, {message.dlc})"
         if not places:
-            return condition, f"bytes({message.dlc})"
+            return f"bytes({message.dlc})"
         side = sides[0] if order is Order.LITTLE else sides[1]
-        return condition, f'({side}).to_bytes({message.dlc}, "{order.value}")'
+        return f'({side}).to_bytes({message.dlc}, "{order.value}")'
 
     def _fixed_id(self, message: Message) -> int:
         keys = (k for k in message.keys if k.space is Space.ID)
@@ -282,17 +308,20 @@ class MessageViews:
         raw, name = f"self.{attribute}_raw", text.literal(field.name)
         element = "one" if field.is_array else raw
         value = types.inline_value(field.type, element)
-        if view.enum:
-            value = f"{view.enum}({element})" if view.is_flags else f"named({view.enum}, {element})"
-        value = value or f"{view.constant}.value({element}, self.parameters, {name})"
-        if view.enum:
-            check = convert = f"flags({view.mask})" if view.is_flags else f"member({view.enum})"
+        use = self._imports.use
+        if view.is_flags:
+            value, check = f"{view.enum}({element})", f"{use('flags')}({view.mask})"
+        elif view.enum:
+            value, check = f"{use('named')}({view.enum}, {element})", f"{use('member')}({view.enum})"
         else:
+            value = value or f"{view.constant}.value({element}, self.parameters, {name})"
             check, convert = f"{view.constant}.check", f"{view.constant}.raw"
+        given = f"{view.enum} | int" if view.enum else use("Real")
         count = len(field.elements) if field.is_array else 0
         if count:
-            value = f"tuple({value} for one in {raw})"
-            check, convert = f"each({check}, {count})", f"each({convert}, {count})"
+            value, given = f"tuple({value} for one in {raw})", f"{use('Iterable')}[{given}]"
+            check = f"{use('each')}({check}, {count})"
+            convert = f"each({convert}, {count})"
         if view.enum:
             convert = f"self.TYPES[{text.literal(attribute)}]"
         to_raw = f"{convert}({attribute}, self.parameters, {name})"
@@ -310,7 +339,7 @@ class MessageViews:
             bool(field.only),
             count,
             f"tuple[{view.python}, ...]" if count else view.python,
-            f"Iterable[{view.given}]" if count else view.given,
+            given,
             value,
             to_raw,
             check,
@@ -318,15 +347,19 @@ class MessageViews:
         )
 
 
-def _constants(fields: Iterable[Field], dlc: int) -> Iterator[tuple[str, str, str]]:
-    """How each constant that is checked is read, what it is, and its name."""
+def _constants(fields: Iterable[Field], dlc: int) -> Iterator[ConstantView]:
+    """The constants that are checked."""
     for field in fields:
         if field.demanded is not None:
-            yield (
-                bits.read(bits.place("", field, field.elements[0]), dlc),
-                str(field.demanded),
-                text.literal(field.name),
-            )
+            read = bits.read(bits.place("", field, field.elements[0]), dlc)
+            yield ConstantView(read, str(field.demanded), field.name)
+
+
+def _reads(fields: Iterable[Field], dlc: int) -> Iterator[ReadView]:
+    for field in fields:
+        if field.fixed is None:
+            reads = [bits.read(bits.place("", field, e), dlc) for e in field.elements]
+            yield ReadView(text.attribute(field.name), text.tuple_of(reads) if field.is_array else reads[0])
 
 
 def depends(layout: Layout) -> bool:
@@ -339,7 +372,7 @@ def _message_doc(command: Command, message: Message) -> tuple[str, ...]:
     title = f"{text.english(command.title)}{code}, {message.direction.value}."
     manual = f"Manual {text.plain(command.manual)}." if command.manual else ""
     if message.direction is Direction.REPLY:
-        echo = "The request, sent back." if command.reply_form is ReplyForm.ECHO else ""
+        echo = "The request, sent back." if command.is_echoed else ""
         return (title, f"{echo} {manual}".strip())
     effects = " ".join(text.sentence(text.english(e.title)) for e in command.effects)
     missing = "" if command.implemented else "Not implemented, says the manual."

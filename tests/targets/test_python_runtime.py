@@ -1,0 +1,451 @@
+"""The runtime of generated Python packages, tested as it is, with messages written by hand."""
+
+from __future__ import annotations
+
+import ast
+import math
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from fractions import Fraction
+from pathlib import Path
+from struct import pack, unpack
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+import can
+import pytest
+from canwright.language import golden_frames
+from canwright.project.loader import described
+from canwright.targets.python import runtime, runtime_modules, target
+from canwright.targets.python.imports import NAMES, PUBLIC, Imports
+from canwright.targets.python.runtime import _codec, _dispatch
+from canwright.targets.python.runtime._codec import (
+    Bound,
+    CodecError,
+    FieldAbsent,
+    Float,
+    Message,
+    Number,
+    Real,
+    Refusal,
+    Reply,
+    Request,
+    ToAll,
+    check_choice,
+    check_number,
+    constant,
+    each,
+    flags,
+    member,
+    merge,
+    named,
+    nearest,
+    node_in,
+    require,
+)
+from canwright.targets.python.runtime._dispatch import (
+    Answer,
+    Dispatcher,
+    Node as DispatchNode,
+    Route,
+    Router,
+    Select,
+    data_length,
+)
+from canwright.targets.python.runtime.nodes import Node, Nodes
+from canwright.targets.python.runtime.python_can import from_message, to_message
+
+from ..spec_texts import ROOT
+
+
+@dataclass(frozen=True)
+class Parameters:
+    size: int | None = None
+    top: Real | None = None
+
+
+UNKNOWN = Parameters()
+LEVEL = Number(0, 0xFFFF, "%", scale=(1, 10, 0), limits=(Bound(0), Bound(1000)))
+
+
+class Level(Message):
+    """A field `level` in bytes 1 and 2."""
+
+    __slots__ = ("level_raw",)
+
+    CODE: ClassVar[int]
+    NODES = (1, 4)
+    DLC = 3
+    TYPES: ClassVar[Any] = {"level": LEVEL.check}
+
+    level_raw: int
+
+    def __init__(self, *, node: int, level: Real) -> None:
+        self.node = node_in(node, *self.NODES)
+        self.parameters = UNKNOWN
+        self.level_raw = LEVEL.raw(level, UNKNOWN, "level")
+
+    @classmethod
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Any) -> Any:
+        self = cls.__new__(cls)
+        self.node = node
+        self.parameters = parameters
+        (self.level_raw,) = unpack("<xH", data)
+        return self
+
+    @property
+    def level(self) -> float:
+        return LEVEL.value(self.level_raw, self.parameters, "level")
+
+    def encode(self) -> bytes:
+        return pack("<BH", self.CODE, self.level_raw)
+
+
+class DimReply(Level, Reply):
+    __slots__ = ()
+    COMMAND, DIRECTION, ID, CODE = "dim", "reply", 0x200, 0x11
+
+
+class DimRequest(Level, Request[DimReply]):
+    __slots__ = ()
+    COMMAND, DIRECTION, ID, CODE = "dim", "request", 0x100, 0x10
+
+
+class EchoReply(Level, Reply):
+    __slots__ = ()
+    COMMAND, DIRECTION, ID, CODE = "echo", "reply", 0x200, 0x20
+
+
+class EchoRequest(Level, Request[EchoReply]):
+    __slots__ = ()
+    COMMAND, DIRECTION, ID, CODE = "echo", "request", 0x100, 0x20
+
+
+class SyncRequest(ToAll, Request[Message]):
+    __slots__ = ()
+    COMMAND, DIRECTION, ID, DLC, DATA = "sync", "request", 0x80, 1, b"\x01"
+
+
+def code(can_id: int, data: bytes) -> int:
+    return data[0]
+
+
+def addressed(can_id: int, data: bytes) -> int:
+    return data[1]
+
+
+def by_code(length: int, cases: dict[int, DispatchNode]) -> Select:
+    """Checks the length, then decides by the code."""
+    return Select(data_length, {length: Select(code, cases, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)
+
+
+NODES = range(1, 5)
+DISPATCHER = Dispatcher(
+    requests=(
+        Route(0x100, 1, NODES, by_code(3, {0x10: DimRequest, 0x20: EchoRequest})),
+        Route(0x80, 1, None, Select(data_length, {1: SyncRequest}, Refusal.WRONG_LENGTH)),
+    ),
+    replies=(Route(0x200, 1, NODES, by_code(3, {0x11: DimReply, 0x20: EchoReply})),),
+    answers={
+        DimRequest: Answer(DimReply, ((code, (0x11,)),), (), False),
+        EchoRequest: Answer(EchoReply, ((code, (0x20,)),), (), True),
+    },
+    unknown=UNKNOWN,
+)
+
+
+def rejected(refusal: Refusal, call: Callable[..., object], *arguments: object, **named: object) -> str:
+    """The message of the CodecError that a call raises."""
+    with pytest.raises(CodecError) as caught:
+        call(*arguments, **named)
+    assert caught.value.refusal is refusal
+    return str(caught.value)
+
+
+# The copies
+
+
+def test_the_reasons_for_rejection_are_those_of_golden_frames() -> None:
+    ours, model = ({r.name: r.value for r in reasons} for reasons in (Refusal, golden_frames.Refusal))
+    assert list(ours.items()) == list(model.items())
+
+
+def test_each_module_is_copied_behind_one_header_line(tmp_path: Path) -> None:
+    folder = Path(runtime.__file__).parent
+    spec = ROOT / "tests/specs/valve/v1.yaml"
+    outputs = {o.path: o.text for o in target.TARGET.generate([described(spec)], {})}
+    copied = {path.name for path in folder.glob("*.py")} - {"__init__.py"}
+    assert copied == {"_codec.py", "_dispatch.py", "nodes.py", "python_can.py"} == set(runtime_modules())
+    for name in copied:
+        first, rest = outputs[f"valve/{name}"].split("\n", 1)
+        assert (first, rest) == ("# Generated by canwright, do not edit.", (folder / name).read_text("utf-8"))
+
+
+def test_the_runtime_depends_on_the_standard_library_only() -> None:
+    others = {"python_can.py": {"can"}, "_codec.py": {"typing_extensions"}}
+    for name, source in runtime_modules().items():
+        imports = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Import | ast.ImportFrom)]
+        absolute = {a.name for node in imports if isinstance(node, ast.Import) for a in node.names}
+        absolute |= {str(node.module) for node in imports if isinstance(node, ast.ImportFrom) and not node.level}
+        relative = {f"{node.module}.py" for node in imports if isinstance(node, ast.ImportFrom) and node.level == 1}
+        assert {module.split(".")[0] for module in absolute} - sys.stdlib_module_names == others.get(name, set())
+        assert relative <= set(runtime_modules())
+        assert all(node.level <= 1 for node in imports if isinstance(node, ast.ImportFrom))
+
+
+def test_a_module_imports_what_was_used_from_where_it_is() -> None:
+    imports = Imports()
+    for name in NAMES:
+        assert imports.use(name) == name
+    for module, names in imports.runtime():
+        assert all(hasattr({"_codec": _codec, "_dispatch": _dispatch}[module], name) for name in names)
+    assert dict(imports.standard_library())["typing"] == ["TYPE_CHECKING", "Any", "ClassVar"]
+    assert list(Imports().runtime()) == [("_codec", list(PUBLIC))]
+    with pytest.raises(KeyError, match="Routes"):
+        imports.use("Routes")
+
+
+# Numbers
+
+
+@pytest.mark.parametrize(
+    ("value", "integer"),
+    [
+        (0.5, 1),
+        (-0.5, -1),
+        (1.5, 2),
+        (2.5, 3),
+        (0.49999999999999994, 0),
+        (Fraction(7, 2), 4),
+        (-7, -7),
+        (2.0**60, 2**60),
+    ],
+)
+def test_the_nearest_integer_ties_away_from_zero(value: Real, integer: int) -> None:
+    assert nearest(value) == integer
+
+
+def test_a_number_converts_in_both_directions() -> None:
+    offset = Number(-128, 127, scale=(-3, 2, Fraction(1, 4)))
+    for raw in (-128, -1, 0, 1, 127):
+        value = offset.value(raw, UNKNOWN, "it")
+        assert value == float(Fraction(raw * -3, 2) + Fraction(1, 4))
+        assert offset.raw(value, UNKNOWN, "it") == raw
+    assert LEVEL.raw(99.95, UNKNOWN, "level") == 1000
+    assert rejected(Refusal.OUT_OF_RANGE, LEVEL.raw, 100.1, UNKNOWN, "level") == (
+        "level=100.1 % is out of range 0.0..100.0 % (raw 0..1000)"
+    )
+    assert rejected(Refusal.OUT_OF_RANGE, LEVEL.check, 1001, UNKNOWN, "level").startswith("level=raw 1001 is out of")
+    assert "nan" in rejected(Refusal.NOT_FINITE, LEVEL.raw, math.nan, UNKNOWN, "level")
+    with pytest.raises(TypeError, match="level='1' is no number"):
+        LEVEL.raw("1", UNKNOWN, "level")  # type: ignore[arg-type]
+
+
+def test_scale_and_range_depend_on_parameters() -> None:
+    number = Number(
+        *(-100, 100),
+        scale={1: (1, 2, 0), 2: None, 3: (1, 100, 0)},
+        scale_by="size",
+        times={3: "top"},
+        limits={1: (Bound(-10), Bound(0, 2, "top"))},
+        limits_by="size",
+    )
+    assert number.value(5, Parameters(size=1), "it") == 2.5
+    assert number.value(5, Parameters(size=3, top=0.3), "it") == 0.015
+    assert number.raw(0.015, Parameters(size=3, top=0.3), "it") == 5
+    rejected(Refusal.NO_SCALE, number.value, 5, Parameters(size=2), "it")
+    rejected(Refusal.MISSING_PARAMETER, number.value, 5, UNKNOWN, "it")
+    rejected(Refusal.MISSING_PARAMETER, number.value, 5, Parameters(size=3), "it")
+    rejected(Refusal.OUT_OF_RANGE, number.value, 5, Parameters(size=3, top=-1), "it")
+    rejected(Refusal.NOT_FINITE, number.value, 5, Parameters(size=3, top=math.inf), "it")
+    assert number.span(Parameters(size=1)) == (-10, 100)
+    assert number.span(Parameters(size=1, top=Fraction(15, 4))) == (-10, 7)
+    assert number.span(Parameters(size=2)) == number.span(UNKNOWN) == (-100, 100)
+
+
+@pytest.mark.parametrize(("width", "layout"), [(32, "<f"), (64, "<d")])
+def test_a_float_is_its_bit_pattern(width: int, layout: str) -> None:
+    number = Float(width, "V", scale=(1, 2, 1), limits=(Bound(-5), Bound(5)))
+    bits = int.from_bytes(pack(layout, 3.0), "little")
+    assert number.value(bits, UNKNOWN, "it") == 2.5
+    assert number.raw(2.5, UNKNOWN, "it") == bits
+    assert number.check(bits, UNKNOWN, "it") == bits
+    too_large = rejected(Refusal.OUT_OF_RANGE, number.raw, 5.5, UNKNOWN, "it")
+    assert too_large == "it=5.5 V is out of range -5.0..5.0"
+    rejected(Refusal.OUT_OF_RANGE, number.check, 1 << width, UNKNOWN, "it")
+    rejected(Refusal.OUT_OF_RANGE, number.raw, 10**400, UNKNOWN, "it")
+
+
+class Color(IntEnum):
+    RED = 1
+    BLUE = 4
+
+
+def test_checks_of_enums_flags_arrays_and_constants() -> None:
+    assert member(Color)(4, UNKNOWN, "color") == 4
+    assert rejected(Refusal.OUT_OF_RANGE, member(Color), 2, UNKNOWN, "color") == "color=2 is none of the values 1, 4"
+    assert (named(Color, 4), named(Color, 2)) == (Color.BLUE, 2)
+    assert flags(0x5)(4, UNKNOWN, "errors") == 4
+    rejected(Refusal.OUT_OF_RANGE, flags(0x5), 2, UNKNOWN, "errors")
+    levels = each(LEVEL.raw, 2)
+    assert levels((1, 2), UNKNOWN, "level") == (10, 20)
+    rejected(Refusal.OUT_OF_RANGE, levels, (1,), UNKNOWN, "level")
+    constant(5, 5, "group")
+    assert rejected(Refusal.WRONG_CONSTANT, constant, 4, 5, "group") == "group is 0x4, always 0x5 in this frame"
+    assert merge(0x0102, 0xA00000, 3) == bytes([0xA2, 0x01, 0x00])
+
+
+def test_checks_of_parameters() -> None:
+    check_choice(None, "size", 1, 2)
+    check_choice(2, "size", 1, 2)
+    check_number(2, "top", 1, None)
+    with pytest.raises(ValueError, match="size=3 is none of 1, 2"):
+        check_choice(3, "size", 1, 2)
+    with pytest.raises(ValueError, match="top=0 has to be at least 1"):
+        check_number(0, "top", 1, None)
+
+
+# Messages
+
+
+def test_a_message_holds_raw_integers_and_compares_by_value() -> None:
+    request = DimRequest(node=2, level=12.34)
+    assert (request.can_id, request.encode(), request.level) == (0x102, b"\x10\x7b\x00", 12.3)
+    assert (request.raw(), repr(request)) == ({"level": 123}, "DimRequest(node=2, level=12.3)")
+    assert request == DimRequest.from_raw(node=2, level=123)
+    assert request != DimRequest(node=3, level=12.3)
+    assert len({request, DimRequest(node=2, level=12.3)}) == 1
+    rejected(Refusal.UNKNOWN_NODE, DimRequest, node=5, level=1)
+    rejected(Refusal.OUT_OF_RANGE, DimRequest.from_raw, node=2, level=1001)
+    with pytest.raises(TypeError, match="from_raw takes level"):
+        DimRequest.from_raw(node=2)
+    with pytest.raises(AttributeError, match="DimRequest has no attribute label"):
+        _ = request.label  # type: ignore[attr-defined]
+
+
+def test_optional_fields_are_required_or_absent() -> None:
+    request = DimRequest(node=2, level=1)
+    require(request, level=1)
+    with pytest.raises(TypeError, match="DimRequest needs level"):
+        require(request, level=None)
+    with pytest.raises(FieldAbsent, match="DimRequest has no power"):
+        require(request, power=1)
+
+
+# Dispatch
+
+
+def test_a_frame_is_decoded_by_its_id_and_selector() -> None:
+    assert DISPATCHER.decode_request(0x103, b"\x10\x01\x00") == DimRequest(node=3, level=0.1)
+    assert DISPATCHER.decode_reply(0x203, b"\x11\x01\x00", Parameters(size=1)).parameters == Parameters(size=1)
+    assert type(DISPATCHER.decode_request(0x80, b"\x01")) is SyncRequest
+    rejected(Refusal.UNKNOWN_ID, DISPATCHER.decode_request, 0x105, b"\x10\x01\x00")
+    rejected(Refusal.UNKNOWN_ID, DISPATCHER.decode_request, 0x103, b"\x10\x01\x00", extended=True)
+    rejected(Refusal.UNKNOWN_CODE, DISPATCHER.decode_request, 0x103, b"\x12\x01\x00")
+    rejected(Refusal.WRONG_LENGTH, DISPATCHER.decode_request, 0x103, b"\x10\x01")
+    assert DISPATCHER.node_of("reply", 0x204) == 4
+    assert DISPATCHER.node_of("request", 0x80) is None
+    assert DISPATCHER.ids_of("request", 1) == ((0x101, 0, False, False),)
+    assert DISPATCHER.ids_of("request", 9) == ()
+
+
+def test_an_answer_comes_from_the_node_of_the_request() -> None:
+    answer = DISPATCHER.decode_answer(DimRequest, 0x201, b"\x11\x01\x00")
+    assert type(answer) is DimReply
+    rejected(Refusal.UNKNOWN_CODE, DISPATCHER.decode_answer, DimRequest, 0x201, b"\x20\x01\x00")
+    rejected(Refusal.UNKNOWN_ID, DISPATCHER.decode_answer, DimRequest, 0x101, b"\x11\x01\x00")
+    rejected(Refusal.NOT_ANSWER, DISPATCHER.decode_answer, SyncRequest, 0x201, b"\x11\x01\x00")
+    DISPATCHER.check_reply(0x101, b"\x10\x01\x00", 0x201, b"\x11\x02\x00")
+    DISPATCHER.check_reply(0x101, b"\x20\x01\x00", 0x201, b"\x20\x01\x00")
+    for request, reply_id, reply in (
+        (b"\x10\x01\x00", 0x202, b"\x11\x02\x00"),
+        (b"\x10\x01\x00", 0x201, b"\x20\x02\x00"),
+        (b"\x20\x01\x00", 0x201, b"\x20\x02\x00"),
+    ):
+        rejected(Refusal.NOT_ANSWER, DISPATCHER.check_reply, 0x101, request, reply_id, reply)
+    rejected(Refusal.NOT_ANSWER, DISPATCHER.check_reply, 0x80, b"\x01", 0x201, b"\x11\x02\x00")
+    rejected(Refusal.UNKNOWN_CODE, DISPATCHER.check_reply, 0x101, b"\x12\x01\x00", 0x201, b"\x11\x02\x00")
+
+
+@pytest.mark.parametrize(
+    ("answer", "source", "accepted"),
+    [
+        (Answer(DimReply, (), (2, 3), False), 0x203, True),
+        (Answer(DimReply, (), (2, 3), False), 0x201, False),
+        (Answer(DimReply, (), (), False, asked=(addressed, 0xFF)), 0x202, True),
+        (Answer(DimReply, (), (), False, asked=(addressed, 0xFF)), 0x201, False),
+        (Answer(DimReply, (), (), False, told=(addressed, 0xFF)), 0x201, True),
+        (Answer(DimReply, (), (2,), False, told=(addressed, 0xFF)), 0x202, False),
+    ],
+)
+def test_the_node_of_an_answer_may_be_listed_or_in_a_field(answer: Answer, source: int, accepted: bool) -> None:
+    route = DISPATCHER._requests.routes[0]
+    dispatcher = Dispatcher(
+        requests=[route], replies=DISPATCHER._replies.routes, answers={DimRequest: answer}, unknown=UNKNOWN
+    )
+    frames = (0x101, b"\x10\x02\x00", source, b"\x11\x01\x00")
+    if accepted:
+        dispatcher.check_reply(*frames)
+    else:
+        assert "went to node" in rejected(Refusal.NOT_ANSWER, dispatcher.check_reply, *frames)
+
+
+def test_messages_of_one_code_differ_by_length_further_selectors_or_bits_of_the_id() -> None:
+    class Short(DimRequest):
+        DLC = 2
+
+    by_length = Select(data_length, {2: Short, 3: DimRequest}, Refusal.WRONG_LENGTH)
+    short_or_long = Route(0x100, 1, NODES, Select(code, {0x10: by_length}, Refusal.UNKNOWN_CODE))
+    assert short_or_long.message(0x101, bytes([0x10, 0])) is Short
+    assert short_or_long.message(0x101, bytes([0x10, 0, 0])) is DimRequest
+    assert (
+        rejected(Refusal.WRONG_LENGTH, short_or_long.message, 0x101, bytes([0x10]))
+        == "0x101 has 1 data bytes, not 2 or 3"
+    )
+    by_more = Route(0x100, 1, NODES, by_code(3, {0x10: Select(addressed, {7: DimRequest}, EchoRequest)}))
+    assert by_more.message(0x101, bytes([0x10, 7, 0])) is DimRequest
+    assert by_more.message(0x101, bytes([0x10, 8, 0])) is EchoRequest
+    assert (
+        rejected(Refusal.UNKNOWN_CODE, by_more.message, 0x101, bytes([0x1F, 8, 0])) == "0x101 has the unknown code 0x1F"
+    )
+    unused = Select(lambda can_id, data: can_id & 0x400, {0: DimRequest}, Refusal.UNKNOWN_ID)
+    by_bits = Route(0x100, 1, NODES, unused, mask=0x400)
+    assert Router("request", (by_bits,)).find(0x501, False, False) == (by_bits, 1)
+    assert by_bits.message(0x101, bytes(3)) is DimRequest
+    assert "the bits 0x400," in rejected(Refusal.UNKNOWN_ID, by_bits.message, 0x501, bytes(3))
+
+
+# Nodes and python-can
+
+
+def test_a_bus_finds_the_node_of_a_frame() -> None:
+    edition: Any = SimpleNamespace(
+        EDITION="v1",
+        UNKNOWN=UNKNOWN,
+        __name__=__name__,
+        decode_request=DISPATCHER.decode_request,
+        decode_reply=DISPATCHER.decode_reply,
+        node_of=DISPATCHER.node_of,
+        ids_of=DISPATCHER.ids_of,
+    )
+    first = Node(edition, 1, Parameters(size=3))
+    bus = Nodes([first, Node(edition, 2)])
+    assert first.make(DimRequest, level=1) == DimRequest(node=1, level=1)
+    assert (first.has("reply", 0x201), first.has("reply", 0x202), first.has("reply", 0x300)) == (True, False, False)
+    assert bus.decode_reply(0x201, b"\x11\x01\x00").parameters == Parameters(size=3)
+    assert bus.decode_reply(0x202, b"\x11\x01\x00").parameters == UNKNOWN
+    rejected(Refusal.UNKNOWN_ID, bus.decode_reply, 0x203, b"\x11\x01\x00")
+    with pytest.raises(ValueError, match="both reply with the id 0x201"):
+        Nodes([first, Node(edition, 1)])
+
+
+def test_messages_of_python_can() -> None:
+    request = DimRequest(node=2, level=12.3)
+    frame = to_message(request)
+    assert (frame.arbitration_id, bytes(frame.data), frame.is_extended_id) == (0x102, b"\x10\x7b\x00", False)
+    assert from_message(frame, DISPATCHER.decode_request) == request
+    assert from_message(frame, DISPATCHER.decode_request, Parameters(size=1)).parameters == Parameters(size=1)
+    for other in (can.Message(is_error_frame=True), can.Message(is_fd=True)):
+        rejected(Refusal.UNKNOWN_ID, from_message, other, DISPATCHER.decode_request)
