@@ -56,6 +56,7 @@ class Route:
         self.extended = extended
         self.remote = remote
         self.classes = frozenset((*_classes(then), *answers))
+        self.length, self.selector, self.by_code = _direct(then)
 
     def node(self, can_id: int) -> tuple[bool, int | None]:
         """Whether an id belongs to this route, and its node."""
@@ -67,6 +68,10 @@ class Route:
 
     def message(self, can_id: int, data: bytes) -> type[Message]:
         """The message that a frame is. Raises CodecError (unknown_id, unknown_code, wrong_length)."""
+        if len(data) == self.length:
+            found = self.by_code.get(self.selector(can_id, data))
+            if found is not None:
+                return found
         node = self.then
         while isinstance(node, Select):
             node = node.cases.get(node.read(can_id, data), node.otherwise)
@@ -86,6 +91,19 @@ class Route:
             return f"0x{can_id:X} has the bits 0x{selects[-1].read(can_id, data):X}, which are 0 in this message"
         codes = " and ".join(f"0x{node.read(can_id, data):02X}" for node in selects if node.read is not data_length)
         return f"0x{can_id:X} has the unknown code {codes}"
+
+
+def _direct(then: Node) -> tuple[int, Reader, dict[int, type[Message]]]:
+    """The length, the selector and the messages that are found by these two alone, most of all; length -1 without any."""
+    if isinstance(then, Select) and then.read is data_length and len(then.cases) == 1:
+        ((length, by_code),) = then.cases.items()
+        if isinstance(by_code, Select):
+            return (
+                length,
+                by_code.read,
+                {c: m for c, m in by_code.cases.items() if not isinstance(m, (Select, Refusal))},
+            )
+    return -1, data_length, {}
 
 
 def _classes(node: Node) -> Iterator[type[Message]]:
