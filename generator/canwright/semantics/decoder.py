@@ -19,7 +19,7 @@ from ..model.edition import BitRun, Direction, Edition, Message
 from ..model.layout import Field, Variant
 from ..model.types import Assignment, Encoding, Linear, Type
 from .dispatch import Entry, Found, Length, MaskedId, Node, Select, Subject, dispatch_plan
-from .frame import CanFrame, Raw, raw_of, raws, read_bits, wrong_constants
+from .frame import CanFrame, Raw, difference, node_of, raw_of, raws, read_bits, wrong_constants
 
 Value = Fraction | str | list[str] | None
 
@@ -74,24 +74,38 @@ class Decoder:
     def decode(self, direction: Direction, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
         """The message that a frame is under some parameters, with its fields."""
         found = self.identify(direction, frame)
-        if isinstance(found, Rejection):
-            return found
-        layout = found.message.layout
-        variant = layout.variant(assignment)
-        there = variant.fields if variant else (field for field in layout.fields if not field.only)
-        wrong = wrong_constants(there, frame)
+        return found if isinstance(found, Rejection) else _fields(found, frame, assignment)
+
+    def decode_as(self, message: Message, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
+        """The fields of a frame that is expected to be one message, as the reply to a request is."""
+        wrong = difference(message, frame)
         if wrong:
-            text = f"`{wrong[0].name}` should hold {wrong[0].fixed}"
-            return Rejection(Refusal.WRONG_CONSTANT, text, wrong[0].name)
-        if variant is None:
-            text = f"the fields of {found.message.name} depend on `{layout.parameter}`, which is not given"
-            return Rejection(Refusal.MISSING_PARAMETER, text)
-        return Decoded(*found, variant, raws(variant, frame), values(variant, frame, assignment))
+            return Rejection(_REASONS.get(wrong.part, Refusal.UNKNOWN_ID), wrong.text)
+        return _fields(Identified(message, node_of(message, frame)), frame, assignment)
 
     def _entry(self, direction: Direction, frame: CanFrame) -> tuple[Entry, int | None] | None:
         kind = (frame.extended, frame.remote)
         entries = (e for e in self._entries[direction] if (e.rule.extended, e.remote) == kind and e.contains(frame.id))
         return next(((entry, entry.node(frame.id)) for entry in entries), None)
+
+
+_REASONS = {"length": Refusal.WRONG_LENGTH, "keys": Refusal.UNKNOWN_CODE}
+"""Why a frame is rejected where a part of it is not that of the message; unknown_id for all other parts."""
+
+
+def _fields(found: Identified, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
+    """The fields of a message, when its constants are right and the parameters decide which fields there are."""
+    layout = found.message.layout
+    variant = layout.variant(assignment)
+    there = variant.fields if variant else (field for field in layout.fields if not field.only)
+    wrong = wrong_constants(there, frame)
+    if wrong:
+        text = f"`{wrong[0].name}` should hold {wrong[0].fixed}"
+        return Rejection(Refusal.WRONG_CONSTANT, text, wrong[0].name)
+    if variant is None:
+        text = f"the fields of {found.message.name} depend on `{layout.parameter}`, which is not given"
+        return Rejection(Refusal.MISSING_PARAMETER, text)
+    return Decoded(*found, variant, raws(variant, frame), values(variant, frame, assignment))
 
 
 def values(variant: Variant, frame: CanFrame, assignment: Assignment) -> dict[str, Value | list[Value]]:
