@@ -158,9 +158,9 @@ commands:
 def test_an_offset_may_depend_on_a_parameter(tmp_path: Path) -> None:
     angle, height = edition(tmp_path, PACKED).types
     assert angle.linear == Dependent(
-        "size",
-        None,
-        {
+        parameter="size",
+        constant=None,
+        cases={
             "small": Linear(Fraction(20, 65535), Fraction(-10)),
             "large": Linear(Fraction(50, 65535), Fraction(-25)),
             "odd": None,

@@ -200,7 +200,7 @@ def moved(layout: Layout, constant: int | None) -> Layout:
         else (dataclasses.replace(others[-1], name="fixed", elements=byte, role=ConstantRole(constant)),)
     )
     fields = (*fixed, away, *others)
-    return dataclasses.replace(layout, fields=fields, variants=(Variant((), fields),))
+    return dataclasses.replace(layout, fields=fields, variants=(Variant(values=(), fields=fields),))
 
 
 def test_selectors_side_by_side_have_a_file_that_reads_them_as_one() -> None:

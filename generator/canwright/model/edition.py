@@ -7,7 +7,7 @@ is the least significant. Every number is an int or a Fraction; nothing here is 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 
@@ -59,7 +59,7 @@ class Direction(str, Enum):
     REPLY = "reply"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class IdRule:
     """A rule from node to CAN id, and back: `id = base + node * node_step`, without the bits of keys and fields.
 
@@ -72,7 +72,7 @@ class IdRule:
     extended: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Address:
     """Where requests go and replies come from; often the same rule."""
 
@@ -82,7 +82,7 @@ class Address:
     title: Text
     about: Text
     manual: str
-    path: DocumentPath = field(compare=False)
+    path: DocumentPath
 
     def rule(self, direction: Direction) -> IdRule:
         """The rule of its requests, or of its replies."""
@@ -119,7 +119,7 @@ class Key(BitRun):
     value: int
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Message:
     """One frame form in one direction.
 
@@ -139,7 +139,7 @@ class Message:
     dlc: int
     remote: bool
     layout: Layout
-    path: DocumentPath = field(compare=False)
+    path: DocumentPath
 
     @property
     def node_bits(self) -> BitRun | None:
@@ -163,7 +163,7 @@ class Message:
         return sum(((1 << s.width) - 1) << s.low for s in segments)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Table:
     """Things that several commands read and write by an index."""
 
@@ -171,10 +171,10 @@ class Table:
     title: Text
     about: Text
     manual: str
-    path: DocumentPath = field(compare=False)
+    path: DocumentPath
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Entry:
     """The entry of a table that a form of a command is of; its `path` is where it stands."""
 
@@ -183,7 +183,7 @@ class Entry:
     title: Text
     about: Text
     manual: str
-    path: DocumentPath = field(compare=False)
+    path: DocumentPath
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -219,7 +219,7 @@ class OtherReply(Reply):
     of: str
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Command:
     """A code with its request and its replies, at most one today.
 
@@ -245,7 +245,7 @@ class Command:
     about: Text
     notes: tuple[Text, ...]
     manual: str
-    path: DocumentPath = field(compare=False)
+    path: DocumentPath
 
     @property
     def group_title(self) -> Text:
@@ -278,7 +278,7 @@ class Command:
         return all(assignment.get(name, values[0]) in values for name, values in self.only.items())
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Edition:
     """One exact protocol, resolved. `hash` is the SHA-256 of the spec's text, in hex."""
 

@@ -133,7 +133,7 @@ def _without(layout: Layout, names: frozenset[str]) -> Layout:
     def rest(fields: Sequence[Field]) -> tuple[Field, ...]:
         return tuple(f for f in fields if f.name not in names)
 
-    variants = tuple(Variant(v.values, rest(v.fields)) for v in layout.variants)
+    variants = tuple(Variant(values=v.values, fields=rest(v.fields)) for v in layout.variants)
     return dataclasses.replace(layout, fields=rest(layout.fields), variants=variants)
 
 

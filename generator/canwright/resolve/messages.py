@@ -223,18 +223,18 @@ class MessageResolver:
             for key in keys:
                 self._fits(further, key.width, (*path, "accept", i))
         return Message(
-            f"{form.name}_{direction.value}",
-            form.name,
-            direction,
-            address.name,
-            address.rule(direction),
-            (*keys, *form.keys),
-            tuple(spec.accept or ()),
-            (),
-            self._dlc(path, spec, of_entry),
-            bool(spec.remote),
-            layout,
-            path,
+            name=f"{form.name}_{direction.value}",
+            command=form.name,
+            direction=direction,
+            address=address.name,
+            id=address.rule(direction),
+            keys=(*keys, *form.keys),
+            accept=tuple(spec.accept or ()),
+            claims=(),
+            dlc=self._dlc(path, spec, of_entry),
+            remote=bool(spec.remote),
+            layout=layout,
+            path=path,
         )
 
     def _dlc(self, path: DocumentPath, spec: schema.MessageSpec, of_entry: int | None) -> int:

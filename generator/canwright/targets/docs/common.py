@@ -67,16 +67,16 @@ class Common:
         for command in edition.commands:
             if command.entry:
                 self._of_entry.setdefault(command.entry.path, []).append(command)
-        self._fields: dict[int, Sequence[tuple[Field, Sequence[Cells]]]] = {}
-        """Those of a layout. Layouts are told by identity: many messages share one."""
-        self._since: dict[int, Sequence[Change]] = {}
+        self._fields: dict[Layout, Sequence[tuple[Field, Sequence[Cells]]]] = {}
+        """Those of a layout: many messages share one."""
+        self._since: dict[Edition, Sequence[Change]] = {}
         self.sheets = list(self._sheets())
 
     def since(self, old: Edition) -> Sequence[Change]:
         """What changed since an edition."""
-        if id(old) not in self._since:
-            self._since[id(old)] = compare(old, self.edition)
-        return self._since[id(old)]
+        if old not in self._since:
+            self._since[old] = compare(old, self.edition)
+        return self._since[old]
 
     def _sheets(self) -> Iterator[Sheet]:
         commands = self.edition.commands
@@ -103,14 +103,14 @@ class Common:
         if message is None:
             return None
         layout = message.layout
-        if id(layout) not in self._fields:
-            self._fields[id(layout)] = [(field, field_cells(field)) for field in layout.fields]
+        if layout not in self._fields:
+            self._fields[layout] = [(field, field_cells(field)) for field in layout.fields]
         drawn = tuple(self._drawn(command, message))
         nodes = message.id.nodes
         return Side(
             message,
             tuple(map(key_cells, message.keys)),
-            self._fields[id(layout)],
+            self._fields[layout],
             code(formatting.id_rule(message.id)),
             code(f"{nodes[0]}..{nodes[-1]}") if nodes is not None else "",
             not message.keys and self._has_selector_beside(message),

@@ -21,7 +21,7 @@ _MODULE = {
 def problems(edition: Edition) -> Iterator[Problem]:
     """Everything about one edition."""
     yield from _clashes(_module_names(edition), "something that every module has")
-    for layout in {id(m.layout): m.layout for m in edition.all_messages()}.values():
+    for layout in dict.fromkeys(m.layout for m in edition.all_messages()):
         yield from _clashes(_attributes(layout), "")
     for type_ in edition.types:
         key = "enum" if type_.enum else "flags"
