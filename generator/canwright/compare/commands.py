@@ -278,9 +278,9 @@ def _message(found: Found, both: Editions, old: Command, new: Command, one: Mess
         paths = (*one.path, key), (*other.path, key)
         found.add(rule, item, *paths, impact, use, old=before, new=after, **facts)
 
-    own = [m.keys[0].value if m.keys else None for m in (one, other)]
+    own = [discriminators.code_sent(m) for m in (one, other)]
     if own != [old.code, new.code] and own[0] != own[1]:
-        known = other.keys and other.keys[0].value in one.accept
+        known = own[1] in one.accept
         add(
             "reply-code-changed",
             Impact.SAFE if known else Impact.LOUD,
