@@ -8,19 +8,10 @@ from pathlib import Path
 
 import pytest
 from canwright.diagnostics.diagnostic import SpecError
-from canwright.model.edition import (
-    Bound,
-    Dependent,
-    Direction,
-    EchoReply,
-    Edition,
-    Linear,
-    OtherReply,
-    OwnReply,
-    Range,
-    Segment,
-    SharedReply,
-)
+from canwright.model.edition import Edition
+from canwright.model.layout import Segment
+from canwright.model.message import Direction, EchoReply, OtherReply, OwnReply, SharedReply
+from canwright.model.types import Bound, Dependent, Linear, Range
 from canwright.project.loader import described
 from canwright.semantics.decoder import linear_of
 

@@ -16,9 +16,10 @@ import canmatrix.formats
 import cantools
 import pytest
 from cantools.database import Database
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction, Edition, KeyRole, Message
+from canwright.model.edition import Edition
 from canwright.model.layout import ConstantRole, Element, Field, Layout, Segment, Space, Variant
+from canwright.model.message import Direction, KeyRole, Message
+from canwright.model.refusal import Refusal
 from canwright.model.types import Assignment, Encoding
 from canwright.project.loader import described
 from canwright.targets import Described, dbc

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Command, Direction, EchoReply, Edition, Message, OtherReply, SharedReply
+from ..model.edition import Edition
+from ..model.message import Command, Direction, EchoReply, Message, OtherReply, SharedReply
 from ..model.metadata import Effect, Level
 from . import api, discriminators, fields, match
 from .change import Fact, Impact, Item, Said, Side

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Command, Edition, Key, KeyRole, Message
+from ..model.edition import Edition
+from ..model.message import Command, Key, KeyRole, Message
 from .change import Impact, Item, Said, Side
 from .collector import Found, Use, listed
 from .fields import Editions

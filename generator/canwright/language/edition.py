@@ -7,7 +7,8 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
-from ..model.edition import Level, Order
+from ..model.metadata import Level
+from ..model.types import Order
 from .messages import (
     EMPTY_RAW as EMPTY_RAW,
     NO_INDEX as NO_INDEX,

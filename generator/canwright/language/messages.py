@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
-from ..model.edition import Encoding, Order
+from ..model.types import Encoding, Order
 from .scalar_types import Byte, CodeFormat, Indices, Name, Nodes, Only, Raw, Section, Start, Text, is_map
 from .types import Concept, Titled
 

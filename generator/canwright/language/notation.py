@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 
-from ..model.edition import Bound, Encoding, Order, Range, Space
+from ..model.layout import Space
+from ..model.types import Bound, Encoding, Order, Range
 
 LONGEST = 200
 """Characters of a notation, so that no text of a stranger makes numbers that take long to reckon with."""

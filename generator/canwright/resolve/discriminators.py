@@ -8,8 +8,8 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 
-from ..model.edition import Command, Direction, Key, KeyRole, Message
 from ..model.layout import Field, Layout, Segment, Space, Variant, bits_of
+from ..model.message import Command, Direction, Key, KeyRole, Message
 
 Place = tuple[Space, tuple[Segment, ...]]
 Constants = dict[Place, Field]

@@ -10,20 +10,9 @@ from ..diagnostics.diagnostic import Diagnostic, DocumentPath
 from ..document.document import Document
 from ..language import edition as schema, suggestions
 from ..language.notation import LAST_ID, SHORT_ID, IdExpression
-from ..model.edition import (
-    Address,
-    Bus,
-    Command,
-    Direction,
-    Edition,
-    Effect,
-    Entry,
-    Erratum,
-    IdRule,
-    Mode,
-    Setting,
-    Table,
-)
+from ..model.edition import Edition
+from ..model.message import Address, Command, Direction, Entry, IdRule, Table
+from ..model.metadata import Bus, Effect, Erratum, Mode, Setting
 from .command_forms import Form
 from .context import Context
 from .discriminators import keyed_by_constants, with_claims

@@ -7,7 +7,8 @@ from collections.abc import Collection, Mapping
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import edition as schema, suggestions
-from ..model.edition import (
+from ..model.layout import Layout
+from ..model.message import (
     Address,
     Direction,
     EchoReply,
@@ -19,7 +20,6 @@ from ..model.edition import (
     Reply,
     SharedReply,
 )
-from ..model.layout import Layout
 from .command_forms import Form
 from .context import Context
 from .layouts import LayoutResolver, segments_at

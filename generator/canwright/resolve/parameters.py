@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import edition as schema
-from ..model.edition import Parameter, ParameterValue
+from ..model.types import Parameter, ParameterValue
 from .context import Context
 
 

@@ -12,19 +12,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..document.document import Document, read_document
 from ..language import edition as schema, suggestions
 from ..language.notation import Multiple
-from ..model.edition import (
-    IDENTITY,
-    Bound,
-    Dependent,
-    Encoding,
-    Linear,
-    Member,
-    Order,
-    Parameter,
-    Range,
-    Type,
-    Unit,
-)
+from ..model.types import IDENTITY, Bound, Dependent, Encoding, Linear, Member, Order, Parameter, Range, Type, Unit
 from ..templating import resources
 from .context import Context
 

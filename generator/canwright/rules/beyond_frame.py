@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..model.edition import KeyRole, Message
 from ..model.layout import Field, Segment, Space
+from ..model.message import KeyRole, Message
 from ..model.types import Order
 from .rule import Finding, Found, Subject
 

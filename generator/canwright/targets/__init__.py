@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 from ..language.golden_frames import GoldenFrames
-from ..model.edition import Assignment, Edition
+from ..model.edition import Edition
+from ..model.types import Assignment
 
 
 class Described(NamedTuple):

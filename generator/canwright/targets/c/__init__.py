@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from ...language.golden_frames import Refusal
-from ...model.edition import Assignment
+from ...model.refusal import Refusal
+from ...model.types import Assignment
 from ...templating.environment import environment
 from .. import Described, Output
 from .bits import operand

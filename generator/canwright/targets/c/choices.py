@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
-from ...model.edition import Dependent, Edition, Parameter
+from ...model.edition import Edition
+from ...model.types import Dependent, Parameter
 from .names import Names, member
 from .text import english
 

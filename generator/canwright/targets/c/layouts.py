@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from ...model.edition import Edition, Encoding, Field, Layout, Variant
+from ...model.edition import Edition
+from ...model.layout import Field, Layout, Variant
+from ...model.types import Encoding
 from . import bits
 from .choices import Branch, Choice
 from .facts import errata, field_facts

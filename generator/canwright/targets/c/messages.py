@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ...model.edition import Address, Direction, Edition, IdRule, Key, Message, Space
+from ...model.edition import Edition
+from ...model.layout import Space
+from ...model.message import Address, Direction, IdRule, Key, Message
 from . import bits
 from .forms import Form, address_mask, form_of, named_forms
 from .names import Names

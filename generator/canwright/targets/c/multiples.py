@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
-from ...model.edition import Linear
+from ...model.types import Linear
 from .names import member
 from .numbers import INT64, Integer
 

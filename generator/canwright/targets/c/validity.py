@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from ...diagnostics.diagnostic import DocumentPath
-from ...model.edition import Bound, Dependent, Edition, Encoding, Linear, Member, Range, Type
+from ...model.edition import Edition
+from ...model.types import Bound, Dependent, Encoding, Linear, Member, Range, Type
 from .choices import Choice, choose
 from .names import Names, Problem, member
 from .numbers import INT64, UINT64, Integer, integer

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ...model import formatting
-from ...model.edition import Command, Direction, Edition, OtherReply
+from ...model.edition import Edition
 from ...model.layout import Layout
+from ...model.message import Command, Direction, OtherReply
 from ...model.metadata import Level
 from .. import header
 from .choices import ParameterView, parameters

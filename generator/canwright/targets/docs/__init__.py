@@ -9,7 +9,8 @@ import jinja2
 import yaml
 
 from ...model import formatting
-from ...model.edition import Assignment, Edition
+from ...model.edition import Edition
+from ...model.types import Assignment
 from ...templating import resources
 from ...templating.environment import environment
 from .. import Described, Output, header

@@ -9,7 +9,10 @@ from ...compare import Change, compare
 from ...diagnostics.diagnostic import DocumentPath
 from ...language.golden_frames import GoldenFrames
 from ...model import formatting
-from ...model.edition import Command, Direction, Edition, Field, Layout, Message, Mode, Variant
+from ...model.edition import Edition
+from ...model.layout import Field, Layout, Variant
+from ...model.message import Command, Direction, Message
+from ...model.metadata import Mode
 from .examples import Worked, worked
 from .picture import Drawing, Drawings
 from .tables import Cells, field_cells, index, key_cells

@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ...model import formatting
-from ...model.edition import Command, Direction, Erratum
+from ...model.message import Command, Direction
+from ...model.metadata import Erratum
 from . import tables
 from .common import Common, Drawn, Side
 from .examples import Example, sources

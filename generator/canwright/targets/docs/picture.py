@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from ...model import formatting
-from ...model.edition import IdRule, Message, Segment, Space, Variant
+from ...model.layout import Segment, Space, Variant
+from ...model.message import IdRule, Message
 from .text import xml
 
 CELL, ROW, LEFT, TOP = 44, 34, 96, 26

@@ -6,9 +6,11 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from ...language.golden_frames import Refusal
 from ...model import formatting
-from ...model.edition import Assignment, Direction, Edition, Parameter
+from ...model.edition import Edition
+from ...model.message import Direction
+from ...model.refusal import Refusal
+from ...model.types import Assignment, Parameter
 from ...templating.environment import environment
 from .. import Described, Output, header
 from . import codec_names, messages, routes, text, types

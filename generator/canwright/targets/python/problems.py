@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...diagnostics.diagnostic import DocumentPath
-from ...model.edition import Edition, Layout
+from ...model.edition import Edition
+from ...model.layout import Layout
 from . import codec_names, text
 
 Problem = tuple[DocumentPath, str, str]
