@@ -14,6 +14,9 @@ from functools import cached_property
 from ..diagnostics.diagnostic import DocumentPath
 from .types import Assignment, Text, Type
 
+MAX_DATA_BYTES = 8
+"""Data bytes that a frame has room for: classic CAN. The only limit on the length of frames."""
+
 
 class Space(str, Enum):
     """Where bits stand: in the data bytes or in the CAN id."""

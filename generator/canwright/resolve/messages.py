@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import edition as schema, suggestions
-from ..model.layout import Layout
+from ..model.layout import MAX_DATA_BYTES, Layout
 from ..model.message import (
     Address,
     Direction,
@@ -30,8 +30,6 @@ FORMS = (ENTRY, "echo", "none")
 """The words that stand in place of a layout's name."""
 OF_REPLIES = frozenset(("of", "from_each"))
 """What is said of replies alone, and all that is said of one that is another command's."""
-LONGEST_DATA = 8
-"""Data bytes of a frame whose `dlc` could not be read: nothing is beyond these for that reason."""
 LONGEST_CHAIN = 20
 """How many commands may take their reply one from the next."""
 
@@ -239,7 +237,7 @@ class MessageResolver:
 
     def _dlc(self, path: DocumentPath, spec: schema.MessageSpec, of_entry: int | None) -> int:
         if self._context.is_partly_dropped(path, ("dlc",)):
-            return LONGEST_DATA
+            return MAX_DATA_BYTES  # the length is unknown, so nothing is reported as beyond it
         return next(dlc for dlc in (of_entry, spec.dlc, self._spec.bus.dlc) if dlc is not None)
 
     def _lacks_table(self, command: str) -> bool:
