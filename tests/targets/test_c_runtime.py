@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from canwright.language.golden_frames import Refusal
+from canwright.model.refusal import Refusal
 from canwright.project.loader import described
 from canwright.targets.base import header
 from canwright.targets.c import RUNTIME, SHARED

@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 
 import can
 import pytest
-from canwright.language import golden_frames
+from canwright.model import refusal
 from canwright.project.loader import described
 from canwright.targets.python import runtime, runtime_modules, target
 from canwright.targets.python.imports import NAMES, PUBLIC, Imports
@@ -155,7 +155,7 @@ def rejected(refusal: Refusal, call: Callable[..., object], *arguments: object, 
 
 
 def test_the_reasons_for_rejection_are_those_of_golden_frames() -> None:
-    ours, model = ({r.name: r.value for r in reasons} for reasons in (Refusal, golden_frames.Refusal))
+    ours, model = ({r.name: r.value for r in reasons} for reasons in (Refusal, refusal.Refusal))
     assert list(ours.items()) == list(model.items())
 
 

@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ...model import formatting
-from ...model.edition import Assignment, Direction, Edition, Parameter
+from ...model.edition import Edition
+from ...model.message import Direction
+from ...model.types import Assignment, Parameter
 from ...templating.environment import environment
 from ..base import Described, Output, header
 from . import messages, routes, text, types

@@ -7,7 +7,9 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...language.golden_frames import Frame, Value
-from ...model.edition import Command, Direction, Edition, Field, Message
+from ...model.edition import Edition
+from ...model.layout import Field
+from ...model.message import Command, Direction, Message
 from ..base import Described
 from . import messages, text, types
 from .imports import Imports

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...model.edition import Command, Parameter
+from ...model.message import Command
+from ...model.types import Parameter
 from . import text, types
 
 

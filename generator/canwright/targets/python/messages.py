@@ -6,18 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ...model.edition import (
-    Command,
-    Direction,
-    Edition,
-    Field,
-    Layout,
-    Message,
-    Order,
-    Parameter,
-    Space,
-    Variant,
-)
+from ...model.edition import Edition
+from ...model.layout import Field, Layout, Space, Variant
+from ...model.message import Command, Direction, Message
+from ...model.types import Order, Parameter
 from . import bits, facts, text, types
 from .imports import Imports
 from .types import TypeView

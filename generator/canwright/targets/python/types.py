@@ -7,7 +7,8 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...model import formatting
-from ...model.edition import IDENTITY, Bound, Dependent, Edition, Encoding, Linear, Parameter, Range, Type
+from ...model.edition import Edition
+from ...model.types import IDENTITY, Bound, Dependent, Encoding, Linear, Parameter, Range, Type
 from . import text
 from .imports import Imports
 
