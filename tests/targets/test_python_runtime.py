@@ -70,6 +70,7 @@ class Level(Message):
     CODE: ClassVar[int]
     NODES = (1, 4)
     DLC = 3
+    DEFAULTS = UNKNOWN
     TYPES: ClassVar[Any] = {"level": LEVEL.check}
 
     level_raw: int
@@ -134,7 +135,10 @@ DISPATCHER = Dispatcher(
         Route(0x100, 1, NODES, selector=code, messages={0x10: ((DimRequest, ()),), 0x20: ((EchoRequest, ()),)}),
         Route(0x80, 1, None, single=SyncRequest),
     ),
-    replies=(Route(0x200, 1, NODES, selector=code, messages={0x11: ((DimReply, ()),), 0x20: ((EchoReply, ()),)}),),
+    replies=(
+        Route(0x200, 1, NODES, selector=code, messages={0x11: ((DimReply, ()),), 0x20: ((EchoReply, ()),)}),
+        Route(0x300, 1, NODES, single=EchoReply),
+    ),
     answers={
         DimRequest: Answer(DimReply, ((code, (0x11,)),), (), False),
         EchoRequest: Answer(EchoReply, ((code, (0x20,)),), (), True),
@@ -215,10 +219,10 @@ def test_the_nearest_integer_ties_away_from_zero(value: Real, integer: int) -> N
 
 
 def test_a_number_converts_in_both_directions() -> None:
-    offset = Number(-128, 127, scale=(-3, 2, Fraction(1, 4)))
+    offset = Number(-128, 127, scale=(-3, 2, Fraction(25, 4)))
     for raw in (-128, -1, 0, 1, 127):
         value = offset.value(raw, UNKNOWN, "it")
-        assert value == float(Fraction(raw * -3, 2) + Fraction(1, 4))
+        assert value == float(Fraction(raw * -3, 2) + Fraction(25, 4))
         assert offset.raw(value, UNKNOWN, "it") == raw
     assert LEVEL.raw(99.95, UNKNOWN, "level") == 1000
     assert rejected(Refusal.OUT_OF_RANGE, LEVEL.raw, 100.1, UNKNOWN, "level") == (
@@ -250,6 +254,7 @@ def test_scale_and_range_depend_on_parameters() -> None:
     assert number.span(Parameters(size=1)) == (-10, 100)
     assert number.span(Parameters(size=1, top=Fraction(15, 4))) == (-10, 7)
     assert number.span(Parameters(size=2)) == number.span(UNKNOWN) == (-100, 100)
+    assert Number(0, 10, limits=(Bound(-5), Bound(20))).span(UNKNOWN) == (0, 10)
 
 
 @pytest.mark.parametrize(("width", "layout"), [(32, "<f"), (64, "<d")])
@@ -259,6 +264,8 @@ def test_a_float_is_its_bit_pattern(width: int, layout: str) -> None:
     assert number.value(bits, UNKNOWN, "it") == 2.5
     assert number.raw(2.5, UNKNOWN, "it") == bits
     assert number.check(bits, UNKNOWN, "it") == bits
+    for end in (-5, 5):
+        assert number.value(number.raw(end, UNKNOWN, "it"), UNKNOWN, "it") == end
     too_large = rejected(Refusal.OUT_OF_RANGE, number.raw, 5.5, UNKNOWN, "it")
     assert too_large == "it=5.5 V is out of range -5.0..5.0"
     rejected(Refusal.OUT_OF_RANGE, number.check, 1 << width, UNKNOWN, "it")
@@ -301,7 +308,8 @@ def test_a_message_holds_raw_integers_and_compares_by_value() -> None:
     request = DimRequest(node=2, level=12.34)
     assert (request.can_id, request.encode(), request.level) == (0x102, b"\x10\x7b\x00", 12.3)
     assert (request.raw(), repr(request)) == ({"level": 123}, "DimRequest(node=2, level=12.3)")
-    assert request == DimRequest.from_raw(node=2, level=123)
+    again = DimRequest.from_raw(node=2, level=123)
+    assert (again, again.parameters) == (request, UNKNOWN)
     assert request != DimRequest(node=3, level=12.3)
     assert len({request, DimRequest(node=2, level=12.3)}) == 1
     rejected(Refusal.UNKNOWN_NODE, DimRequest, node=5, level=1)
@@ -342,7 +350,8 @@ def test_an_answer_comes_from_the_node_of_the_request() -> None:
     answer = DISPATCHER.decode_answer(DimRequest, 0x201, b"\x11\x01\x00")
     assert type(answer) is DimReply
     rejected(Refusal.UNKNOWN_CODE, DISPATCHER.decode_answer, DimRequest, 0x201, b"\x20\x01\x00")
-    rejected(Refusal.UNKNOWN_ID, DISPATCHER.decode_answer, DimRequest, 0x101, b"\x11\x01\x00")
+    for other_id in (0x101, 0x301):
+        rejected(Refusal.UNKNOWN_ID, DISPATCHER.decode_answer, DimRequest, other_id, b"\x11\x01\x00")
     rejected(Refusal.NOT_ANSWER, DISPATCHER.decode_answer, SyncRequest, 0x201, b"\x11\x01\x00")
     DISPATCHER.check_reply(0x101, b"\x10\x01\x00", 0x201, b"\x11\x02\x00")
     DISPATCHER.check_reply(0x101, b"\x20\x01\x00", 0x201, b"\x20\x01\x00")
@@ -365,6 +374,7 @@ def test_an_answer_comes_from_the_node_of_the_request() -> None:
         (Answer(DimReply, (), (), False, asked=(addressed, 0xFF)), 0x201, False),
         (Answer(DimReply, (), (), False, told=(addressed, 0xFF)), 0x201, True),
         (Answer(DimReply, (), (2,), False, told=(addressed, 0xFF)), 0x202, False),
+        (Answer(DimReply, (), (2,), False, told=(addressed, 0xFC)), 0x202, True),
     ],
 )
 def test_the_node_of_an_answer_may_be_listed_or_in_a_field(answer: Answer, source: int, accepted: bool) -> None:
@@ -389,6 +399,8 @@ def test_messages_of_one_code_differ_by_length_further_selectors_or_bits_of_the_
     assert by_length.message(0x101, bytes([0x10, 0])) is Short
     assert by_length.message(0x101, bytes([0x10, 0, 0])) is DimRequest
     rejected(Refusal.WRONG_LENGTH, by_length.message, 0x101, bytes([0x10]))
+    by_code = Route(0x100, 1, NODES, selector=code, messages={0x10: ((DimRequest, ()),), 0x20: ((Short, ()),)})
+    rejected(Refusal.WRONG_LENGTH, by_code.message, 0x101, bytes([0x20, 0, 0]))
     entries = ((DimRequest, ((addressed, 7),)), (EchoRequest, ()))
     by_more = Route(0x100, 1, NODES, selector=code, messages={0x10: entries})
     assert by_more.message(0x101, bytes([0x10, 7, 0])) is DimRequest
@@ -421,6 +433,9 @@ def test_a_bus_finds_the_node_of_a_frame() -> None:
     rejected(Refusal.UNKNOWN_ID, bus.decode_reply, 0x203, b"\x11\x01\x00")
     with pytest.raises(ValueError, match="both reply with the id 0x201"):
         Nodes([first, Node(edition, 1)])
+    edition.ids_of = lambda direction, node: ((0x200 + node, 0x0F, False, False),)
+    with pytest.raises(ValueError, match="both reply with the id 0x202"):
+        Nodes([first, Node(edition, 2)])
 
 
 def test_messages_of_python_can() -> None:
@@ -429,5 +444,6 @@ def test_messages_of_python_can() -> None:
     assert (frame.arbitration_id, bytes(frame.data), frame.is_extended_id) == (0x102, b"\x10\x7b\x00", False)
     assert from_message(frame, DISPATCHER.decode_request) == request
     assert from_message(frame, DISPATCHER.decode_request, Parameters(size=1)).parameters == Parameters(size=1)
-    for other in (can.Message(is_error_frame=True), can.Message(is_fd=True)):
+    for kind in ("is_error_frame", "is_fd", "is_extended_id"):
+        other = can.Message(**{"arbitration_id": 0x102, "data": request.encode(), "is_extended_id": False, kind: True})
         rejected(Refusal.UNKNOWN_ID, from_message, other, DISPATCHER.decode_request)
