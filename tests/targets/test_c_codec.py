@@ -137,7 +137,7 @@ def _assignments(edition: Edition) -> list[Parameters]:
 def _fields(message: Message, parameters: Parameters) -> list[Field]:
     variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
     assert variant is not None
-    return [field for field in variant.fields if field.constant is None]
+    return [field for field in variant.fields if field.fixed is None]
 
 
 def _limits(type_: Type, parameters: Parameters) -> tuple[int, int]:
@@ -206,7 +206,7 @@ def _frame(message: Message, node: int | None, raw: dict[str, Raw], parameters: 
         _place(spaces[key.space], bits, key.value)
     variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
     for field in variant.fields if variant else ():
-        given = field.constant if field.constant is not None else raw[field.name]
+        given = field.fixed if field.fixed is not None else raw[field.name]
         numbers = given if isinstance(given, list) else [given] * len(field.elements)
         for element, number in zip(field.elements, numbers, strict=True):
             _place(spaces[field.space], element.bits, number)

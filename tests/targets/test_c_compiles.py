@@ -130,7 +130,7 @@ def test_main_header_has_no_float(units: Path) -> None:
 
 def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
     program = (
-        "import sys; from pathlib import Path; from canwright.load import described; from canwright.targets import c; "
+        "import sys; from pathlib import Path; from canwright.project.loader import described; from canwright.targets import c; "
         "sys.stdout.write(repr([(o.path, o.text) for o in c.generate([described(Path(sys.argv[1]))], {})]))"
     )
     made = {

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Command, Direction, Edition, Effect, Level, Message, ReplyForm
+from ..model.edition import Command, Direction, EchoReply, Edition, Message, OtherReply, SharedReply
+from ..model.metadata import Effect, Level
 from . import discriminators, fields, match
 from .change import Fact, Impact, Item, Said, Side
 from .collector import Found, Use, listed
@@ -79,7 +80,7 @@ def messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, M
 
 def _is_another(old: Command, new: Command, one: Message, other: Message) -> bool:
     """Whether a reply needs no look: it is an echo in both editions, or in one and has nothing of the other's."""
-    echoes = (old.reply_form is ReplyForm.ECHO) + (new.reply_form is ReplyForm.ECHO)
+    echoes = old.is_echoed + new.is_echoed
     if echoes == 2:
         return old.request is not None and new.request is not None
     return echoes == 1 and not match.fields(one.layout, other.layout).pairs
@@ -242,7 +243,7 @@ def _reply(found: Found, old: Command, new: Command) -> None:
     one, other = _form(old), _form(new)
     if one != other:
         impact = Impact.LOUD if other == "none" else Impact.SAFE if one == "none" else Impact.SILENT
-        layouts = [c.reply.layout.name if c.reply_form is ReplyForm.LAYOUT and c.reply else "" for c in (old, new)]
+        layouts = ["".join(r.message.layout.name for r in c.replies if isinstance(r, SharedReply)) for c in (old, new)]
         facts = {"old": layouts[0] or one, "new": layouts[1] or other}
         found.add("reply-form-changed", item, *where, impact, use, **facts)
     if old.from_each != new.from_each:
@@ -262,9 +263,11 @@ def _repliers(command: Command) -> Fact:
 
 def _form(command: Command) -> str:
     """The form as far as it decides what comes back: whose layout the fields are in does not."""
-    if command.reply_form is ReplyForm.OTHER:
-        return f"of {command.reply_of}"
-    return "fields" if command.reply_form in (ReplyForm.OWN, ReplyForm.LAYOUT) else command.reply_form.value
+    for reply in command.replies:
+        if isinstance(reply, OtherReply):
+            return f"of {reply.of}"
+        return "echo" if isinstance(reply, EchoReply) else "fields"
+    return "none"
 
 
 def _message(found: Found, both: Editions, old: Command, new: Command, one: Message, other: Message) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Command, Edition, Key, Message
+from ..model.edition import Command, Edition, Key, KeyRole, Message
 from .change import Impact, Item, Said, Side
 from .collector import Found, Use, listed
 from .fields import Editions
@@ -20,7 +20,7 @@ def code(value: int | None) -> str:
 def index(command: Command) -> str:
     """The index of an entry, as `0x05, 0x0A`."""
     message = command.request or command.reply
-    return listed(code(key.value) for key in message.keys if key.is_index) if message else Said("none")
+    return listed(code(key.value) for key in message.keys if key.role is KeyRole.INDEX) if message else Said("none")
 
 
 def compare(found: Found, both: Editions, old: Command, new: Command) -> None:
@@ -52,7 +52,7 @@ def compare(found: Found, both: Editions, old: Command, new: Command) -> None:
 
 def _constants(found: Found, old: Message, new: Message, use: Use) -> None:
     """Constants that tell one message from others, as a code does."""
-    before, after = ({k.name: k for k in m.keys if k.name != "code" and not k.is_index} for m in (old, new))
+    before, after = ({k.name: k for k in m.keys if k.role is KeyRole.CONSTANT} for m in (old, new))
     item = Item("command", use.commands[0])
     for name in before.keys() & after.keys():
         one, other = before[name], after[name]
@@ -68,7 +68,7 @@ def _constants(found: Found, old: Message, new: Message, use: Use) -> None:
 
 def _one_selector(edition: Edition) -> bool:
     """Whether all frames have their code in the same bits."""
-    return len({m.keys[0].segments for m in edition.all_messages() if m.keys and m.keys[0].name == "code"}) < 2
+    return len({m.keys[0].segments for m in edition.all_messages() if m.keys and m.keys[0].role is KeyRole.CODE}) < 2
 
 
 def _places(
@@ -79,7 +79,7 @@ def _places(
     def stand(keys: Sequence[Key]) -> str:
         return listed(formatting.place(k.space, k.segments) for k in keys)
 
-    first = [keys[: 1 if keys and keys[0].name == "code" else 0] for keys in (one, other)]
+    first = [keys[: 1 if keys and keys[0].role is KeyRole.CODE else 0] for keys in (one, other)]
     rest = [keys[len(lead) :] for keys, lead in zip((one, other), first, strict=True)]
     if stand(first[0]) != stand(first[1]):
         facts = {"old": stand(first[0]), "new": stand(first[1])}

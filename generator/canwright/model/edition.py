@@ -13,11 +13,16 @@ from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
 from .layout import (
+    ConstantRole as ConstantRole,
     Element as Element,
     Field as Field,
+    FieldRole as FieldRole,
     Layout as Layout,
+    NodeRole as NodeRole,
+    ReservedRole as ReservedRole,
     Segment as Segment,
     Space as Space,
+    ValueRole as ValueRole,
     Variant as Variant,
 )
 from .metadata import (
@@ -54,20 +59,6 @@ class Direction(str, Enum):
     REPLY = "reply"
 
 
-class ReplyForm(str, Enum):
-    """How the reply of a command comes about."""
-
-    NONE = "none"
-    ECHO = "echo"
-    """The node sends the request back."""
-    OWN = "own"
-    """The fields stand with the command."""
-    LAYOUT = "layout"
-    """The fields are those of a shared layout."""
-    OTHER = "other"
-    """The frame is the reply of another command."""
-
-
 @dataclass(frozen=True)
 class IdRule:
     """A rule from node to CAN id, and back: `id = base + node * node_step`, without the bits of keys and fields.
@@ -98,24 +89,37 @@ class Address:
         return self.request if direction is Direction.REQUEST else self.reply
 
 
-@dataclass(frozen=True)
-class Key:
-    """Bits that must hold `value` for a frame to be a given message; the selector and, where there is one, a second."""
+class KeyRole(str, Enum):
+    """What the value of a key stands for."""
+
+    CODE = "code"
+    """The code of the command, where its selector is."""
+    INDEX = "index"
+    """An index of the entry of a table."""
+    CONSTANT = "constant"
+    """The constant of a field that other messages have otherwise."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BitRun:
+    """Bits that are read as one unsigned integer."""
 
     name: str
     space: Space
     order: Order
     width: int
     segments: tuple[Segment, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Key(BitRun):
+    """Bits that must have `value` for a frame to be a given message."""
+
+    role: KeyRole
     value: int
 
-    @property
-    def is_index(self) -> bool:
-        """Whether it tells the entry of a table."""
-        return self.name.rstrip("0123456789") in ("index", "index_")
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Message:
     """One frame form in one direction.
 
@@ -138,12 +142,18 @@ class Message:
     path: DocumentPath = field(compare=False)
 
     @property
-    def node_key(self) -> Key | None:
-        """The bits of the field that holds the node, as a key is read; None when there is no such field."""
-        field = next((f for f in self.layout.fields if f.holds_node), None)
+    def node_bits(self) -> BitRun | None:
+        """The bits of the field whose role is the node; None when there is no such field."""
+        field = next((f for f in self.layout.fields if isinstance(f.role, NodeRole)), None)
         if field is None:
             return None
-        return Key(field.name, field.space, field.type.order, field.type.width, field.elements[0].segments, 0)
+        return BitRun(
+            name=field.name,
+            space=field.space,
+            order=field.type.order,
+            width=field.type.width,
+            segments=field.elements[0].segments,
+        )
 
     @cached_property
     def id_mask(self) -> int:
@@ -176,14 +186,46 @@ class Entry:
     path: DocumentPath = field(compare=False)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
+class Reply:
+    """What comes back after a request, in one of the forms below.
+
+    `from_each` are the nodes that reply, one frame each in this order; empty when only the addressed node does.
+    """
+
+    message: Message
+    from_each: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class EchoReply(Reply):
+    """The node sends the request back."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class OwnReply(Reply):
+    """The fields stand with the command."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SharedReply(Reply):
+    """The fields are those of a shared layout."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class OtherReply(Reply):
+    """The frame is the reply of another command, `of`."""
+
+    of: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class Command:
-    """A code with its request and its reply.
+    """A code with its request and its replies, at most one today.
 
     `code` is None when no selector tells it. `only` maps a parameter to the values that have the command.
-    `from_each` are the nodes that reply, one frame each in this order; empty when only the addressed node does.
-    `reply_of` is the command whose reply this one shares (`ReplyForm.OTHER`). `group` is the command as the spec has it:
-    the name, but for the forms that a table gives a command, `GROUP_ENTRY`; then `entry` is that entry.
+    `group` is the command as the spec has it: the name, but for the forms that a table gives a command, `GROUP_ENTRY`;
+    then `entry` is that entry.
     """
 
     name: str
@@ -194,10 +236,7 @@ class Command:
     mode: str | None
     only: Mapping[str, tuple[str, ...]]
     request: Message | None
-    reply: Message | None
-    reply_form: ReplyForm
-    reply_of: str | None
-    from_each: tuple[int, ...]
+    replies: tuple[Reply, ...]
     implemented: bool
     effects: tuple[Effect, ...]
     limited_by: tuple[Setting, ...]
@@ -214,6 +253,21 @@ class Command:
         if self.entry is None:
             return self.title
         return {lang: text.removesuffix(f": {self.entry.title[lang]}") for lang, text in self.title.items()}
+
+    @property
+    def reply(self) -> Message | None:
+        """The frame that comes back."""
+        return self.replies[0].message if self.replies else None
+
+    @property
+    def is_echoed(self) -> bool:
+        """Whether the node sends the request back."""
+        return any(isinstance(reply, EchoReply) for reply in self.replies)
+
+    @property
+    def from_each(self) -> tuple[int, ...]:
+        """The nodes that reply, one frame each in this order; empty when only the addressed node does."""
+        return tuple(node for reply in self.replies for node in reply.from_each)
 
     def message(self, direction: Direction) -> Message | None:
         """Its request, or its reply."""
@@ -267,7 +321,7 @@ class Edition:
 
     def of_layout(self, layout: Layout) -> Sequence[Message]:
         """The messages that have a layout: this very one, not one like it."""
-        return self._index.of_layout.get(id(layout), ())
+        return self._index.of_layout.get(layout, ())
 
     def command(self, name: str) -> Command:
         return self._index.commands[name]
@@ -330,10 +384,10 @@ class _Index:
                     self.messages[direction].append(message)
         self.all_messages = [message for messages in self.messages.values() for message in messages]
         self.of_rule: dict[tuple[Direction, IdRule], list[Message]] = {}
-        self.of_layout: dict[int, list[Message]] = {}
+        self.of_layout: dict[Layout, list[Message]] = {}
         for message in self.all_messages:
             self.of_rule.setdefault((message.direction, message.id), []).append(message)
-            self.of_layout.setdefault(id(message.layout), []).append(message)
+            self.of_layout.setdefault(message.layout, []).append(message)
         self.errata: dict[str, list[int]] = {}
         """The numbers of the errata, by every dotted path that leads to what they are about."""
         for number, erratum in enumerate(edition.errata):

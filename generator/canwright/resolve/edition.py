@@ -24,12 +24,12 @@ from ..model.edition import (
     Setting,
     Table,
 )
+from .command_forms import Form
 from .context import Context
 from .discriminators import keyed_by_constants, with_claims
 from .layouts import LayoutResolver
 from .messages import ENTRY, MessageResolver
 from .parameters import resolve_parameters
-from .reply_forms import Form
 from .types import read_units, resolve_types
 
 T = TypeVar("T")
@@ -135,7 +135,7 @@ def _command(
     tables: Mapping[str, schema.Table],
 ) -> Command:
     path: DocumentPath = ("commands", form.command)
-    request, reply = messages.of(form)
+    request, replies = messages.of(form)
     title = context.title(path, written.title, form.command)
     only = layouts.only(path, written.only)
     does = _named(context, (*path, "effects"), "effect", written.effects, effects)
@@ -157,27 +157,24 @@ def _command(
             does += _named(context, (*at, "effects"), "effect", entry.effects, effects)
         only |= layouts.only(at, entry.only)
     return Command(
-        form.name,
-        form.command,
-        of,
-        messages.code_of(form),
-        messages.address_of(form.command),
-        _mode(context, path, written, modes),
-        only,
-        request,
-        reply.message,
-        reply.form,
-        reply.of,
-        reply.from_each,
-        written.implemented,
-        tuple(does),
-        tuple(_named(context, (*path, "limited_by"), "setting", written.limited_by, settings)),
-        tuple(_named(context, (*path, "not_limited_by"), "setting", written.not_limited_by, settings)),
-        title,
-        context.text((*path, "about"), written.about),
-        tuple(context.text((*path, "notes", i), note) for i, note in enumerate(written.notes)),
-        written.manual or "",
-        path,
+        name=form.name,
+        group=form.command,
+        entry=of,
+        code=messages.code_of(form),
+        address=messages.address_of(form.command),
+        mode=_mode(context, path, written, modes),
+        only=only,
+        request=request,
+        replies=replies,
+        implemented=written.implemented,
+        effects=tuple(does),
+        limited_by=tuple(_named(context, (*path, "limited_by"), "setting", written.limited_by, settings)),
+        not_limited_by=tuple(_named(context, (*path, "not_limited_by"), "setting", written.not_limited_by, settings)),
+        title=title,
+        about=context.text((*path, "about"), written.about),
+        notes=tuple(context.text((*path, "notes", i), note) for i, note in enumerate(written.notes)),
+        manual=written.manual or "",
+        path=path,
     )
 
 

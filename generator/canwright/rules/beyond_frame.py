@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..model.edition import Field, Message, Order, Segment, Space
+from ..model.edition import KeyRole, Message
+from ..model.layout import Field, Segment, Space
+from ..model.types import Order
 from .rule import Finding, Found, Subject
 
 
@@ -20,7 +22,7 @@ def check(subject: Subject) -> Found:
             last = max(s.byte * 8 + s.low + s.width for s in key.segments)
             if last <= limit[key.space]:
                 continue
-            is_code, address = key.name == "code", subject.spec.addresses[message.address]
+            is_code, address = key.role is KeyRole.CODE, subject.spec.addresses[message.address]
             if is_code and not (address.selector or address.reply_selector) and last > MOST[key.space]:
                 if "selector" not in seen:
                     yield Finding(

@@ -63,7 +63,7 @@ def _parameters(edition: Edition, known: Mapping[str, Parameter], given: Mapping
 
 def told(message: Message, node: int | None, variant: Variant, frame: CanFrame, assignment: Assignment) -> str:
     """A frame in words: `the request of dim, node 1: level 10 %`."""
-    fields = [f"{f.name} {_field(f, raw_of(f, frame), assignment)}" for f in variant.fields if f.constant is None]
+    fields = [f"{f.name} {_field(f, raw_of(f, frame), assignment)}" for f in variant.fields if f.fixed is None]
     return named(message, node) + (f": {', '.join(fields)}" if fields else "")
 
 

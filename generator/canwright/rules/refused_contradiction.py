@@ -77,7 +77,7 @@ def _amiss(sender: Sender, message: Message, entry: RefusedValues) -> Iterator[P
     """What keeps an entry from being asked at all: fields that are not there, or are of another shape."""
     fields = sender.fields(message)
     if fields is None:
-        fields = {f.name: f for f in message.layout.fields if f.constant is None}
+        fields = {f.name: f for f in message.layout.fields if f.fixed is None}
     written = [("raw", name) for name in entry.raw] + [("values", name) for name in entry.values]
     unknown = [path for path in written if path[1] not in fields]
     for path in unknown:

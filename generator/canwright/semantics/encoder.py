@@ -48,7 +48,7 @@ class Sender:
         known = self._fields.get(id(message))
         if known is None:
             variant = message.layout.variant(self.assignment)
-            fields = None if variant is None else {f.name: f for f in variant.fields if f.constant is None}
+            fields = None if variant is None else {f.name: f for f in variant.fields if f.fixed is None}
             known = self._fields[id(message)] = (message, fields)
         return known[1]
 

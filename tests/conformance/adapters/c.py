@@ -66,7 +66,7 @@ class CAdapter:
         raw: dict[str, Raw] = {}
         values: dict[str, Value] = {}
         items = [words[i : i + 3] for i in range(0, len(words), 3)]
-        for field in (f for f in variant.fields if f.constant is None):
+        for field in (f for f in variant.fields if f.fixed is None):
             mine = [(int(number), value) for name, number, value in items if name == field.name]
             raw[field.name] = [number for number, _ in mine] if field.is_array else mine[0][0]
             if any(value == f"?{Refusal.MISSING_PARAMETER.value}" for _, value in mine):

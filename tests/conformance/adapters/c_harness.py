@@ -83,7 +83,7 @@ class _Harness:
         return {"name": layout.name, "c": f"{self._prefix}{layout.name}", "member": member(layout.name)}
 
     def _layout(self, layout: Layout) -> dict[str, Any]:
-        fields = [self._field(field) for field in layout.fields if field.constant is None]
+        fields = [self._field(field) for field in layout.fields if field.fixed is None]
         return {**self._names(layout), "fields": fields}
 
     def _field(self, field: Field) -> dict[str, Any]:
@@ -131,4 +131,4 @@ class _Harness:
 
 
 def _has_members(layout: Layout) -> bool:
-    return any(field.constant is None for field in layout.fields)
+    return any(field.fixed is None for field in layout.fields)

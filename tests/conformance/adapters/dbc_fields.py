@@ -116,7 +116,7 @@ def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
     for element in field.elements:
         name = f"{prefix}{field.name}" + ("" if element.index is None else f"_{element.index}")
         signals = {signal.name: signal for signal in message.signals if signal.name.startswith(name)}
-        if not field.type.flags or field.constant is not None:
+        if not field.type.flags or field.fixed is not None:
             places = _whole(signals.get(name))
         else:
             places = _flags(name, field, signals)

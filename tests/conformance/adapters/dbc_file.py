@@ -57,7 +57,7 @@ class DbcFile:
                 read = [place.raw(numbers) for place in places]
                 if field.demanded is not None and read != [field.demanded] * len(read):
                     raise Cannot("constants")
-                if field.constant is None:
+                if field.fixed is None:
                     raw[field.name] = read if field.is_array else read[0]
                     values[field.name] = values_of(places, shown)
         return Decoded(command.name, _node(message, found), raw, values)
@@ -92,10 +92,10 @@ class DbcFile:
         prefix = _prefix(message, code)
         data |= {signal.name: 0 for signal in found.signals if signal.name == f"{prefix}reserved"}
         for field in message.layout.fields:
-            value = [field.constant] * len(field.elements) if field.constant is not None else given.get(field.name)
+            value = [field.fixed] * len(field.elements) if field.fixed is not None else given.get(field.name)
             parts: Sequence[Any] = value if isinstance(value, list) and not field.type.flags else [value]
             for place, part in zip(cells(found, prefix, field), parts, strict=False):
-                put = place.put_raw if field.constant is not None or not scaled else place.put_value
+                put = place.put_raw if field.fixed is not None or not scaled else place.put_value
                 refused = None if part is None else put(data, part, parameters)
                 if refused:
                     return refused

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition, Layout, Parameter, Type
 from ..base import NameProblem
-from .forms import form_of, named_forms
+from .patterns import named_patterns, pattern_of
 
 C_WORDS = (
     "alignas alignof auto bool break case char const constexpr continue default do double else enum extern false float "
@@ -32,7 +32,7 @@ TYPE_ENDINGS = ("_valid", "_name", "_to_milli", "_from_milli", "_to_double", "_f
 LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack")
 MESSAGE_ENDINGS = ("_encode", "_decode")
 ADDRESS_ENDINGS = ("_request_id", "_request_node", "_reply_id", "_reply_node")
-FORM_ENDINGS = ("_match", "_stamp")
+PATTERN_ENDINGS = ("_match", "_stamp")
 ADDRESS_MACROS = ("_REQUEST_ID", "_REPLY_ID", "_NODE_MIN", "_NODE_MAX")
 EDITION_NAMES = (
     *("parameters_t", "field_t", "field_name", "command_t", "command_name", "command_effects", "command_available"),
@@ -93,9 +93,9 @@ def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
         what = f"the address `{address.name}`"
         yield from ((names.lower(address.name) + e, what, address.path) for e in ADDRESS_ENDINGS)
         yield from ((names.upper(address.name) + e, what, address.path) for e in ADDRESS_MACROS)
-    for form, parts in named_forms(map(form_of, edition.all_messages())).items():
-        what, path = f"the address `{form.address}`", edition.address(form.address).path
-        yield from ((names.lower(*parts) + e, what, path) for e in FORM_ENDINGS)
+    for pattern, parts in named_patterns(map(pattern_of, edition.all_messages())).items():
+        what, path = f"the address `{pattern.address}`", edition.address(pattern.address).path
+        yield from ((names.lower(*parts) + e, what, path) for e in PATTERN_ENDINGS)
     for type_ in edition.types:
         yield from ((name, f"the type `{type_.name}`", type_.path) for name in _type(names, type_))
     for effect in edition.effects:

@@ -109,7 +109,7 @@ def _arguments(message: Message, frame: Frame, views: Mapping[str, types.TypeVie
     if message.id.nodes is not None:
         yield f"node={frame.node}"
     variant = message.layout.variant({name: str(value) for name, value in frame.parameters.items()})
-    for field in (f for f in (variant.fields if variant else ()) if f.constant is None):
+    for field in (f for f in (variant.fields if variant else ()) if f.fixed is None):
         value = _value(field, frame.values.get(field.name), views[field.type.name])
         yield None if value is None else f"{text.attribute(field.name)}={value}"
 

@@ -15,7 +15,6 @@ from ...model.edition import (
     Message,
     Order,
     Parameter,
-    ReplyForm,
     Space,
     Variant,
 )
@@ -226,7 +225,7 @@ class MessageViews:
         )
 
     def _body(self, layout: Layout, dlc: int, has_node: bool) -> BodyView:
-        fields = tuple(self._field(f, layout.manual) for f in layout.fields if f.constant is None)
+        fields = tuple(self._field(f, layout.manual) for f in layout.fields if f.fixed is None)
         cases = tuple(self._case(layout, v, dlc) for v in layout.variants)
         constants = tuple(_constants((f for f in layout.fields if not f.only), dlc))
         return BodyView(fields, constants, cases, text.attribute(layout.parameter or ""), has_node, depends(layout))
@@ -240,10 +239,10 @@ class MessageViews:
 
     def _case(self, layout: Layout, variant: Variant, dlc: int) -> CaseView:
         places = self._places(variant.fields)
-        names = tuple(text.attribute(f.name) for f in variant.fields if f.constant is None)
+        names = tuple(text.attribute(f.name) for f in variant.fields if f.fixed is None)
         constants = tuple(_constants((f for f in variant.fields if f.only), dlc))
-        scalar = [p for f, p in places if not f.is_array and f.constant is None]
-        only_scalars = all(not f.is_array and f.constant is None for f, _ in places)
+        scalar = [p for f, p in places if not f.is_array and f.fixed is None]
+        only_scalars = all(not f.is_array and f.fixed is None for f, _ in places)
         ordered = sorted(scalar, key=lambda p: p.first_byte) if only_scalars else []
         pattern = bits.struct_format(ordered, dlc) if len(ordered) > 1 else None
         targets = tuple(p.target for p in ordered) if pattern else ()
@@ -255,9 +254,9 @@ class MessageViews:
         for field in fields:
             for i, element in enumerate(field.elements):
                 slot = f"self.{text.attribute(field.name)}_raw" + (f"[{i}]" if field.is_array else "")
-                target = slot if field.constant is None else hex(field.constant & (1 << field.type.width) - 1)
+                target = slot if field.fixed is None else hex(field.fixed & (1 << field.type.width) - 1)
                 place = bits.place(target, field, element)
-                found.append((field, place if field.constant is None else place._replace(signed=False)))
+                found.append((field, place if field.fixed is None else place._replace(signed=False)))
         return found
 
     def _encode(self, message: Message, code: str = "") -> EncodeView:
@@ -358,7 +357,7 @@ def _constants(fields: Iterable[Field], dlc: int) -> Iterator[ConstantView]:
 
 def _reads(fields: Iterable[Field], dlc: int) -> Iterator[ReadView]:
     for field in fields:
-        if field.constant is None:
+        if field.fixed is None:
             reads = [bits.read(bits.place("", field, e), dlc) for e in field.elements]
             yield ReadView(text.attribute(field.name), text.tuple_of(reads) if field.is_array else reads[0])
 
@@ -373,7 +372,7 @@ def _message_doc(command: Command, message: Message) -> tuple[str, ...]:
     title = f"{text.english(command.title)}{code}, {message.direction.value}."
     manual = f"Manual {text.plain(command.manual)}." if command.manual else ""
     if message.direction is Direction.REPLY:
-        echo = "The request, sent back." if command.reply_form is ReplyForm.ECHO else ""
+        echo = "The request, sent back." if command.is_echoed else ""
         return (title, f"{echo} {manual}".strip())
     effects = " ".join(text.sentence(text.english(e.title)) for e in command.effects)
     missing = "" if command.implemented else "Not implemented, says the manual."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ...model.edition import Direction, Edition, Key, Message, ReplyForm
+from ...model.edition import BitRun, Direction, Edition, Message
 from ...semantics.decoder import by_rule, open_bits
 from . import bits, text
 from .imports import Imports
@@ -16,7 +16,7 @@ class Readers:
     def __init__(self) -> None:
         self.names: dict[str, str] = {}
 
-    def of(self, key: Key, shortest: int) -> str:
+    def of(self, key: BitRun, shortest: int) -> str:
         """The name of the function that reads a key in data of that length or more."""
         return self.names.setdefault(bits.read_key(key, shortest), f"_key_{len(self.names) + 1}")
 
@@ -106,11 +106,11 @@ def answers(edition: Edition, readers: Readers, imports: Imports) -> Iterator[st
             for i, k in enumerate(reply.keys)
         )
         nodes = text.tuple_of(map(str, command.from_each))
-        echo = command.reply_form is ReplyForm.ECHO
+        echo = command.is_echoed
         names = text.class_name(command.request.name), text.class_name(reply.name)
         held = "".join(
             f", {word}=({readers.of(key, 0 if m.remote else m.dlc)}, 0x{(1 << key.width) - 1:X})"
             for word, m in (("asked", command.request), ("told", reply))
-            if (key := m.node_key) is not None
+            if (key := m.node_bits) is not None
         )
         yield f"{names[0]}: {imports.use('Answer')}({names[1]}, {selectors}, {nodes}, {echo}{held})"

@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 from ...model.edition import Edition, Encoding, Type
 from .choices import Choice
+from .comments import errata, type_facts
 from .conversions import ConversionView, double, milli
-from .facts import errata, type_facts
 from .names import Names, layouts
 from .numbers import Integer, integer
 from .text import english
-from .validity import valid
+from .validity import Condition, valid
 
 
 class MacroView(NamedTuple):
@@ -36,7 +36,7 @@ class TypeView(NamedTuple):
     kind: str
     macros: tuple[MacroView, ...]
     names: tuple[NameView, ...]
-    valid: Choice | None
+    valid: Choice[Condition] | None
     milli: ConversionView | None
     milli_unit: str
     double: ConversionView | None
