@@ -445,5 +445,11 @@ def test_messages_of_python_can() -> None:
     assert from_message(frame, DISPATCHER.decode_request) == request
     assert from_message(frame, DISPATCHER.decode_request, Parameters(size=1)).parameters == Parameters(size=1)
     for kind in ("is_error_frame", "is_fd", "is_extended_id"):
-        other = can.Message(**{"arbitration_id": 0x102, "data": request.encode(), "is_extended_id": False, kind: True})
+        fields: dict[str, Any] = {
+            "arbitration_id": 0x102,
+            "data": request.encode(),
+            "is_extended_id": False,
+            kind: True,
+        }
+        other = can.Message(**fields)
         rejected(Refusal.UNKNOWN_ID, from_message, other, DISPATCHER.decode_request)
