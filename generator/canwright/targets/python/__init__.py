@@ -3,40 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
 
-from ...model import formatting
-from ...model.edition import Assignment, Direction, Edition, Parameter
+from ...model.edition import Assignment
 from ...templating.environment import environment
-from ..base import Described, Output, header
-from . import messages, routes, text, types
+from ..base import Described, Output
+from . import text
 from .examples import example
-from .imports import PUBLIC, Imports
+from .module import module_view
 
 _RUNTIME = Path(__file__).with_name("runtime")
 """The modules that are copied into the package of each family."""
-
-
-class ParameterView(NamedTuple):
-    """A parameter as a field of `Parameters`, and as an enum where it is a choice among names."""
-
-    name: str
-    python: str
-    doc: str
-    values: tuple[str, ...]
-    """What a choice can be; empty for a number."""
-    minimum: str
-    maximum: str
-
-
-class ChoiceView(NamedTuple):
-    """A choice among names, as an enum."""
-
-    name: str
-    doc: str
-    members: tuple[types.MemberView, ...]
 
 
 def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
@@ -54,80 +31,10 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     module = env.get_template("edition.py.j2")
     for item in described:
         path = f"{item.edition.family}/{item.edition.identifier}.py"
-        yield Output(path, module.render(_module(item.edition)))
+        yield Output(path, module.render(module_view(item.edition)))
 
 
 def runtime_modules() -> dict[str, str]:
     """The source of each module of the runtime, by file name."""
     files = sorted(file for file in _RUNTIME.glob("*.py") if file.name != "__init__.py")
     return {file.name: file.read_text("utf-8") for file in files}
-
-
-def _module(edition: Edition) -> dict[str, object]:
-    imports = Imports()
-    views = types.type_views(edition, imports)
-    built = messages.MessageViews(edition, views, imports)
-    bodies = [*(v.body for v in built.layouts), *(m.body for m in built.messages if m.body)]
-    readers = routes.Readers()
-    enums = [v for v in views.values() if v.enum]
-    choices = tuple(_choice(p) for p in edition.parameters if p.is_choice and not p.is_numeric)
-    return {
-        "header": header(edition),
-        "doc": (f"{edition.family} {edition.name}: {text.english(edition.title)}", text.english(edition.about)),
-        "family": edition.family,
-        "edition": edition.name,
-        "hash": edition.hash,
-        "imports": imports,
-        "use": imports.use,
-        "choices": choices,
-        "public": _public(built, [c.name for c in choices], [v.enum for v in enums]),
-        "parameters": tuple(_parameter(p, imports) for p in edition.parameters),
-        "enums": enums,
-        "numbers": [v for v in views.values() if not v.enum],
-        "patterns": list(dict.fromkeys(c.struct for b in bodies for c in b.cases if c.struct)),
-        "layouts": built.layouts,
-        "messages": built.messages,
-        "request_routes": list(routes.routes(edition, Direction.REQUEST, readers, imports)),
-        "reply_routes": list(routes.routes(edition, Direction.REPLY, readers, imports)),
-        "answers": list(routes.answers(edition, readers, imports)),
-        "readers": readers.names,
-    }
-
-
-def _choice(parameter: Parameter) -> ChoiceView:
-    members = tuple(
-        types.MemberView(text.member_name(v.name), text.literal(v.name), text.english(v.title))
-        for v in parameter.values
-    )
-    return ChoiceView(text.class_name(parameter.name), text.english(parameter.title), members)
-
-
-def _parameter(parameter: Parameter, imports: Imports) -> ParameterView:
-    if parameter.is_choice:
-        python = "int" if parameter.is_numeric else text.class_name(parameter.name)
-        allowed = f" One of {', '.join(v.name for v in parameter.values)}."
-    else:
-        python = imports.use("Real")
-        limits = formatting.allowed(parameter)
-        allowed = f" {limits[:1].upper()}{limits[1:]}." if limits else ""
-    doc = text.sentence(text.english(parameter.title)) + allowed + " " + text.english(parameter.about)
-    return ParameterView(
-        text.attribute(parameter.name),
-        python,
-        doc.strip(),
-        tuple(types.parameter_key(parameter, v.name) for v in parameter.values),
-        _limit(parameter.minimum, imports),
-        _limit(parameter.maximum, imports),
-    )
-
-
-def _limit(limit: Fraction | None, imports: Imports) -> str:
-    return "None" if limit is None else types.exact(limit, imports)
-
-
-def _public(built: messages.MessageViews, choices: Sequence[str], enums: Sequence[str]) -> list[str]:
-    """What a module is used for, by name."""
-    constants = ("EDITION", "FAMILY", "SPEC_HASH", "UNKNOWN", "Parameters")
-    functions = ("check_reply", "decode_answer", "decode_reply", "decode_request", "ids_of", "node_of")
-    classes = [*(layout.name for layout in built.layouts), *(message.name for message in built.messages)]
-    return sorted({*constants, *functions, *PUBLIC, *choices, *enums, *classes})
