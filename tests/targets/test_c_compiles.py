@@ -179,9 +179,9 @@ def _cmake(*arguments: str | Path) -> None:
     if arguments[0] == "-S":
         find = (sys.executable, "-c", "import ninja; print(ninja.BIN_DIR)")
         ninja = subprocess.run(find, capture_output=True, text=True, check=True).stdout.strip()
-        compilers = [f"-DCMAKE_C_COMPILER={';'.join(ZIG.c)}", f"-DCMAKE_CXX_COMPILER={';'.join(ZIG.cxx)}"]
-        without_library = "-DCMAKE_EXE_LINKER_FLAGS=-nostdlib++"  # zig would first build the one of C++, for a minute
-        command += ["-G", "Ninja", f"-DCMAKE_MAKE_PROGRAM={ninja}/ninja", *compilers, without_library]
+        cxx = (*ZIG.cxx, "-nostdlib++")  # zig would first build the library of C++, for a minute
+        compilers = [f"-DCMAKE_C_COMPILER={';'.join(ZIG.c)}", f"-DCMAKE_CXX_COMPILER={';'.join(cxx)}"]
+        command += ["-G", "Ninja", f"-DCMAKE_MAKE_PROGRAM={ninja}/ninja", *compilers]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
