@@ -11,7 +11,7 @@ import tempfile
 import venv
 from pathlib import Path
 
-from .spec_texts import ROOT
+ROOT = Path(__file__).parents[1]
 
 RESOLUTIONS = {"lowest": "lowest-direct", "newest": "highest"}
 
