@@ -179,6 +179,7 @@ def _drop_rights() -> None:
 
 
 def _main() -> None:
+    import filelock  # noqa: F401  # which the writer imports only when it writes, in each forked run
     from canwright.cli import main
 
     status: object = 0

@@ -9,11 +9,9 @@ from pathlib import Path
 import click
 
 from ..diagnostics.diagnostic import Diagnostic, Position, Severity
-from ..model.edition import Assignment
 from ..output.paths import OutputError
-from ..output.writer import Content, difference, held, write
+from ..output.writer import difference, write
 from ..project.pipeline import TARGETS, generate as make
-from ..targets import Described
 from .common import (
     FINDINGS,
     OUT_FOLDER,
@@ -55,7 +53,7 @@ def generate(
     described = read(specs, printer)
     set_parameters = assignment(described, settings)
     try:
-        content = _content(described, targets, set_parameters, out)
+        content = make(described, targets or list(TARGETS), set_parameters)
         changes = write(out, content, force=force)
     except OutputError as error:
         stop(str(error))
@@ -93,7 +91,7 @@ def check(
         return
     out = out or OUT_FOLDER
     try:
-        found = list(difference(out, _content(described, targets, set_parameters, out)))
+        found = list(difference(out, make(described, targets or list(TARGETS), set_parameters)))
     except OutputError as error:
         stop(str(error))
     if not found:
@@ -116,8 +114,3 @@ def _report(warnings: Sequence[Diagnostic], message: str, printer: str, strict: 
         click.echo(message)
     if warnings and strict:
         sys.exit(FINDINGS)
-
-
-def _content(described: Sequence[Described], targets: Sequence[str], set_parameters: Assignment, out: Path) -> Content:
-    """What is made for a folder, beside what it holds. Raises OutputError."""
-    return make(described, targets or list(TARGETS), set_parameters, held(out))
