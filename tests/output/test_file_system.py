@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from canwright.output.paths import LOCK
 
-from .scenario import USER_FILES, Scenario, memory_folder, tree
 from .runs import Binding, Ended, Runs
+from .scenario import USER_FILES, Scenario, memory_folder, tree
 
 NAMESPACE = ["unshare", "-m" if os.geteuid() == 0 else "-rm"]
 MOUNT = 'mount -t tmpfs -o size=2m,nr_inodes=500 none "$0" && exec "$@"'
@@ -45,7 +45,9 @@ def scarce(way: str, scenario: Scenario, texts: Path) -> Iterator[tuple[Path, Ca
     with ExitStack() as stack:
         folder = stack.enter_context(memory_folder())
         inside = [] if way == "file size" else [*NAMESPACE, "sh", "-c", MOUNT, str(folder)]
-        runs = stack.enter_context(Runs(texts, *scenario.arguments(folder / "out"), watched=folder / "out", inside=inside))
+        runs = stack.enter_context(
+            Runs(texts, *scenario.arguments(folder / "out"), watched=folder / "out", inside=inside)
+        )
         assert runs.run().status == 0
         disk = Path(f"/proc/{runs.process}/root{folder}") if inside else folder
 
@@ -148,7 +150,9 @@ def test_what_may_not_be_read(runs: Runs, scenario: Scenario, tmp_path: Path, pa
 
 def test_a_file_in_place_of_the_folder(runs: Runs, scenario: Scenario, tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"mine\n")
-    assert_rejected(runs.run(*scenario.arguments(tmp_path / "file/out")), f"{tmp_path}/file", "Not a directory", "--out")
+    assert_rejected(
+        runs.run(*scenario.arguments(tmp_path / "file/out")), f"{tmp_path}/file", "Not a directory", "--out"
+    )
     ended = runs.run(*scenario.arguments(tmp_path / "file"))
     assert ended.status == 2 and "is a file" in ended.text
     assert (tmp_path / "file").read_bytes() == b"mine\n"

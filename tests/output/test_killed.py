@@ -48,9 +48,7 @@ def killed_runs(runs: Runs, before: Path, out: Path) -> Iterator[int]:
 @pytest.fixture(scope="module")
 def remains(runs: Runs, scenario: Scenario, out: Path) -> list[Path]:
     """What is left of the folder after each kill."""
-    return [
-        shutil.copytree(out, out.with_name(f"after{step}")) for step in killed_runs(runs, scenario.before, out)
-    ]
+    return [shutil.copytree(out, out.with_name(f"after{step}")) for step in killed_runs(runs, scenario.before, out)]
 
 
 def decided(remains: list[Path]) -> list[Path]:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from canwright.output.paths import JOURNAL, LOCK, MANIFEST, STAGING, OutputError, digest
 from canwright.output.writer import difference, write
 
-from .scenario import Scenario, make_scenario, tree
 from .runs import Runs
+from .scenario import Scenario, tree
 from .test_output_refused import told
 
 ZERO = "0" * 64
@@ -71,7 +70,9 @@ def test_nothing_goes_through_a_link(
 
 
 @pytest.mark.parametrize("dangling", [False, True], ids=["there", "dangling"])
-def test_the_folder_itself_is_no_link(runs: Runs, scenario: Scenario, outside: Path, tmp_path: Path, dangling: bool) -> None:
+def test_the_folder_itself_is_no_link(
+    runs: Runs, scenario: Scenario, outside: Path, tmp_path: Path, dangling: bool
+) -> None:
     link = tmp_path / "link"
     link.symlink_to(tmp_path / "nothing" if dangling else outside)
     ended = runs.run(*scenario.arguments(link))
@@ -176,7 +177,12 @@ def journal(out: Path, data: bytes) -> None:
 def test_a_broken_journal(runs: Runs, scenario: Scenario, out: Path, outside: Path, text: str) -> None:
     journal(out, HOSTILE_TEXTS[text])
     damaged(
-        runs, scenario, out, outside, JOURNAL, f"remove {out}/{STAGING}, left by a run that was cut short, and run again"
+        runs,
+        scenario,
+        out,
+        outside,
+        JOURNAL,
+        f"remove {out}/{STAGING}, left by a run that was cut short, and run again",
     )
     shutil.rmtree(out / STAGING)
     assert runs.run(*scenario.arguments(out)).status == 0

@@ -9,7 +9,8 @@ import re
 import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path, PurePosixPath
+from itertools import accumulate
+from pathlib import Path
 
 MANIFEST = ".canwright.json"
 LOCK = ".canwright-lock"
@@ -59,8 +60,9 @@ def digest_of(file: Path) -> str | None:
 
 def refuse_obstacles(out: Path, *paths: str) -> None:
     """Raises OutputError where a file below `out` would go through a link, or where its path is taken by something else."""
-    for folder in sorted({folder for path in paths for folder in PurePosixPath(path).parents}):
-        _refuse_other_than(stat.S_ISDIR, "folder", out, folder.as_posix())
+    folders = {folder for path in paths for folder in accumulate(path.split("/")[:-1], "{}/{}".format)}
+    for folder in ("", *sorted(folders)):
+        _refuse_other_than(stat.S_ISDIR, "folder", out, folder)
     for path in paths:
         _refuse_other_than(stat.S_ISREG, "file", out, path)
 

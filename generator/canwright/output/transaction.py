@@ -67,9 +67,11 @@ def complete(out: Path, *, force: bool) -> None:
             if digest_of(out / path) != old.files[path] and not force:
                 raise conflict(out, path, generated=True)
         try:
-            for path in (*written, *removed):
+            for path in written:
                 _move(out / path, out / _OLD / path)
                 _move(out / _NEW / path, out / path)
+            for path in removed:
+                _move(out / path, out / _OLD / path)
                 _remove_empty(out, (out / path).parent)
             (out / JOURNAL).replace(out / MANIFEST)
         except OSError:
@@ -107,17 +109,22 @@ def _undo(out: Path, old: Manifest, new: Manifest) -> None:
 def _move(file: Path, to: Path) -> None:
     """Does nothing where there is no file."""
     if file.is_file():
-        to.parent.mkdir(parents=True, exist_ok=True)
+        _make_folder(to.parent)
         file.replace(to)
 
 
 def _save(file: Path, data: bytes) -> None:
     """Does not wait for the disk, which would take longer than all else: the digest shows what a power cut destroyed."""
-    file.parent.mkdir(parents=True, exist_ok=True)
+    _make_folder(file.parent)
     try:
         file.write_bytes(data)
     except OSError as error:  # of a write, it does not name the file
         raise OSError(error.errno, error.strerror, str(file)) from error
+
+
+def _make_folder(folder: Path) -> None:
+    if not folder.is_dir():
+        folder.mkdir(parents=True)
 
 
 def _clear(out: Path) -> None:
