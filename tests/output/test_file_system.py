@@ -41,7 +41,7 @@ def assert_rejected(ended: Ended, *parts: str) -> None:
 
 @contextmanager
 def scarce(way: str, scenario: Scenario, texts: Path) -> Iterator[tuple[Path, Callable[[int], Ended]]]:
-    """The output folder, and what runs the case in it with so much left."""
+    """The output folder, and what runs the scenario in it with so much left."""
     with ExitStack() as stack:
         folder = stack.enter_context(memory_folder())
         inside = [] if way == "file size" else [*NAMESPACE, "sh", "-c", MOUNT, str(folder)]
@@ -74,13 +74,13 @@ def scarce(way: str, scenario: Scenario, texts: Path) -> Iterator[tuple[Path, Ca
 def test_a_full_disk_leaves_the_old_output_whole(way: str, scenario: Scenario, tmp_path: Path) -> None:
     """With ever more left, until it is enough."""
     reason, remedy = {
-        "file size": ("File too large", "lift the limit of file sizes (ulimit -f) and run again"),
+        "file size": ("File too large", "raise the limit of file sizes (ulimit -f) and run again"),
         "room": ("No space left on device", "make room there and run again"),
         "files": ("No space left on device", "make room there and run again"),
     }[way]
     largest = max(map(len, scenario.new.values()))
     steps = range(400, 2 * largest, largest // 20) if way == "file size" else range(200)
-    refused = 0
+    rejected = 0
     with scarce(way, scenario, tmp_path) as (out, run):
         for left in steps:
             ended = run(left)
@@ -94,9 +94,9 @@ def test_a_full_disk_leaves_the_old_output_whole(way: str, scenario: Scenario, t
                 "nothing was changed",
             )
             assert tree(out) == scenario.old and not (out / "python").exists(), left
-            refused += 1
+            rejected += 1
         assert tree(out) == scenario.new
-        assert refused >= 10
+        assert rejected >= 10
 
 
 @pytest.mark.parametrize(
@@ -110,12 +110,12 @@ def test_a_full_disk_leaves_the_old_output_whole(way: str, scenario: Scenario, t
     ],
 )
 def test_a_folder_that_may_not_be_written(runs: Runs, scenario: Scenario, tmp_path: Path, closed: str, at: str) -> None:
-    """One in the midst shows only when some files are replaced already: these are put back."""
+    """One in the middle is noticed only when some files are replaced already: these are put back."""
     out = tmp_path / "out"
     scenario.restore(out)
     if closed == "docs":
         shutil.rmtree(out / "docs/en")
-    stands = tree(out)
+    before = tree(out)
     (out / closed).chmod(0o555)
     ended = runs.run(*scenario.arguments(out), bound=Binding(common_user=True))
     (out / closed).chmod(0o755)
@@ -124,7 +124,7 @@ def test_a_folder_that_may_not_be_written(runs: Runs, scenario: Scenario, tmp_pa
         f"cannot write {out}/{at}",
         "Permission denied; make it accessible to you, or choose another folder with --out; nothing was changed",
     )
-    assert tree(out) == stands
+    assert tree(out) == before
     assert runs.run(*scenario.arguments(out)).status == 0
     assert {**tree(out), **USER_FILES} == scenario.new
 
@@ -159,17 +159,17 @@ def test_a_file_in_place_of_the_folder(runs: Runs, scenario: Scenario, tmp_path:
 
 
 def test_a_check_writes_nothing(runs: Runs, scenario: Scenario, tmp_path: Path) -> None:
-    """No step of it, where nothing was generated, where it is old, and where it is right."""
+    """No step of it, where nothing was generated, where it is old, and where it is up to date."""
     for name, status in (("nothing", 1), ("old", 1), ("new", 0)):
         out = tmp_path / name
         if name != "nothing":
             scenario.restore(out)
         if name == "new":
             assert runs.run(*scenario.arguments(out)).status == 0
-        stands, times = tree(out), {file: file.stat().st_mtime_ns for file in tmp_path.rglob("*")}
+        before, times = tree(out), {file: file.stat().st_mtime_ns for file in tmp_path.rglob("*")}
         ended = runs.run("check", *scenario.arguments(out)[1:], bound=Binding(str(tmp_path), trace=True))
         assert ended.status == status
         assert not any(line.startswith(("os.", "open", "fcntl")) for line in ended.text.splitlines()), ended.text
-        assert tree(out) == stands
+        assert tree(out) == before
         assert times == {file: file.stat().st_mtime_ns for file in tmp_path.rglob("*")}
     assert set(USER_FILES) <= set(tree(tmp_path / "new"))

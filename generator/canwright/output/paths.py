@@ -98,8 +98,8 @@ def file_system_errors(out: Path, action: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        named = error.filename2 or error.filename
-        where = out.as_posix() if named is None else Path(str(named)).as_posix()
+        named = [Path(str(name)).as_posix() for name in (error.filename2, error.filename) if name is not None]
+        where = min(named, key=lambda name: STAGING in name, default=out.as_posix())
         remedy = _REMEDIES.get(error.errno or 0, "correct that and run again, or choose another folder with --out")
         state = "the next run completes the change" if is_interrupted(out) else "nothing was changed"
         raise OutputError(f"cannot {action} {where}: {error.strerror or error}; {remedy}; {state}") from error
