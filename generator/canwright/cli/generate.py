@@ -47,8 +47,8 @@ def generate(
 ) -> None:
     """Write the bindings and documents of the specs.
 
-    Nothing is written unless every spec is right. Files of an earlier run that are no longer generated are removed;
-    files that canwright did not make are never touched.
+    Nothing is written if a spec has errors. Files of an earlier run that are no longer generated are removed;
+    files that canwright did not generate are never changed.
     """
     described = read(specs, printer)
     set_parameters = assignment(described, settings)
@@ -87,7 +87,7 @@ def check(
     names = ", ".join(f"{d.edition.family} {d.edition.name}" for d in described)
     set_parameters = assignment(described, settings)
     if specs and out is None:
-        _report(warnings, f"{names}: right", printer, strict)
+        _report(warnings, f"{names}: OK", printer, strict)
         return
     out = out or OUT_FOLDER
     try:
@@ -95,7 +95,7 @@ def check(
     except OutputError as error:
         stop(str(error))
     if not found:
-        _report(warnings, f"{names}: right, and {out.as_posix()}/ is what would be generated", printer, strict)
+        _report(warnings, f"{names}: OK, and {out.as_posix()}/ is up to date", printer, strict)
         return
     if printer == "text":
         for text in found:
