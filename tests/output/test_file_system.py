@@ -99,6 +99,19 @@ def test_a_full_disk_leaves_the_old_output_whole(way: str, scenario: Scenario, t
         assert rejected >= 10
 
 
+@pytest.fixture(scope="module")
+def out() -> Iterator[Path]:
+    with memory_folder() as folder:
+        yield folder / "out"
+
+
+@pytest.fixture(scope="module")
+def writes(scenario: Scenario, out: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Runs]:
+    """Runs that have generated everything and begin to write."""
+    with Runs(tmp_path_factory.mktemp("writes"), *scenario.arguments(out), watched=out) as started:
+        yield started
+
+
 @pytest.mark.parametrize(
     ("closed", "at"),
     [
@@ -109,15 +122,14 @@ def test_a_full_disk_leaves_the_old_output_whole(way: str, scenario: Scenario, t
         ("docs/en/v1/pictures", "docs/en/v1/pictures/"),
     ],
 )
-def test_a_folder_that_may_not_be_written(runs: Runs, scenario: Scenario, tmp_path: Path, closed: str, at: str) -> None:
+def test_a_folder_that_may_not_be_written(writes: Runs, scenario: Scenario, out: Path, closed: str, at: str) -> None:
     """One in the middle is noticed only when some files are replaced already: these are put back."""
-    out = tmp_path / "out"
     scenario.restore(out)
     if closed == "docs":
         shutil.rmtree(out / "docs/en")
     before = tree(out)
     (out / closed).chmod(0o555)
-    ended = runs.run(*scenario.arguments(out), bound=Binding(common_user=True))
+    ended = writes.run(bound=Binding(common_user=True))
     (out / closed).chmod(0o755)
     assert_rejected(
         ended,
@@ -125,7 +137,7 @@ def test_a_folder_that_may_not_be_written(runs: Runs, scenario: Scenario, tmp_pa
         "Permission denied; make it accessible to you, or choose another folder with --out; nothing was changed",
     )
     assert tree(out) == before
-    assert runs.run(*scenario.arguments(out)).status == 0
+    assert writes.run().status == 0
     assert {**tree(out), **USER_FILES} == scenario.new
 
 
@@ -138,11 +150,12 @@ def test_a_folder_that_may_not_be_made(runs: Runs, scenario: Scenario, tmp_path:
 
 @pytest.mark.parametrize("command", ["generate", "check"])
 @pytest.mark.parametrize("path", ["docs/en/index.md", ".canwright.json", "docs/en", "."])
-def test_what_may_not_be_read(runs: Runs, scenario: Scenario, tmp_path: Path, path: str, command: str) -> None:
-    out = tmp_path / "out"
+def test_what_may_not_be_read(runs: Runs, writes: Runs, scenario: Scenario, out: Path, path: str, command: str) -> None:
     scenario.restore(out)
     (out / path).chmod(0)
-    ended = runs.run(command, *scenario.arguments(out)[1:], bound=Binding(common_user=True))
+    bound = Binding(common_user=True)
+    arguments = scenario.arguments(out)[1:]
+    ended = writes.run(bound=bound) if command == "generate" else runs.run(command, *arguments, bound=bound)
     (out / path).chmod(0o755)
     assert_rejected(ended, "Permission denied", "make it accessible to you", "nothing was changed")
     assert tree(out) == scenario.old
