@@ -7,7 +7,7 @@ import re
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from .paths import is_safe, refuse_obstacles
+from .paths import MANIFEST, STAGING, OutputError, is_safe, refuse_obstacles
 
 _MAX_SIZE = 64 * 1024 * 1024
 """Bytes; some hundred times what the largest known output needs."""
@@ -26,12 +26,16 @@ class Manifest:
         return json.dumps(asdict(self), indent=1, ensure_ascii=False).encode() + b"\n"
 
 
-class DamagedError(Exception):
-    """A manifest that canwright did not write; the message says why."""
+def damaged(out: Path, path: str, reason: object) -> OutputError:
+    """The error for a file that canwright did not write as it is."""
+    remedy = f"remove {(out / STAGING).as_posix()}, left by an interrupted run, and run again"
+    if path == MANIFEST:
+        remedy = "restore it from version control, or generate into an empty folder"
+    return OutputError(f"{(out / path).as_posix()} is damaged: {reason}; {remedy}")
 
 
-def read_manifest(out: Path, path: str) -> Manifest:
-    """An empty one where there is no file. Raises DamagedError; the file is untrusted."""
+def read_manifest(out: Path, path: str = MANIFEST) -> Manifest:
+    """The manifest of a folder, empty where there is none. Raises OutputError where it is damaged: it is untrusted."""
     refuse_obstacles(out, path)
     file = out / path
     if not file.exists():
@@ -41,7 +45,7 @@ def read_manifest(out: Path, path: str) -> Manifest:
             raise ValueError(f"it is larger than {_MAX_SIZE} bytes")
         return _validated(json.loads(file.read_bytes()))
     except (ValueError, RecursionError) as error:
-        raise DamagedError(f"{file.as_posix()} is damaged: {error}") from None
+        raise damaged(out, path, error) from None
 
 
 def _validated(content: object) -> Manifest:

@@ -10,19 +10,11 @@ import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
-from .manifest import DamagedError, Manifest, read_manifest
-from .paths import JOURNAL, MANIFEST, STAGING, OutputError, conflict, digest_of, is_interrupted, refuse_obstacles
+from .manifest import Manifest, damaged, read_manifest
+from .paths import JOURNAL, MANIFEST, STAGING, conflict, digest_of, is_interrupted, refuse_obstacles
 
 _NEW = f"{STAGING}/new"
 _OLD = f"{STAGING}/old"
-
-
-def recorded(out: Path) -> Manifest:
-    """The manifest of a folder. Raises OutputError where it is damaged."""
-    try:
-        return read_manifest(out, MANIFEST)
-    except DamagedError as error:
-        raise OutputError(f"{error}; restore it from version control, or generate into an empty folder") from None
 
 
 def removed_files(out: Path, old: Manifest, new: Manifest) -> list[str]:
@@ -53,14 +45,9 @@ def complete(out: Path, *, force: bool) -> None:
     """
     refuse_obstacles(out, JOURNAL)
     if is_interrupted(out):
-        remedy = f"remove {(out / STAGING).as_posix()}, left by an interrupted run, and run again"
-        old = recorded(out)
-        try:
-            new = read_manifest(out, JOURNAL)
-            refuse_obstacles(out, *(f"{folder}/{path}" for path in new.files for folder in (_NEW, _OLD)))
-            written = [path for path in new.files if _is_pending(out, path, old, new, force=force)]
-        except DamagedError as error:
-            raise OutputError(f"{error}; {remedy}") from None
+        old, new = read_manifest(out), read_manifest(out, JOURNAL)
+        refuse_obstacles(out, *(f"{folder}/{path}" for path in new.files for folder in (_NEW, _OLD)))
+        written = [path for path in new.files if _is_pending(out, path, old, new, force=force)]
         removed = removed_files(out, old, new)
         refuse_obstacles(out, *written, *removed)
         for path in removed:
@@ -91,7 +78,7 @@ def _is_pending(out: Path, path: str, old: Manifest, new: Manifest, *, force: bo
     if there not in (None, before, after) and not force:
         raise conflict(out, path, generated=before is not None)
     if staged != after and (staged is not None or there in (None, before)):
-        raise DamagedError(f"{(out / _NEW / path).as_posix()} is damaged: it is not the file that was staged")
+        raise damaged(out, f"{_NEW}/{path}", "it is not the file that was staged")
     return staged is not None
 
 

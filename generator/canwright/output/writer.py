@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..diagnostics.unicode_safety import visible
 from .lock import locked
-from .manifest import Manifest
+from .manifest import Manifest, read_manifest
 from .paths import (
     JOURNAL,
     LOCK,
@@ -26,7 +26,7 @@ from .paths import (
     is_safe,
     refuse_obstacles,
 )
-from .transaction import complete, recorded, removed_files, stage
+from .transaction import complete, removed_files, stage
 
 PATIENCE = 5.0
 """Seconds to wait for another run in the same folder; one writes in less than that."""
@@ -80,7 +80,7 @@ def write(out: Path, content: Content, *, force: bool = False, patience: float =
             complete(out, force=force)
             if content.alone:
                 refuse_occupied(out, content.targets)
-            old = recorded(out)
+            old = read_manifest(out)
             new = content.manifest_after(old)
             changes = _changes(out, content, old, new)
             if not force:
@@ -99,7 +99,7 @@ def difference(out: Path, content: Content) -> Iterator[str]:
     """
     with file_system_errors(out, "read"):
         _refuse_unsafe(out, content)
-        old = recorded(out)
+        old = read_manifest(out)
         changes = _changes(out, content, old, content.manifest_after(old))
         if is_interrupted(out):
             yield f"Only in {out.as_posix()}: {JOURNAL}, of an interrupted run\n"
@@ -115,7 +115,7 @@ def refuse_occupied(out: Path, targets: Sequence[str]) -> None:
     """Raises OutputError where a folder has files other than those of an earlier run of exactly these targets."""
     with file_system_errors(out, "read"):
         there = sorted(file.name for file in out.iterdir() if file.name != LOCK) if out.is_dir() else []
-        if not there or is_interrupted(out) or list(recorded(out).editions) == list(targets):
+        if not there or is_interrupted(out) or list(read_manifest(out).editions) == list(targets):
             return
     named = ", ".join(there[:3]) + (", …" if len(there) > 3 else "")
     raise OutputError(
