@@ -29,6 +29,8 @@ class FilePath(click.Path):
         super().__init__(path_type=Path, **arguments)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if value == "":
+            self.fail("The path is empty; `.` is the current folder.", param, ctx)
         try:
             return super().convert(value, param, ctx)
         except click.BadParameter as error:
