@@ -211,6 +211,14 @@ def test_a_journal_does_not_replace_a_file_of_the_user(scenario: Scenario, out: 
     assert tree(out) == before
 
 
+def test_a_journal_does_not_write_through_a_link(scenario: Scenario, out: Path, outside: Path) -> None:
+    write_journal(out, **{"linked/new.txt": digest(b"new\n")})
+    (out / STAGING / "new/linked").mkdir(parents=True)
+    (out / STAGING / "new/linked/new.txt").write_bytes(b"new\n")
+    (out / "linked").symlink_to(outside)
+    assert_rejected(scenario, out, outside, f"{out}/linked is a symbolic link")
+
+
 def test_a_journal_removes_no_edited_file(scenario: Scenario, out: Path) -> None:
     (out / STAGING).mkdir()
     (out / JOURNAL).write_text('{"editions": {}, "files": {}}')
