@@ -58,8 +58,8 @@ class AnswerView:
     selectors: str
     nodes: str
     echo: bool
-    asked: str
-    told: str
+    request_node: str
+    reply_node: str
     unused: int
 
 
@@ -136,8 +136,8 @@ def answer_views(edition: Edition, readers: Readers) -> Iterator[AnswerView]:
             selectors=text.tuple_of(selectors),
             nodes=text.tuple_of(map(str, command.from_each)),
             echo=command.is_echoed,
-            asked=_node_field(command.request, readers),
-            told=_node_field(reply, readers),
+            request_node=_node_field(command.request, readers),
+            reply_node=_node_field(reply, readers),
             unused=masks[reply.id, reply.remote] & ~reply.id_mask,
         )
 
