@@ -10,8 +10,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import ClassVar
 
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction, Edition, Message
+from canwright.model.edition import Edition
+from canwright.model.message import Direction, Message
+from canwright.model.refusal import Refusal
 from canwright.semantics.frame import CanFrame as CanFrame
 from canwright.targets.base import Described, Output
 

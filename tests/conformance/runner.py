@@ -9,7 +9,8 @@ from fractions import Fraction
 from functools import partial
 
 from canwright.language.golden_frames import CheckedFrame, Exchange, Frame, GoldenFrames, RefusedFrame, RefusedValues
-from canwright.model.edition import Edition, Message
+from canwright.model.edition import Edition
+from canwright.model.message import Message
 from canwright.semantics.decoder import Decoder, Rejection
 
 from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused

@@ -6,7 +6,8 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from canwright.model.edition import Direction, Edition
+from canwright.model.edition import Edition
+from canwright.model.message import Direction
 from canwright.project.loader import described
 
 from ..semantics.random_frames import random_frames

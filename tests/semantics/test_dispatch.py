@@ -7,9 +7,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction, Edition, Key, Message, Space
-from canwright.model.layout import bits_of
+from canwright.model.edition import Edition
+from canwright.model.layout import Space, bits_of
+from canwright.model.message import Direction, Key, Message
+from canwright.model.refusal import Refusal
 from canwright.project.loader import described
 from canwright.semantics.decoder import Decoder, Rejection
 from canwright.semantics.dispatch import Found, Node, Select, dispatch_plan

@@ -391,7 +391,7 @@ class WriteEncoderOffsetRom(Message):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -488,7 +488,7 @@ class MotionFeedback(Message):
         """Output power.
 
         Raw -850..850. A bare number, the manual gives it no unit. What it means in amperes or torque differs
-        from motor to motor. There under MS only.
+        from motor to motor. Exists under MS only.
         """
         return self.power_raw
 
@@ -496,7 +496,7 @@ class MotionFeedback(Message):
     def iq(self) -> float:
         """Torque current.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048. There
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048. Exists
         under MF, MH, MG only.
         """
         return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
@@ -513,7 +513,7 @@ class MotionFeedback(Message):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -579,7 +579,7 @@ class Status1(Message):
     def voltage(self) -> float:
         """Supply voltage.
 
-        In V; one raw step is 0.1 V.
+        In V; resolution (1 LSB) 0.1 V.
         """
         return self.voltage_raw / 10
 
@@ -771,7 +771,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     def iq(self) -> float:
         """Torque current to hold.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
         return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
 
@@ -829,7 +829,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In °/s; one raw step is 0.01 °/s.
+        In °/s; resolution (1 LSB) 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -888,7 +888,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -958,7 +958,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1025,7 +1025,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1104,7 +1104,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1162,7 +1162,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1232,7 +1232,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1439,7 +1439,7 @@ class ClearAngleRequest(ToNode, Request["ClearAngleReply"]):
 
     Would clear the multi-turn and single-turn angles and make the present position the zero. Manual 2.23.
 
-    Not implemented, says the manual.
+    Not implemented according to the manual.
 
     Effects: Moves the zero of the angle. Forgets the turns counted so far. Drops every pending position
     command. Kept in RAM, lost at power-off.
@@ -1580,7 +1580,7 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
     def iq(self) -> tuple[float, ...]:
         """Torque current of each motor.
 
-        In A; one raw step is 32/2000 A; raw -2000..2000.
+        In A; resolution (1 LSB) 32/2000 A; raw -2000..2000.
         """
         return tuple(one * 2 / 125 for one in self.iq_raw)
 
@@ -1937,7 +1937,7 @@ class ReadEncoderReply(Reply):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -1946,7 +1946,7 @@ class ReadEncoderReply(Reply):
     def encoder_measured(self) -> float:
         """Encoder position as measured.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
@@ -1955,7 +1955,7 @@ class ReadEncoderReply(Reply):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2025,7 +2025,7 @@ class WritePositionAsZeroRomReply(Reply):
     def encoder_offset(self) -> float:
         """The zero that was written.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2078,7 +2078,7 @@ class ReadMultiTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle over all turns.
 
-        In °; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
+        In °; resolution (1 LSB) 0.01 °. Positive is clockwise, negative counter-clockwise.
         """
         return self.angle_raw / 100
 
@@ -2132,7 +2132,7 @@ class ReadSingleTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle within one turn of the output.
 
-        In °; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
+        In °; resolution (1 LSB) 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
         starts again at 0 when it gets back there.
         """
         return self.angle_raw / 100
@@ -2266,7 +2266,7 @@ class ReadStatus3Reply(Reply):
     def phase_a(self) -> float:
         """Phase A current.
 
-        In A; one raw step is 1/64 A.
+        In A; resolution (1 LSB) 1/64 A.
         """
         return self.phase_a_raw / 64
 
@@ -2274,7 +2274,7 @@ class ReadStatus3Reply(Reply):
     def phase_b(self) -> float:
         """Phase B current.
 
-        In A; one raw step is 1/64 A.
+        In A; resolution (1 LSB) 1/64 A.
         """
         return self.phase_b_raw / 64
 
@@ -2282,7 +2282,7 @@ class ReadStatus3Reply(Reply):
     def phase_c(self) -> float:
         """Phase C current.
 
-        In A; one raw step is 1/64 A.
+        In A; resolution (1 LSB) 1/64 A.
         """
         return self.phase_c_raw / 64
 

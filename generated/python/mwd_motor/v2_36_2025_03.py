@@ -1165,7 +1165,7 @@ class MotionFeedback(Message):
     def power(self) -> int:
         """Output power.
 
-        Raw -1000..1000. A bare number, the manual gives it no unit. There under MS only.
+        Raw -1000..1000. A bare number, the manual gives it no unit. Exists under MS only.
         """
         return self.power_raw
 
@@ -1173,7 +1173,8 @@ class MotionFeedback(Message):
     def iq(self) -> float:
         """Torque current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). There under MF, MH, MG only.
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). Exists under MF, MH, MG
+        only.
         """
         return MEASURED_TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
 
@@ -1189,7 +1190,7 @@ class MotionFeedback(Message):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -1263,7 +1264,7 @@ class Status1(Message):
     def voltage(self) -> float:
         """Supply voltage.
 
-        In V; one raw step is 0.01 V.
+        In V; resolution (1 LSB) 0.01 V.
         """
         return self.voltage_raw / 100
 
@@ -1271,7 +1272,7 @@ class Status1(Message):
     def current(self) -> float:
         """Supply current.
 
-        In A; one raw step is 0.01 A.
+        In A; resolution (1 LSB) 0.01 A.
         """
         return self.current_raw / 100
 
@@ -1521,7 +1522,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     def iq(self) -> float:
         """Torque current to hold.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
         return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
 
@@ -1585,7 +1586,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     def iq_limit(self) -> float:
         """Torque current at most.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
         return TORQUE_CURRENT.value(self.iq_limit_raw, self.parameters, "iq_limit")
 
@@ -1593,7 +1594,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In °/s; one raw step is 0.01 °/s.
+        In °/s; resolution (1 LSB) 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -1651,7 +1652,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1721,7 +1722,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1788,7 +1789,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1867,7 +1868,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1925,7 +1926,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1995,7 +1996,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -3734,7 +3735,7 @@ class ReadEncoderReply(Reply):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -3743,7 +3744,7 @@ class ReadEncoderReply(Reply):
     def encoder_measured(self) -> float:
         """Encoder position as measured.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
@@ -3752,7 +3753,7 @@ class ReadEncoderReply(Reply):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -3877,7 +3878,7 @@ class WritePositionAsZeroRomReply(Reply):
     def encoder_offset(self) -> float:
         """The zero that was written.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -3930,7 +3931,7 @@ class ReadMultiTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle over all turns.
 
-        In °; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
+        In °; resolution (1 LSB) 0.01 °. Positive is clockwise, negative counter-clockwise.
         """
         return self.angle_raw / 100
 
@@ -3984,7 +3985,7 @@ class ReadSingleTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle within one turn of the output.
 
-        In °; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
+        In °; resolution (1 LSB) 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
         starts again at 0 when it gets back there.
         """
         return self.angle_raw / 100
@@ -4120,7 +4121,7 @@ class ReadStatus3Reply(Reply):
     def phase_a(self) -> float:
         """Phase A current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
         return PHASE_CURRENT.value(self.phase_a_raw, self.parameters, "phase_a")
 
@@ -4128,7 +4129,7 @@ class ReadStatus3Reply(Reply):
     def phase_b(self) -> float:
         """Phase B current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
         return PHASE_CURRENT.value(self.phase_b_raw, self.parameters, "phase_b")
 
@@ -4136,7 +4137,7 @@ class ReadStatus3Reply(Reply):
     def phase_c(self) -> float:
         """Phase C current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
         return PHASE_CURRENT.value(self.phase_c_raw, self.parameters, "phase_c")
 

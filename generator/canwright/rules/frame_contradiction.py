@@ -9,8 +9,9 @@ from fractions import Fraction
 from ..diagnostics.diagnostic import nearest
 from ..language.golden_frames import Frame
 from ..model import formatting
-from ..model.edition import Direction, Edition, Message
+from ..model.edition import Edition
 from ..model.layout import Field, Space
+from ..model.message import Direction, Message
 from ..model.types import Assignment, Order
 from ..semantics.decoder import Decoder, Identified, Rejection, Value, field_value
 from ..semantics.encoder import Encoder, Encoders

@@ -10,8 +10,9 @@ from ..diagnostics.diagnostic import DocumentPath, nearest
 from ..language.golden_frames import CheckedFrame, Exchange, Frame, RefusedFrame, Sourced
 from ..language.notation import LAST_ID, SHORT_ID
 from ..model import formatting
-from ..model.edition import Edition, Message
+from ..model.edition import Edition
 from ..model.layout import Field
+from ..model.message import Message
 from ..model.types import Parameter
 from ..semantics.decoder import Decoded, Value
 from ..semantics.frame import Raw

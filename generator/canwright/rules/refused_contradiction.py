@@ -6,10 +6,12 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from ..diagnostics.diagnostic import DocumentPath, nearest
-from ..language.golden_frames import Refusal, RefusedFrame, RefusedValues, Value
+from ..language.golden_frames import RefusedFrame, RefusedValues, Value
 from ..model import formatting
-from ..model.edition import Direction, Edition, Message
+from ..model.edition import Edition
 from ..model.layout import Field
+from ..model.message import Direction, Message
+from ..model.refusal import Refusal
 from ..semantics.decoder import Decoder, Rejection
 from ..semantics.encoder import SPECIAL, Encoder, Encoders
 from ..semantics.frame import CanFrame

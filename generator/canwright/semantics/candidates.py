@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..model.edition import Direction, Edition, Key, Message
+from ..model.edition import Edition
 from ..model.layout import Space
+from ..model.message import Direction, Key, Message
 from .frame import CanFrame, data_bits, has_id
 
 

@@ -13,10 +13,11 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ..language import notation
-from ..language.golden_frames import Refusal
 from ..model import formatting
-from ..model.edition import BitRun, Direction, Edition, Message
+from ..model.edition import Edition
 from ..model.layout import Field, Variant
+from ..model.message import BitRun, Direction, Message
+from ..model.refusal import Refusal
 from ..model.types import Assignment, Encoding, Linear, Type
 from .dispatch import Entry, Found, Length, MaskedId, Node, Select, Subject, dispatch_plan
 from .frame import CanFrame, Raw, difference, node_of, raw_of, raws, read_bits, wrong_constants

@@ -11,8 +11,8 @@ from functools import cached_property, reduce
 from operator import or_
 from typing import NamedTuple
 
-from ..language.golden_frames import Refusal
-from ..model.edition import BitRun, IdRule, Key, Message
+from ..model.message import BitRun, IdRule, Key, Message
+from ..model.refusal import Refusal
 from ..model.types import Order
 
 

@@ -10,10 +10,11 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 from ..language import notation
-from ..language.golden_frames import Refusal, Value
+from ..language.golden_frames import Value
 from ..model import formatting
-from ..model.edition import Message
 from ..model.layout import Field, Segment, Space
+from ..model.message import Message
+from ..model.refusal import Refusal
 from ..model.types import Bound, Encoding, Range, Type
 from .decoder import Rejection, linear_of, value_of
 from .frame import CanFrame, Raw

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..language.golden_frames import Refusal
-from ..model.edition import Direction
+from ..model.message import Direction
+from ..model.refusal import Refusal
 from .decoder import Decoder, Identified, Rejection
 from .frame import CanFrame, difference, node_of, read_bits
 

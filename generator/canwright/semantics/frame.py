@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..model import formatting
-from ..model.edition import BitRun, Message
 from ..model.layout import Field, Segment, Space, Variant
+from ..model.message import BitRun, Message
 from ..model.types import Encoding, Type
 from .dispatch import node_of_id
 

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 
-from canwright.model.edition import Direction, Edition
+from canwright.model.edition import Edition
+from canwright.model.message import Direction
 from canwright.semantics.decoder import Decoder, Rejection, Value as ModelValue
 from canwright.semantics.encoder import Encoders
 from canwright.semantics.exchange import check_reply

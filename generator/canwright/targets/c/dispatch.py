@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from ...model.edition import BitRun, Command, Direction, Edition, Message
+from ...model.edition import Edition
+from ...model.message import BitRun, Command, Direction, Message
 from ...semantics import dispatch
 from ...semantics.dispatch import dispatch_plan
 from . import bits

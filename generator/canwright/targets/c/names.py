@@ -8,7 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...diagnostics.diagnostic import DocumentPath
-from ...model.edition import Edition, Layout, Parameter, Type
+from ...model.edition import Edition
+from ...model.layout import Layout
+from ...model.types import Parameter, Type
 from ..base import NameProblem
 from .patterns import named_patterns, pattern_of
 
@@ -63,7 +65,7 @@ def layouts(edition: Edition) -> list[Layout]:
     """The layouts that messages use; the shared ones first, in spec order."""
     used = [message.layout for message in edition.all_messages()]
     shared = [layout for layout in edition.layouts if edition.of_layout(layout)]
-    return list({id(layout): layout for layout in (*shared, *used)}.values())
+    return list(dict.fromkeys((*shared, *used)))
 
 
 def problems(edition: Edition) -> Iterator[NameProblem]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ...model import formatting
-from ...model.edition import Command, Direction, Edition, OtherReply
+from ...model.edition import Edition
+from ...model.layout import Layout
+from ...model.message import Command, Direction, OtherReply
 from ...model.metadata import Level
 from ..base import header
 from .choices import ParameterView, parameter_access, parameters
@@ -150,7 +152,7 @@ def edition_view(edition: Edition) -> EditionView:
     used = layouts(edition)
     messages = Messages(names, edition)
     types_ = {view.name: view for view in types(names, edition)}
-    views = {id(layout): layout_view(names, edition, layout, types_) for layout in used}
+    views = {layout: layout_view(names, edition, layout, types_) for layout in used}
     return EditionView(
         header(edition),
         edition.hash[:8],
@@ -164,7 +166,7 @@ def edition_view(edition: Edition) -> EditionView:
         tuple(addresses(names, edition, messages)),
         tuple(types_.values()),
         tuple((names.upper("field", name), name) for name in fields_named(used)),
-        tuple(views[id(layout)] for layout in used if layout.shared),
+        tuple(views[layout] for layout in used if layout.shared),
         tuple(_command(names, edition, messages, command, views) for command in edition.commands),
         tuple(_effects(names, edition)),
         tuple(_masks(names, edition)),
@@ -181,7 +183,7 @@ def _edition_doc(edition: Edition) -> list[str]:
 
 
 def _command(
-    names: Names, edition: Edition, message_views: Messages, command: Command, views: dict[int, LayoutView]
+    names: Names, edition: Edition, message_views: Messages, command: Command, views: dict[Layout, LayoutView]
 ) -> CommandView:
     messages = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
     code = None
@@ -189,11 +191,11 @@ def _command(
         code = MacroView(names.upper(command.name, "code"), f"0x{command.code:02X}u", "The code.")
     frames: list[FrameView] = []
     for message in messages:
-        own = not message.layout.shared and all(f.layout is not views[id(message.layout)] for f in frames)
+        own = not message.layout.shared and all(f.layout is not views[message.layout] for f in frames)
         of_its_own = message.name == message.layout.name
         what = f"The {message.direction.value}" if of_its_own else "Request and reply"
         title = f"{what} of {command.name}"
-        frames.append(FrameView(message_views.message(message), views[id(message.layout)], own, of_its_own, title))
+        frames.append(FrameView(message_views.message(message), views[message.layout], own, of_its_own, title))
     return CommandView(
         command.name,
         names.upper("command", command.name),
@@ -271,15 +273,15 @@ def _only(names: Names, edition: Edition) -> list[OnlyView]:
 
 
 def _direction(
-    names: Names, edition: Edition, messages: Messages, direction: Direction, views: dict[int, LayoutView]
+    names: Names, edition: Edition, messages: Messages, direction: Direction, views: dict[Layout, LayoutView]
 ) -> DirectionView:
-    grouped: dict[int, list[str]] = {}
-    order: dict[int, str] = {}
+    grouped: dict[Layout, list[str]] = {}
+    order: dict[Layout, str] = {}
     for message in edition.messages(direction):
-        view = views[id(message.layout)]
+        view = views[message.layout]
         if view.members or view.depends:
-            grouped.setdefault(id(message.layout), []).append(message.command)
-            order[id(message.layout)] = member(message.layout.name)
+            grouped.setdefault(message.layout, []).append(message.command)
+            order[message.layout] = member(message.layout.name)
     contents = [
         ContentView(
             tuple(names.upper("command", one) for one in commands), f"{', '.join(commands)}.", order[key], views[key]
