@@ -41,9 +41,11 @@ class DbcFile:
         except KeyError:
             return Refused(Refusal.UNKNOWN_ID)
         except DecodeError as error:
+            if "data size" not in str(error):
+                return Refused(Refusal.UNKNOWN_CODE)
             if any(is_message(message, frame) for message in self._edition.messages(direction)):
                 raise Cannot("lengths") from None
-            return Refused(Refusal.WRONG_LENGTH if "data size" in str(error) else Refusal.UNKNOWN_CODE)
+            return Refused(Refusal.WRONG_LENGTH)
         selector = _selector(found)
         name = shown[selector.name] if selector else found.name.partition("_")[2]
         if isinstance(name, (int, float)):
