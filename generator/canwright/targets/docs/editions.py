@@ -9,7 +9,7 @@ from ...compare import Category, Change, Impact
 from ...model import formatting
 from ...model.edition import Command, Direction, Edition
 from .tables import code_of, index as index_of
-from .text import code, markdown
+from .text import code, markdown, spaced
 
 Wording = Mapping[Literal["sentences", "words"], Mapping[str, str]]
 """Sentences of changes by rule, and the words inserted into them, in one language."""
@@ -110,7 +110,7 @@ def changes(
         sentence = change.says(language, wording["sentences"].get(change.rule.id), wording["words"], markdown)
         host = labels["listed"].join(labels[f"host_{side.value}"] for side in change.sides)
         what = f"{labels[f'item_{change.item.kind}']} {code(change.item.name)}".rstrip()
-        return ChangeLine(what, sentence, labels[f"kind_{change.rule.category.value}"], host)
+        return ChangeLine(what, spaced(sentence), labels[f"kind_{change.rule.category.value}"], host)
 
     def is_document(change: Change) -> bool:
         return change.rule.category is Category.DOC
