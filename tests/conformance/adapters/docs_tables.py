@@ -188,7 +188,7 @@ def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> Me
     lines = [dict(zip(rows[0], row, strict=True)) for row in rows[1:]]
     base, step = _id(plain(said["Id"]))
     first, last = plain(said["Nodes"]).split("..") if "Nodes" in said else ("", "")
-    each = plain(said.get("One from each of", ""))
+    each = plain(said.get("One reply from each of", ""))
     return MessagePage(
         base,
         step,
