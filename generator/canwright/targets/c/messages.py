@@ -82,7 +82,11 @@ class AddressView(NamedTuple):
 
 
 class MessageView(NamedTuple):
-    """A message. `matches` are the conditions on its codes, any of which it meets; `other_constant` is one to refuse."""
+    """A message.
+
+    `codes` are the values of its keys, then again with each other value that a receiver accepts for the first key.
+    `other_constant` is the condition for a frame with another value in a constant field.
+    """
 
     name: str
     struct: str
@@ -152,7 +156,11 @@ def addresses(names: Names, edition: Edition, messages: Messages) -> list[Addres
         heading = english(address.title) + (f" ({address.manual})" if address.manual else "")
         if used:
             macros = tuple(MacroView(names.upper(address.name, ending), f"{node}u", doc) for ending, node, doc in ends)
-            found.append(AddressView(heading, english(address.about), tuple(rules), used, macros))
+            found.append(
+                AddressView(
+                    heading=heading, doc=english(address.about), rules=tuple(rules), patterns=used, nodes=macros
+                )
+            )
     return found
 
 
@@ -193,7 +201,6 @@ def frame_id(message: Message, frame: str = "frame") -> str:
 
 
 def _codes(message: Message) -> Iterator[tuple[str, ...]]:
-    """The values of all keys of a message, then again with each value that a receiver takes for the first."""
     if not message.keys:
         yield ()
         return

@@ -63,7 +63,7 @@ def layouts(edition: Edition) -> list[Layout]:
     """The layouts that messages use; the shared ones first, in spec order."""
     used = [message.layout for message in edition.all_messages()]
     shared = [layout for layout in edition.layouts if edition.of_layout(layout)]
-    return list({id(layout): layout for layout in (*shared, *used)}.values())
+    return list(dict.fromkeys((*shared, *used)))
 
 
 def problems(edition: Edition) -> Iterator[NameProblem]:

@@ -64,19 +64,19 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
     about = " ".join(text for text in (english(type_.about), *facts, lacking) if text)
     macros = [*_limits(names, type_, kind), *_members(names, type_, kind)]
     return TypeView(
-        names.lower(type_.name),
-        title + (f", {unit}" if unit else ""),
-        tuple(text for text in (about, *errata(edition, type_.path)) if text),
-        facts,
-        kind.name,
-        tuple(macros),
-        tuple(NameView(names.upper(type_.name, m.name), m.name) for m in type_.enum),
-        check,
-        thousandths,
-        f"thousandths of {unit}" if unit else "thousandths",
-        double(names, type_, check),
-        bool(lacking),
-        unit,
+        name=names.lower(type_.name),
+        heading=title + (f", {unit}" if unit else ""),
+        doc=tuple(text for text in (about, *errata(edition, type_.path)) if text),
+        facts=facts,
+        kind=kind.name,
+        macros=tuple(macros),
+        names=tuple(NameView(names.upper(type_.name, m.name), m.name) for m in type_.enum),
+        valid=check,
+        milli=thousandths,
+        milli_unit=f"thousandths of {unit}" if unit else "thousandths",
+        double=double(names, type_, check),
+        only_double=bool(lacking),
+        unit=unit,
     )
 
 
