@@ -84,4 +84,4 @@ def test_headers_of_different_specs_do_not_compile_together(tmp_path: Path) -> N
     (tmp_path / "include/mwd_motor/v2_35.h").write_text(made["include/mwd_motor/v2_35.h"], "utf-8")
     refused = subprocess.run(command, capture_output=True, text=True, check=False)
     assert refused.returncode != 0
-    assert "v2_35.h and v2_35_float.h come of different specs" in refused.stderr
+    assert "v2_35.h and v2_35_float.h were generated from different specs" in refused.stderr

@@ -152,7 +152,11 @@ def addresses(names: Names, edition: Edition, messages: Messages) -> list[Addres
         used = messages.at(address)
         nodes = address.request.nodes or address.reply.nodes
         rules = dict.fromkeys(pattern.rule for pattern in used)
-        ends = (("node_min", nodes[0], "First node."), ("node_max", nodes[-1], "Last node.")) if nodes else ()
+        ends = (
+            (("node_min", nodes[0], "Lowest node number."), ("node_max", nodes[-1], "Highest node number."))
+            if nodes
+            else ()
+        )
         heading = english(address.title) + (f" ({address.manual})" if address.manual else "")
         if used:
             macros = tuple(MacroView(names.upper(address.name, ending), f"{node}u", doc) for ending, node, doc in ends)

@@ -93,7 +93,7 @@ def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
     found = type_.raw_range
     cases = found.cases.items() if found.parameter else [("", found.constant)]
     for case, limits in cases:
-        ends = (("RAW_MIN", "Least", limits.low), ("RAW_MAX", "Greatest", limits.high)) if limits else ()
+        ends = (("RAW_MIN", "Lowest", limits.low), ("RAW_MAX", "Highest", limits.high)) if limits else ()
         under = f" ({found.parameter} {case})" if case else ""
         for ending, word, bound in ends:
             if bound.parameter is None and bound.constant.denominator == 1:

@@ -187,7 +187,9 @@ def _command(
     messages = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
     code = None
     if command.code is not None:
-        code = MacroView(names.upper(command.name, "code"), f"0x{command.code:02X}u", "The code.")
+        code = MacroView(
+            names.upper(command.name, "code"), f"0x{command.code:02X}u", "Identifies the command in a frame."
+        )
     frames: list[FrameView] = []
     for message in messages:
         layout = views[message.layout]
@@ -288,7 +290,7 @@ def _direction(
     contents = (
         ContentView(
             commands=tuple(names.upper("command", command) for command in names_),
-            doc=f"{', '.join(names_)}.",
+            doc=f"Fields of {', '.join(names_)}.",
             member=member(layout.name),
             layout=views[layout],
         )
