@@ -13,7 +13,7 @@ from canwright.project.pipeline import generate
 from canwright.targets.registry import target_names, targets
 from click.testing import CliRunner
 
-from .compilers import WARNINGS, Compiler, compilers
+from .compilers import WARNINGS, Compiler, each_compiler
 from .spec_texts import MINIMAL, ROOT, SMALL, called, edition, findings, marked
 from .targets.test_c_compiles import everything, headers
 
@@ -47,7 +47,7 @@ def test_the_json_schema_accepts_them(schema: str, files: list[Path]) -> None:
 
 
 @pytest.mark.parametrize("standard", ["c99", "c++17"])
-@pytest.mark.parametrize("compiler", compilers(), ids=lambda compiler: compiler.name)
+@each_compiler
 def test_no_compiler_warns(compiler: Compiler, standard: str, made: Path, tmp_path: Path) -> None:
     language = ("-x", "c++") if standard.startswith("c++") else ()
     flags = (*WARNINGS, "-O2", *language, f"-I{made}/c/include", "-c", "-o", tmp_path / "unit.o")

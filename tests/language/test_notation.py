@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 from canwright.language import notation
 from canwright.model import formatting
-from canwright.model.edition import Bound, Order, Range, Space
+from canwright.model.layout import Space
+from canwright.model.types import Bound, Order, Range
 from hypothesis import given, strategies as st
 
 from ..spec_texts import MINIMAL, edition

@@ -8,19 +8,10 @@ from pathlib import Path
 
 import pytest
 from canwright.diagnostics.diagnostic import SpecError
-from canwright.model.edition import (
-    Bound,
-    Dependent,
-    Direction,
-    EchoReply,
-    Edition,
-    Linear,
-    OtherReply,
-    OwnReply,
-    Range,
-    Segment,
-    SharedReply,
-)
+from canwright.model.edition import Edition
+from canwright.model.layout import Segment
+from canwright.model.message import Direction, EchoReply, OtherReply, OwnReply, SharedReply
+from canwright.model.types import Bound, Dependent, Linear, Range
 from canwright.project.loader import described
 from canwright.semantics.decoder import linear_of
 
@@ -158,9 +149,9 @@ commands:
 def test_an_offset_may_depend_on_a_parameter(tmp_path: Path) -> None:
     angle, height = edition(tmp_path, PACKED).types
     assert angle.linear == Dependent(
-        "size",
-        None,
-        {
+        parameter="size",
+        constant=None,
+        cases={
             "small": Linear(Fraction(20, 65535), Fraction(-10)),
             "large": Linear(Fraction(50, 65535), Fraction(-25)),
             "odd": None,

@@ -8,8 +8,11 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 import pytest
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Command, Direction, Edition, Encoding, Field, Message, Space, Type
+from canwright.model.edition import Edition
+from canwright.model.layout import Field, Space
+from canwright.model.message import Command, Direction, Message
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding, Type
 from canwright.project.loader import described
 from canwright.semantics.decoder import linear_of
 

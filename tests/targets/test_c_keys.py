@@ -6,9 +6,10 @@ import dataclasses
 from collections.abc import Callable
 
 import pytest
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Command, Direction, Edition, Key, KeyRole, Message
+from canwright.model.edition import Edition
 from canwright.model.layout import Segment, Space
+from canwright.model.message import Command, Direction, Key, KeyRole, Message
+from canwright.model.refusal import Refusal
 from canwright.model.types import Order
 from canwright.project.loader import described
 from canwright.targets.base import Described

@@ -8,8 +8,10 @@ import struct
 from fractions import Fraction
 
 import pytest
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction, Edition, Encoding, Type
+from canwright.model.edition import Edition
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding, Type
 from canwright.project.loader import described
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Refused

@@ -16,9 +16,10 @@ import canmatrix.formats
 import cantools
 import pytest
 from cantools.database import Database
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction, Edition, KeyRole, Message
+from canwright.model.edition import Edition
 from canwright.model.layout import ConstantRole, Element, Field, Layout, Segment, Space, Variant
+from canwright.model.message import Direction, KeyRole, Message
+from canwright.model.refusal import Refusal
 from canwright.model.types import Assignment, Encoding
 from canwright.project.loader import described
 from canwright.targets import dbc
@@ -201,7 +202,7 @@ def moved(layout: Layout, constant: int | None) -> Layout:
         else (dataclasses.replace(others[-1], name="fixed", elements=byte, role=ConstantRole(constant)),)
     )
     fields = (*fixed, away, *others)
-    return dataclasses.replace(layout, fields=fields, variants=(Variant((), fields),))
+    return dataclasses.replace(layout, fields=fields, variants=(Variant(values=(), fields=fields),))
 
 
 def test_selectors_side_by_side_have_a_file_that_reads_them_as_one() -> None:

@@ -346,3 +346,17 @@ def test_raw_integers_need_no_parameters(v2_35: ModuleType) -> None:
     request = v2_35.SetTorqueRequest.from_raw(node=1, iq=5)
     assert (request.parameters, request.encode()[4]) == (v2_35.UNKNOWN, 5)
     assert repr(request) == "SetTorqueRequest(node=1, iq_raw=5)"
+
+
+def test_an_array_of_enums_or_flags(tmp_path: Path) -> None:
+    spec = tmp_path / "v1.yaml"
+    array = "level: {at: 2, type: level, array: 1..2}, faults: {at: 4, type: faults, array: 1..2}"
+    spec.write_text(
+        ENUM_AND_FLAGS.replace("level: {at: 2, type: level}, faults: {at: 3, type: faults}", array), "utf-8"
+    )
+    lamp = load(write(tmp_path, spec), described(spec).edition)
+    request = lamp.DimRequest(node=1, level=(0, lamp.Level.BRIGHT), faults=(lamp.Faults.HOT, 0))
+    assert request.encode() == bytes.fromhex("10 00 00 01 01 00 00 00")
+    assert (request.level, request.faults) == ((lamp.Level.DIM, lamp.Level.BRIGHT), (lamp.Faults.HOT, lamp.Faults(0)))
+    with pytest.raises(lamp.CodecError, match="level=2 is none of the values 0, 1"):
+        lamp.DimRequest(node=1, level=(0, 2), faults=(0, 0))

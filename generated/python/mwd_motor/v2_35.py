@@ -389,7 +389,7 @@ class WriteEncoderOffsetRom(Message):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -486,7 +486,7 @@ class MotionFeedback(Message):
         """Output power.
 
         Raw -850..850. A bare number, the manual gives it no unit. What it means in amperes or torque differs
-        from motor to motor. There under MS only.
+        from motor to motor. Exists under MS only.
         """
         return self.power_raw
 
@@ -494,7 +494,7 @@ class MotionFeedback(Message):
     def iq(self) -> float:
         """Torque current.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048. There
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048. Exists
         under MF, MH, MG only.
         """
         return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
@@ -511,7 +511,7 @@ class MotionFeedback(Message):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -577,7 +577,7 @@ class Status1(Message):
     def voltage(self) -> float:
         """Supply voltage.
 
-        In V; one raw step is 0.1 V.
+        In V; resolution (1 LSB) 0.1 V.
         """
         return self.voltage_raw / 10
 
@@ -769,7 +769,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     def iq(self) -> float:
         """Torque current to hold.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
         return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
 
@@ -827,7 +827,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In °/s; one raw step is 0.01 °/s.
+        In °/s; resolution (1 LSB) 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -886,7 +886,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -956,7 +956,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1023,7 +1023,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1102,7 +1102,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1160,7 +1160,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1230,7 +1230,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1437,7 +1437,7 @@ class ClearAngleRequest(ToNode, Request["ClearAngleReply"]):
 
     Would clear the multi-turn and single-turn angles and make the present position the zero. Manual 2.23.
 
-    Not implemented, says the manual.
+    Not implemented according to the manual.
 
     Effects: Moves the zero of the angle. Forgets the turns counted so far. Drops every pending position
     command. Kept in RAM, lost at power-off.
@@ -1578,7 +1578,7 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
     def iq(self) -> tuple[float, ...]:
         """Torque current of each motor.
 
-        In A; one raw step is 32/2000 A; raw -2000..2000.
+        In A; resolution (1 LSB) 32/2000 A; raw -2000..2000.
         """
         return tuple(one * 2 / 125 for one in self.iq_raw)
 
@@ -1935,7 +1935,7 @@ class ReadEncoderReply(Reply):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -1944,7 +1944,7 @@ class ReadEncoderReply(Reply):
     def encoder_measured(self) -> float:
         """Encoder position as measured.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
@@ -1953,7 +1953,7 @@ class ReadEncoderReply(Reply):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2023,7 +2023,7 @@ class WritePositionAsZeroRomReply(Reply):
     def encoder_offset(self) -> float:
         """The zero that was written.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2076,7 +2076,7 @@ class ReadMultiTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle over all turns.
 
-        In °; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
+        In °; resolution (1 LSB) 0.01 °. Positive is clockwise, negative counter-clockwise.
         """
         return self.angle_raw / 100
 
@@ -2130,7 +2130,7 @@ class ReadSingleTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle within one turn of the output.
 
-        In °; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
+        In °; resolution (1 LSB) 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
         starts again at 0 when it gets back there.
         """
         return self.angle_raw / 100
@@ -2264,7 +2264,7 @@ class ReadStatus3Reply(Reply):
     def phase_a(self) -> float:
         """Phase A current.
 
-        In A; one raw step is 1/64 A.
+        In A; resolution (1 LSB) 1/64 A.
         """
         return self.phase_a_raw / 64
 
@@ -2272,7 +2272,7 @@ class ReadStatus3Reply(Reply):
     def phase_b(self) -> float:
         """Phase B current.
 
-        In A; one raw step is 1/64 A.
+        In A; resolution (1 LSB) 1/64 A.
         """
         return self.phase_b_raw / 64
 
@@ -2280,7 +2280,7 @@ class ReadStatus3Reply(Reply):
     def phase_c(self) -> float:
         """Phase C current.
 
-        In A; one raw step is 1/64 A.
+        In A; resolution (1 LSB) 1/64 A.
         """
         return self.phase_c_raw / 64
 

@@ -408,7 +408,7 @@ class WriteEncoderOffsetRom(Message):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -455,7 +455,7 @@ class SetAngle(Message):
     def angle(self) -> float:
         """What the present position is to read.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -550,7 +550,7 @@ class MotionFeedback(Message):
     def power(self) -> int:
         """Output power.
 
-        Raw -1000..1000. A bare number, the manual gives it no unit. There under MS only.
+        Raw -1000..1000. A bare number, the manual gives it no unit. Exists under MS only.
         """
         return self.power_raw
 
@@ -558,7 +558,8 @@ class MotionFeedback(Message):
     def iq(self) -> float:
         """Torque current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). There under MF, MH, MG only.
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). Exists under MF, MH, MG
+        only.
         """
         return MEASURED_TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
 
@@ -574,7 +575,7 @@ class MotionFeedback(Message):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -648,7 +649,7 @@ class Status1(Message):
     def voltage(self) -> float:
         """Supply voltage.
 
-        In V; one raw step is 0.01 V.
+        In V; resolution (1 LSB) 0.01 V.
         """
         return self.voltage_raw / 100
 
@@ -656,7 +657,7 @@ class Status1(Message):
     def current(self) -> float:
         """Supply current.
 
-        In A; one raw step is 0.01 A.
+        In A; resolution (1 LSB) 0.01 A.
         """
         return self.current_raw / 100
 
@@ -907,7 +908,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     def iq(self) -> float:
         """Torque current to hold.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
         return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
 
@@ -965,7 +966,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In °/s; one raw step is 0.01 °/s.
+        In °/s; resolution (1 LSB) 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -1029,7 +1030,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
     def iq_limit(self) -> float:
         """Torque current at most.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
         return TORQUE_CURRENT.value(self.iq_limit_raw, self.parameters, "iq_limit")
 
@@ -1037,7 +1038,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In °/s; one raw step is 0.01 °/s.
+        In °/s; resolution (1 LSB) 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -1096,7 +1097,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1166,7 +1167,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1233,7 +1234,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1312,7 +1313,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1370,7 +1371,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1440,7 +1441,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -2189,7 +2190,7 @@ class ReadEncoderReply(Reply):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -2198,7 +2199,7 @@ class ReadEncoderReply(Reply):
     def encoder_measured(self) -> float:
         """Encoder position as measured.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
@@ -2207,7 +2208,7 @@ class ReadEncoderReply(Reply):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2277,7 +2278,7 @@ class WritePositionAsZeroRomReply(Reply):
     def encoder_offset(self) -> float:
         """The zero that was written.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2330,7 +2331,7 @@ class ReadMultiTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle over all turns.
 
-        In °; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
+        In °; resolution (1 LSB) 0.01 °. Positive is clockwise, negative counter-clockwise.
         """
         return self.angle_raw / 100
 
@@ -2384,7 +2385,7 @@ class ReadSingleTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle within one turn of the output.
 
-        In °; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
+        In °; resolution (1 LSB) 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
         starts again at 0 when it gets back there.
         """
         return self.angle_raw / 100
@@ -2519,7 +2520,7 @@ class ReadStatus3Reply(Reply):
     def phase_a(self) -> float:
         """Phase A current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
         return PHASE_CURRENT.value(self.phase_a_raw, self.parameters, "phase_a")
 
@@ -2527,7 +2528,7 @@ class ReadStatus3Reply(Reply):
     def phase_b(self) -> float:
         """Phase B current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
         return PHASE_CURRENT.value(self.phase_b_raw, self.parameters, "phase_b")
 
@@ -2535,7 +2536,7 @@ class ReadStatus3Reply(Reply):
     def phase_c(self) -> float:
         """Phase C current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
         return PHASE_CURRENT.value(self.phase_c_raw, self.parameters, "phase_c")
 

@@ -1163,7 +1163,7 @@ class MotionFeedback(Message):
     def power(self) -> int:
         """Output power.
 
-        Raw -1000..1000. A bare number, the manual gives it no unit. There under MS only.
+        Raw -1000..1000. A bare number, the manual gives it no unit. Exists under MS only.
         """
         return self.power_raw
 
@@ -1171,7 +1171,8 @@ class MotionFeedback(Message):
     def iq(self) -> float:
         """Torque current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). There under MF, MH, MG only.
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). Exists under MF, MH, MG
+        only.
         """
         return MEASURED_TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
 
@@ -1187,7 +1188,7 @@ class MotionFeedback(Message):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -1261,7 +1262,7 @@ class Status1(Message):
     def voltage(self) -> float:
         """Supply voltage.
 
-        In V; one raw step is 0.01 V.
+        In V; resolution (1 LSB) 0.01 V.
         """
         return self.voltage_raw / 100
 
@@ -1269,7 +1270,7 @@ class Status1(Message):
     def current(self) -> float:
         """Supply current.
 
-        In A; one raw step is 0.01 A.
+        In A; resolution (1 LSB) 0.01 A.
         """
         return self.current_raw / 100
 
@@ -1519,7 +1520,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     def iq(self) -> float:
         """Torque current to hold.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
         return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
 
@@ -1583,7 +1584,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     def iq_limit(self) -> float:
         """Torque current at most.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
         return TORQUE_CURRENT.value(self.iq_limit_raw, self.parameters, "iq_limit")
 
@@ -1591,7 +1592,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In °/s; one raw step is 0.01 °/s.
+        In °/s; resolution (1 LSB) 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -1649,7 +1650,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1719,7 +1720,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1786,7 +1787,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1865,7 +1866,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1923,7 +1924,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1993,7 +1994,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -3732,7 +3733,7 @@ class ReadEncoderReply(Reply):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -3741,7 +3742,7 @@ class ReadEncoderReply(Reply):
     def encoder_measured(self) -> float:
         """Encoder position as measured.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
@@ -3750,7 +3751,7 @@ class ReadEncoderReply(Reply):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -3875,7 +3876,7 @@ class WritePositionAsZeroRomReply(Reply):
     def encoder_offset(self) -> float:
         """The zero that was written.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -3928,7 +3929,7 @@ class ReadMultiTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle over all turns.
 
-        In °; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
+        In °; resolution (1 LSB) 0.01 °. Positive is clockwise, negative counter-clockwise.
         """
         return self.angle_raw / 100
 
@@ -3982,7 +3983,7 @@ class ReadSingleTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle within one turn of the output.
 
-        In °; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
+        In °; resolution (1 LSB) 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
         starts again at 0 when it gets back there.
         """
         return self.angle_raw / 100
@@ -4118,7 +4119,7 @@ class ReadStatus3Reply(Reply):
     def phase_a(self) -> float:
         """Phase A current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
         return PHASE_CURRENT.value(self.phase_a_raw, self.parameters, "phase_a")
 
@@ -4126,7 +4127,7 @@ class ReadStatus3Reply(Reply):
     def phase_b(self) -> float:
         """Phase B current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
         return PHASE_CURRENT.value(self.phase_b_raw, self.parameters, "phase_b")
 
@@ -4134,7 +4135,7 @@ class ReadStatus3Reply(Reply):
     def phase_c(self) -> float:
         """Phase C current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
         return PHASE_CURRENT.value(self.phase_c_raw, self.parameters, "phase_c")
 

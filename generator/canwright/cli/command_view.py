@@ -12,8 +12,9 @@ from rich.text import Text as RichText
 from ..diagnostics.diagnostic import nearest
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting
-from ..model.edition import Command, EchoReply, Edition, IdRule, Message, OtherReply, SharedReply
+from ..model.edition import Edition
 from ..model.layout import Field, Layout, ReservedRole
+from ..model.message import Command, EchoReply, IdRule, Message, OtherReply, SharedReply
 from ..model.metadata import Level
 from ..targets.base import Described
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from ..diagnostics.diagnostic import Diagnostic, Position, Severity
-from ..model.edition import Assignment
+from ..model.types import Assignment
 from ..output.paths import OutputError
 from ..output.writer import Content, difference, held, write
 from ..project.pipeline import generate as make

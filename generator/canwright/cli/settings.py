@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..model.edition import Assignment
+from ..model.types import Assignment
 from ..semantics import parameters
 from ..targets.base import Described
 from .common import stop

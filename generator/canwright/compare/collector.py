@@ -9,7 +9,7 @@ from typing import Protocol
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Text
+from ..model.types import Text
 from .catalogue import CHANGES
 from .change import Change, Fact, Impact, Item, Said, Side
 from .exported_names import ExportedNames

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Command, Direction, EchoReply, Edition, Message, OtherReply, SharedReply
+from ..model.edition import Edition
+from ..model.message import Command, Direction, EchoReply, Message, OtherReply, SharedReply
 from ..model.metadata import Effect, Level
 from . import discriminators, fields, match
 from .change import Fact, Impact, Item, Said, Side
@@ -278,9 +279,9 @@ def _message(found: Found, both: Editions, old: Command, new: Command, one: Mess
         paths = (*one.path, key), (*other.path, key)
         found.add(rule, item, *paths, impact, use, old=before, new=after, **facts)
 
-    own = [m.keys[0].value if m.keys else None for m in (one, other)]
+    own = [discriminators.code_sent(m) for m in (one, other)]
     if own != [old.code, new.code] and own[0] != own[1]:
-        known = other.keys and other.keys[0].value in one.accept
+        known = own[1] in one.accept
         add(
             "reply-code-changed",
             Impact.SAFE if known else Impact.LOUD,

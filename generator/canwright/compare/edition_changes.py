@@ -6,7 +6,10 @@ from collections.abc import Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Address, Bus, Direction, Edition, Erratum, IdRule, Mode, Parameter, Setting, Text
+from ..model.edition import Edition
+from ..model.message import Address, Direction, IdRule
+from ..model.metadata import Bus, Erratum, Mode, Setting
+from ..model.types import Parameter, Text
 from .change import Fact, Impact, Item, Said, Side
 from .collector import BOTH_SIDES, Found, Use, differ, listed, section
 from .match import Matched, T, by_name

@@ -6,7 +6,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
-from ..model.edition import Command, Edition, Field, Layout, Message, Type
+from ..model.edition import Edition
+from ..model.layout import Field, Layout
+from ..model.message import Command, Message
+from ..model.types import Type
 
 
 class Named(Protocol):

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Bound, Dependent, Linear, Member, Range, Type
+from ..model.types import Bound, Dependent, Linear, Member, Range, Type
 from .change import Impact, Item, Said, Side
 from .collector import Found, Use
 from .match import by_name

@@ -9,7 +9,11 @@ from typing import Any, TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Bound, Command, Dependent, Edition, Effect, Layout, Linear, Mode, Parameter, Setting
+from ..model.edition import Edition
+from ..model.layout import Layout
+from ..model.message import Command
+from ..model.metadata import Effect, Mode, Setting
+from ..model.types import Bound, Dependent, Linear, Parameter
 from .change import Item
 from .collector import BOTH_SIDES, Found
 from .match import Matched, Named, by_name

@@ -7,7 +7,9 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
-from ..model.edition import Level, Order
+from ..model.layout import MAX_DATA_BYTES
+from ..model.metadata import Level
+from ..model.types import Order
 from .messages import (
     EMPTY_RAW as EMPTY_RAW,
     NO_INDEX as NO_INDEX,
@@ -83,7 +85,7 @@ class Bus(Concept):
         str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=48, description="Name of the host in DBC files.")
     ] = "Host"
     dlc: Annotated[
-        int, Field(ge=0, le=8, description="Data bytes of every frame, unless a message says otherwise.")
+        int, Field(ge=0, le=MAX_DATA_BYTES, description="Data bytes of every frame, unless a message says otherwise.")
     ] = 8
     max_nodes: Annotated[int | None, Field(ge=1, description="How many nodes one bus can have.")] = None
     reply_within_ms: Annotated[Rational | None, Field(description="Time from request to reply.")] = None

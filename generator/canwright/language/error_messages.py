@@ -255,7 +255,7 @@ def into(kind: Any, step: str | int) -> Any:
 
 def _concept(kind: Any) -> type[BaseModel] | None:
     """The concept that a type stands for, once optionals and annotations are off."""
-    if isinstance(kind, type) and issubclass(kind, BaseModel):
+    if typing.get_origin(kind) is None and isinstance(kind, type) and issubclass(kind, BaseModel):
         return kind
     found = (_concept(a) for a in typing.get_args(kind))
     return next((c for c in found if c is not None), None)

@@ -6,7 +6,8 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
-from ..model.edition import Encoding, Order
+from ..model.layout import MAX_DATA_BYTES
+from ..model.types import Encoding, Order
 from .scalar_types import Byte, CodeFormat, Indices, Name, Nodes, Only, Raw, Section, Start, Text, is_map
 from .types import Concept, Titled
 
@@ -108,7 +109,7 @@ class MessageSpec(Concept):
         None
     )
     address: Annotated[Name | None, Field(description="Address, when not the command's.")] = None
-    dlc: Annotated[int | None, Field(ge=0, le=8, description="Data bytes, when not the bus's.")] = None
+    dlc: Annotated[int | None, Field(ge=0, le=MAX_DATA_BYTES, description="Data bytes, when not the bus's.")] = None
     remote: Annotated[bool | None, Field(description="True for a remote frame, which has no data.")] = None
 
 
@@ -166,7 +167,11 @@ class Entry(Titled):
     ] = None
     dlc: Annotated[
         int | None,
-        Field(ge=0, le=8, description="Data bytes of the messages that hold its layout, when not those of the others."),
+        Field(
+            ge=0,
+            le=MAX_DATA_BYTES,
+            description="Data bytes of the messages that hold its layout, when not those of the others.",
+        ),
     ] = None
     only: Only = None
     effects: Annotated[list[Name], Field(description="What writing it does, besides the command's effects.")] = []

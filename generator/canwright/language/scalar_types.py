@@ -9,7 +9,7 @@ from typing import Annotated, Literal, TypeVar
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
 
-from ..model.edition import Encoding, Range
+from ..model.types import Encoding, Range
 from . import notation
 from .notation import At, IdExpression
 from .suggestions import VISIBLE

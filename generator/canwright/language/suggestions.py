@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from decimal import Decimal
 
 from ..diagnostics.diagnostic import near, nearest
-from ..model.edition import Unit
+from ..model.types import Unit
 
 LISTED_KEYS = 20
 """Up to so many keys are listed where none is near."""

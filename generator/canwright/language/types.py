@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
-from ..model.edition import Order
+from ..model.types import Order
 from .scalar_types import Multiple, Name, Raw, Span, Text, is_map
 
 

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, SpecError, near
 from ..document.document import Document
 from ..document.scalars import MERGE
-from ..model.edition import UNNAMED
+from ..model.types import UNNAMED
 from . import error_messages, suggestions
 from .edition import Concept
 from .error_messages import Error, Location

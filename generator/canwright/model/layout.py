@@ -7,12 +7,15 @@ is the least significant.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
 from .types import Assignment, Text, Type
+
+MAX_DATA_BYTES = 8
+"""Data bytes that a frame has room for: classic CAN. The only limit on the length of frames."""
 
 
 class Space(str, Enum):
@@ -81,7 +84,7 @@ FieldRole = ValueRole | ConstantRole | ReservedRole | NodeRole
 """What a field is for; each field has one role."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Field:
     """A run of bits with a type; an array has one element for each index.
 
@@ -98,7 +101,7 @@ class Field:
     title: Text
     about: Text
     manual: str
-    path: DocumentPath = field(compare=False)
+    path: DocumentPath
 
     @property
     def fixed(self) -> int | None:
@@ -111,7 +114,7 @@ class Field:
         return self.role.raw if isinstance(self.role, ConstantRole) else None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Variant:
     """The fields of a layout under some values of its parameter; `values` is empty when it has no parameter."""
 
@@ -119,7 +122,7 @@ class Variant:
     fields: tuple[Field, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Layout:
     """Fields with their bits. `shared` layouts have a name in the spec; the others belong to one message.
 
@@ -135,7 +138,7 @@ class Layout:
     title: Text
     about: Text
     manual: str
-    path: DocumentPath = field(compare=False)
+    path: DocumentPath
 
     def variant(self, assignment: Assignment) -> Variant | None:
         """The variant under `assignment`; None when the parameter it needs is not assigned."""

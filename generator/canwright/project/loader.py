@@ -152,11 +152,11 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     ]
     if findings:
         raise SpecError(findings)
-    documents = {id(one.described.edition): one.document for one in result}
     editions = [one.described.edition for one in result]
     clashes = (clash for target in targets() for clash in target.collisions(editions))
+    documents = {one.described.edition: one.document for one in result}
     findings = [
-        documents[id(edition)].finding(("edition",), "name-collision", text, "rename one of the editions")
+        documents[edition].finding(("edition",), "name-collision", text, "rename one of the editions")
         for edition, text in clashes
     ]
     if findings:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ..model.edition import Assignment
+from ..model.types import Assignment
 from ..output.writer import Content, Held
 from ..targets import registry
 from ..targets.base import Described

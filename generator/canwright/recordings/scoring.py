@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ..model import formatting
-from ..model.edition import Direction, Edition, Key, Message
+from ..model.edition import Edition
 from ..model.layout import Element, Field, ReservedRole, Space, Variant
+from ..model.message import Direction, Key, Message
 from ..model.types import Assignment, Encoding, Type
 from ..semantics.decoder import CanFrame, data_bits, has_id, node_of, value_of
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..model.edition import Key, Layout
+from ..model.layout import Layout
+from ..model.message import Key
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, ne
 from ..document.document import Document
 from ..language import edition as schema, suggestions
 from ..model import formatting
-from ..model.edition import UNNAMED, Text
+from ..model.types import UNNAMED, Text
 
 T = TypeVar("T")
 

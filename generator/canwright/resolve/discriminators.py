@@ -8,8 +8,8 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 
-from ..model.edition import Command, Direction, Key, KeyRole, Message
 from ..model.layout import Field, Layout, Segment, Space, Variant, bits_of
+from ..model.message import Command, Direction, Key, KeyRole, Message
 
 Place = tuple[Space, tuple[Segment, ...]]
 Constants = dict[Place, Field]
@@ -133,7 +133,7 @@ def _without(layout: Layout, names: frozenset[str]) -> Layout:
     def rest(fields: Sequence[Field]) -> tuple[Field, ...]:
         return tuple(f for f in fields if f.name not in names)
 
-    variants = tuple(Variant(v.values, rest(v.fields)) for v in layout.variants)
+    variants = tuple(Variant(values=v.values, fields=rest(v.fields)) for v in layout.variants)
     return dataclasses.replace(layout, fields=rest(layout.fields), variants=variants)
 
 

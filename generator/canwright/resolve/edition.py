@@ -10,20 +10,9 @@ from ..diagnostics.diagnostic import Diagnostic, DocumentPath
 from ..document.document import Document
 from ..language import edition as schema, suggestions
 from ..language.notation import LAST_ID, SHORT_ID, IdExpression
-from ..model.edition import (
-    Address,
-    Bus,
-    Command,
-    Direction,
-    Edition,
-    Effect,
-    Entry,
-    Erratum,
-    IdRule,
-    Mode,
-    Setting,
-    Table,
-)
+from ..model.edition import Edition
+from ..model.message import Address, Command, Direction, Entry, IdRule, Table
+from ..model.metadata import Bus, Effect, Erratum, Mode, Setting
 from .command_forms import Form
 from .context import Context
 from .discriminators import keyed_by_constants, with_claims
@@ -60,29 +49,29 @@ def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition
     addresses = {name: _address(context, i, name, written) for i, (name, written) in enumerate(spec.addresses.items())}
     settings = {
         name: Setting(
-            name,
-            {p: tuple(v) for p, v in (written.only or {}).items()},
-            context.title(("settings", name), written.title, name),
-            context.text(("settings", name, "about"), written.about),
+            name=name,
+            only={p: tuple(v) for p, v in (written.only or {}).items()},
+            title=context.title(("settings", name), written.title, name),
+            about=context.text(("settings", name, "about"), written.about),
         )
         for name, written in spec.settings.items()
     }
     effects = {
         name: Effect(
-            name,
-            written.level,
-            context.title(("effects", name), written.title, name),
-            context.text(("effects", name, "about"), written.about),
+            name=name,
+            level=written.level,
+            title=context.title(("effects", name), written.title, name),
+            about=context.text(("effects", name, "about"), written.about),
         )
         for name, written in spec.effects.items()
     }
     modes = {
         name: Mode(
-            name,
-            tuple(written.bit_rates_kbps),
-            written.default_kbps,
-            context.title(("bus", "modes", name), written.title, name),
-            context.text(("bus", "modes", name, "about"), written.about),
+            name=name,
+            bit_rates_kbps=tuple(written.bit_rates_kbps),
+            default_kbps=written.default_kbps,
+            title=context.title(("bus", "modes", name), written.title, name),
+            about=context.text(("bus", "modes", name, "about"), written.about),
         )
         for name, written in spec.bus.modes.items()
     }
@@ -94,32 +83,32 @@ def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition
         for form in messages.forms(name)
     ]
     return Edition(
-        spec.family,
-        spec.edition,
-        spec.date or "",
-        tuple(spec.languages),
-        context.title((), spec.title, spec.family),
-        context.text(("about",), spec.about),
-        context.text(("manual",), spec.manual),
-        digest,
-        spec.byte_order,
-        Bus(
-            spec.bus.host,
-            spec.bus.dlc,
-            spec.bus.max_nodes,
-            spec.bus.reply_within_ms,
-            tuple(modes.values()),
-            spec.bus.manual or "",
+        family=spec.family,
+        name=spec.edition,
+        date=spec.date or "",
+        languages=tuple(spec.languages),
+        title=context.title((), spec.title, spec.family),
+        about=context.text(("about",), spec.about),
+        manual=context.text(("manual",), spec.manual),
+        hash=digest,
+        order=spec.byte_order,
+        bus=Bus(
+            host=spec.bus.host,
+            dlc=spec.bus.dlc,
+            max_nodes=spec.bus.max_nodes,
+            reply_within_ms=spec.bus.reply_within_ms,
+            modes=tuple(modes.values()),
+            manual=spec.bus.manual or "",
         ),
-        tuple(parameters.values()),
-        tuple(settings.values()),
-        tuple(effects.values()),
-        tuple(addresses.values()),
-        tuple({**types, **layouts.bare_types}.values()),
-        messages.layouts,
-        tuple(_table(context, name, written) for name, written in spec.tables.items()),
-        with_claims(keyed_by_constants(commands)),
-        tuple(_erratum(context, i, written) for i, written in enumerate(spec.errata)),
+        parameters=tuple(parameters.values()),
+        settings=tuple(settings.values()),
+        effects=tuple(effects.values()),
+        addresses=tuple(addresses.values()),
+        types=tuple({**types, **layouts.bare_types}.values()),
+        layouts=messages.layouts,
+        tables=tuple(_table(context, name, written) for name, written in spec.tables.items()),
+        commands=with_claims(keyed_by_constants(commands)),
+        errata=tuple(_erratum(context, i, written) for i, written in enumerate(spec.errata)),
     )
 
 
@@ -144,12 +133,12 @@ def _command(
         entry = tables[written.table].entries[form.entry]
         at: DocumentPath = ("tables", written.table, "entries", form.entry)
         of = Entry(
-            written.table,
-            form.entry,
-            context.title(at, entry.title, form.entry),
-            context.text((*at, "about"), entry.about),
-            entry.manual or tables[written.table].manual or "",
-            at,
+            table=written.table,
+            name=form.entry,
+            title=context.title(at, entry.title, form.entry),
+            about=context.text((*at, "about"), entry.about),
+            manual=entry.manual or tables[written.table].manual or "",
+            path=at,
         )
         title = {language: f"{text}: {of.title[language]}" for language, text in title.items()}
         asked = written.request.layout if isinstance(written.request, schema.MessageSpec) else written.request
@@ -181,7 +170,7 @@ def _command(
 def _table(context: Context, name: str, written: schema.Table) -> Table:
     path: DocumentPath = ("tables", name)
     title, about = context.title(path, written.title, name), context.text((*path, "about"), written.about)
-    return Table(name, title, about, written.manual or "", path)
+    return Table(name=name, title=title, about=about, manual=written.manual or "", path=path)
 
 
 def _named(context: Context, path: DocumentPath, kind: str, names: Sequence[str], known: Mapping[str, T]) -> list[T]:
@@ -198,10 +187,18 @@ def _mode(context: Context, path: DocumentPath, written: schema.Command, modes: 
 
 def _address(context: Context, number: int, name: str, written: schema.Address) -> Address:
     path: DocumentPath = ("addresses", name)
-    lost = IdRule(LAST_ID + 1 + number, 1, None, True)
+    lost = IdRule(base=LAST_ID + 1 + number, node_step=1, nodes=None, extended=True)
     """An id that no other address has, in place of one that could not be read."""
     if context.is_partly_dropped(path, ("id", "request", "reply", "nodes", "extended")):
-        return Address(name, lost, lost, context.title(path, written.title, name), context.text(path, None), "", path)
+        return Address(
+            name=name,
+            request=lost,
+            reply=lost,
+            title=context.title(path, written.title, name),
+            about=context.text(path, None),
+            manual="",
+            path=path,
+        )
     request, reply = written.request or written.id, written.reply or written.id
     if request is None or reply is None:
         lacking = "its id" if request is reply else "the id of requests" if request is None else "the id of replies"
@@ -220,13 +217,13 @@ def _address(context: Context, number: int, name: str, written: schema.Address) 
     if max(_highest(asked), _highest(answered)) > SHORT_ID:
         asked, answered = (dataclasses.replace(rule, extended=True) for rule in (asked, answered))
     return Address(
-        name,
-        asked,
-        answered,
-        context.title(path, written.title, name),
-        context.text((*path, "about"), written.about),
-        written.manual or "",
-        path,
+        name=name,
+        request=asked,
+        reply=answered,
+        title=context.title(path, written.title, name),
+        about=context.text((*path, "about"), written.about),
+        manual=written.manual or "",
+        path=path,
     )
 
 
@@ -246,7 +243,7 @@ def _id_rule(
         return lost
     nodes = written.nodes if id_.node_step is not None else None
     limit = LAST_ID if written.extended else SHORT_ID
-    rule = IdRule(id_.base, id_.node_step or 1, nodes, written.extended)
+    rule = IdRule(base=id_.base, node_step=id_.node_step or 1, nodes=nodes, extended=written.extended)
     highest = _highest(rule)
     if highest > limit:
         longer = "" if written.extended or highest > LAST_ID else "; with `extended: true` there are 29 bits"
@@ -268,10 +265,10 @@ def _erratum(context: Context, index: int, written: schema.ErratumSpec) -> Errat
                 (*path, "where", i), "unknown-reference", text, suggestions.place(where, context.document.data)
             )
     return Erratum(
-        written.id,
-        tuple(written.where),
-        written.manual,
-        context.text((*path, "printed"), written.printed),
-        context.text((*path, "used"), written.used),
-        context.text((*path, "why"), written.why),
+        id=written.id,
+        where=tuple(written.where),
+        manual=written.manual,
+        printed=context.text((*path, "printed"), written.printed),
+        used=context.text((*path, "used"), written.used),
+        why=context.text((*path, "why"), written.why),
     )

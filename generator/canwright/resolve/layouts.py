@@ -98,17 +98,27 @@ class LayoutResolver:
             )
         parameter = next(iter(conditions), None)
         variants = self._variants(resolved, parameter)
-        return Layout(name, resolved, parameter, variants, shared, title, about, manual, path)
+        return Layout(
+            name=name,
+            fields=resolved,
+            parameter=parameter,
+            variants=variants,
+            shared=shared,
+            title=title,
+            about=about,
+            manual=manual,
+            path=path,
+        )
 
     def _variants(self, fields: tuple[Field, ...], parameter: str | None) -> tuple[Variant, ...]:
         if parameter is None or parameter not in self._parameters:
-            return (Variant((), fields),)
+            return (Variant(values=(), fields=fields),)
         groups: dict[tuple[str, ...], tuple[list[str], tuple[Field, ...]]] = {}
         for value in self._parameters[parameter].values:
             present = tuple(f for f in fields if not f.only or value.name in f.only)
             names, _ = groups.setdefault(tuple(f.name for f in present), ([], present))
             names.append(value.name)
-        return tuple(Variant(tuple(names), present) for names, present in groups.values())
+        return tuple(Variant(values=tuple(names), fields=present) for names, present in groups.values())
 
     def _field(self, path: DocumentPath, name: str, written: schema.FieldSpec, manual: str) -> Field:
         type_ = self._type(path, written)
@@ -129,17 +139,17 @@ class LayoutResolver:
         if not any(title.values()):
             title = self._context.title(path, None, name)
         return Field(
-            name,
-            type_,
-            start.space,
-            tuple(elements),
-            written.array is not None,
-            tuple(v for values in self.only(path, written.only).values() for v in values),
-            self._role(path, written),
-            title,
-            self._context.text((*path, "about"), written.about),
-            written.manual or manual,
-            path,
+            name=name,
+            type=type_,
+            space=start.space,
+            elements=tuple(elements),
+            is_array=written.array is not None,
+            only=tuple(v for values in self.only(path, written.only).values() for v in values),
+            role=self._role(path, written),
+            title=title,
+            about=self._context.text((*path, "about"), written.about),
+            manual=written.manual or manual,
+            path=path,
         )
 
     def _role(self, path: DocumentPath, written: schema.FieldSpec) -> FieldRole:

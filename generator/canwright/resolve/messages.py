@@ -7,7 +7,8 @@ from collections.abc import Collection, Mapping
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import edition as schema, suggestions
-from ..model.edition import (
+from ..model.layout import MAX_DATA_BYTES, Layout
+from ..model.message import (
     Address,
     Direction,
     EchoReply,
@@ -19,7 +20,6 @@ from ..model.edition import (
     Reply,
     SharedReply,
 )
-from ..model.layout import Layout
 from .command_forms import Form
 from .context import Context
 from .layouts import LayoutResolver, segments_at
@@ -30,8 +30,6 @@ FORMS = (ENTRY, "echo", "none")
 """The words that stand in place of a layout's name."""
 OF_REPLIES = frozenset(("of", "from_each"))
 """What is said of replies alone, and all that is said of one that is another command's."""
-LONGEST_DATA = 8
-"""Data bytes of a frame whose `dlc` could not be read: nothing is beyond these for that reason."""
 LONGEST_CHAIN = 20
 """How many commands may take their reply one from the next."""
 
@@ -223,23 +221,23 @@ class MessageResolver:
             for key in keys:
                 self._fits(further, key.width, (*path, "accept", i))
         return Message(
-            f"{form.name}_{direction.value}",
-            form.name,
-            direction,
-            address.name,
-            address.rule(direction),
-            (*keys, *form.keys),
-            tuple(spec.accept or ()),
-            (),
-            self._dlc(path, spec, of_entry),
-            bool(spec.remote),
-            layout,
-            path,
+            name=f"{form.name}_{direction.value}",
+            command=form.name,
+            direction=direction,
+            address=address.name,
+            id=address.rule(direction),
+            keys=(*keys, *form.keys),
+            accept=tuple(spec.accept or ()),
+            claims=(),
+            dlc=self._dlc(path, spec, of_entry),
+            remote=bool(spec.remote),
+            layout=layout,
+            path=path,
         )
 
     def _dlc(self, path: DocumentPath, spec: schema.MessageSpec, of_entry: int | None) -> int:
         if self._context.is_partly_dropped(path, ("dlc",)):
-            return LONGEST_DATA
+            return MAX_DATA_BYTES  # the length is unknown, so nothing is reported as beyond it
         return next(dlc for dlc in (of_entry, spec.dlc, self._spec.bus.dlc) if dlc is not None)
 
     def _lacks_table(self, command: str) -> bool:

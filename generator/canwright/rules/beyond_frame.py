@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..model.edition import KeyRole, Message
-from ..model.layout import Field, Segment, Space
+from ..model.layout import MAX_DATA_BYTES, Field, Segment, Space
+from ..model.message import KeyRole, Message
 from ..model.types import Order
 from .rule import Finding, Found, Subject
 
@@ -26,7 +26,9 @@ def check(subject: Subject) -> Found:
             if is_code and not (address.selector or address.reply_selector) and last > MOST[key.space]:
                 if "selector" not in seen:
                     yield Finding(
-                        ("selector", "at"), "no frame reaches to this selector", "`at` counts bytes, from 0 to 7"
+                        ("selector", "at"),
+                        "no frame reaches to this selector",
+                        f"`at` counts bytes, from 0 to {MAX_DATA_BYTES - 1}",
                     )
                 seen.add("selector")
             else:
@@ -43,8 +45,7 @@ def check(subject: Subject) -> Found:
                 yield Finding((*message.path, "remote" if message.remote else "dlc"), text, hint)
 
 
-MOST_BYTES = 8
-MOST = {Space.DATA: 8 * MOST_BYTES, Space.ID: 29}
+MOST = {Space.DATA: 8 * MAX_DATA_BYTES, Space.ID: 29}
 """The bits that a frame can have."""
 
 
@@ -66,8 +67,8 @@ def _beyond(message: Message, field: Field, limit: int) -> Finding:
     there = f"has bytes 0 to {message.dlc - 1}" if message.dlc else "has no data"
     there = "is a remote one, without data" if message.remote else there
     hint = "check `at`, the type and `dlc`"
-    if MOST_BYTES <= first < MOST_BYTES * 8:
-        hint = f"`at` counts bytes, from 0 to {MOST_BYTES - 1}: bit {first} is in byte {first // 8}"
+    if MAX_DATA_BYTES <= first < MAX_DATA_BYTES * 8:
+        hint = f"`at` counts bytes, from 0 to {MAX_DATA_BYTES - 1}: bit {first} is in byte {first // 8}"
     elif (
         field.type.order is Order.BIG and field.elements[0].segments[-1].low + field.elements[0].segments[-1].width < 8
     ):

@@ -9,8 +9,9 @@ from fractions import Fraction
 from ..diagnostics.diagnostic import nearest
 from ..language.golden_frames import Frame
 from ..model import formatting
-from ..model.edition import Direction, Edition, Message
+from ..model.edition import Edition
 from ..model.layout import Field, ReservedRole, Space
+from ..model.message import Direction, Message
 from ..model.types import Assignment, Order
 from ..semantics.decoder import CanFrame, Raw, Value, difference, held, node_of, raw_of, raws, value_of, wrong_constants
 from ..semantics.encoder import Sender, Senders

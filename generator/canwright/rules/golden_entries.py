@@ -10,7 +10,10 @@ from ..diagnostics.diagnostic import DocumentPath, nearest
 from ..language.golden_frames import CheckedFrame, Exchange, Frame, RefusedFrame, Sourced
 from ..language.notation import LAST_ID, SHORT_ID
 from ..model import formatting
-from ..model.edition import Assignment, Edition, Field, Message, Parameter, Variant
+from ..model.edition import Edition
+from ..model.layout import Field, Variant
+from ..model.message import Message
+from ..model.types import Assignment, Parameter
 from ..semantics.decoder import CanFrame, Raw, raw_of, value_of
 from ..semantics.parameters import number
 from .rule import Finding, Found

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from functools import reduce
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..model.edition import IdRule, KeyRole, Message
 from ..model.layout import Segment, Space
+from ..model.message import IdRule, KeyRole, Message
 from . import can_ids
 from .rule import Finding, Found, Subject
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.edition import EditionSpec
-from ..model.edition import Direction, Key, KeyRole, Message
 from ..model.layout import Space, Variant, bits_of
+from ..model.message import Direction, Key, KeyRole, Message
 from ..model.types import Order
 from .rule import Finding, Found, Subject
 

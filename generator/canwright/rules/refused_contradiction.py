@@ -6,9 +6,12 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from ..diagnostics.diagnostic import DocumentPath, nearest
-from ..language.golden_frames import Refusal, RefusedFrame, RefusedValues, Value
+from ..language.golden_frames import RefusedFrame, RefusedValues, Value
 from ..model import formatting
-from ..model.edition import Direction, Edition, Field, Message
+from ..model.edition import Edition
+from ..model.layout import Field
+from ..model.message import Direction, Message
+from ..model.refusal import Refusal
 from ..semantics.decoder import CanFrame
 from ..semantics.encoder import SPECIAL, Sender, Senders
 from ..semantics.receiver import Receiver, Refused

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 from ..language import notation
 from ..model import formatting
-from ..model.edition import BitRun, IdRule, Key, Message
 from ..model.layout import Field, Segment, Space, Variant
+from ..model.message import BitRun, IdRule, Key, Message
 from ..model.types import Assignment, Encoding, Linear, Type
 
 Raw = int | list[int]

@@ -10,9 +10,12 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 from ..language import notation
-from ..language.golden_frames import Refusal, Value
+from ..language.golden_frames import Value
 from ..model import formatting
-from ..model.edition import Bound, Encoding, Field, Message, Range, Type
+from ..model.layout import Field
+from ..model.message import Message
+from ..model.refusal import Refusal
+from ..model.types import Bound, Encoding, Range, Type
 from .decoder import Raw, data_bits, linear_of, value_of
 from .receiver import Refused
 

@@ -8,9 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from ..language.golden_frames import Refusal
 from ..model import formatting
-from ..model.edition import Assignment, Direction, Edition, Key, Message, Variant
+from ..model.edition import Edition
+from ..model.layout import Variant
+from ..model.message import Direction, Key, Message
+from ..model.refusal import Refusal
+from ..model.types import Assignment
 from .decoder import CanFrame, by_rule, data_bits, difference, held, node, node_of, open_bits, wrong_constants
 
 

@@ -8,7 +8,8 @@ from typing import ClassVar, NamedTuple
 
 from ..diagnostics.diagnostic import DocumentPath, Severity
 from ..language.golden_frames import GoldenFrames
-from ..model.edition import Assignment, Edition
+from ..model.edition import Edition
+from ..model.types import Assignment
 
 
 class Described(NamedTuple):

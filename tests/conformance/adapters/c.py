@@ -9,8 +9,11 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
 
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Command, Direction, Edition, Encoding, Field, Message
+from canwright.model.edition import Edition
+from canwright.model.layout import Field
+from canwright.model.message import Command, Direction, Message
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding
 from canwright.targets import c as target
 from canwright.targets.base import Described
 

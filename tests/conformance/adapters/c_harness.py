@@ -7,7 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-from canwright.model.edition import Direction, Edition, Encoding, Field, Layout, Message, Type
+from canwright.model.edition import Edition
+from canwright.model.layout import Field, Layout
+from canwright.model.message import Direction, Message
+from canwright.model.types import Encoding, Type
 from canwright.targets.c.names import layouts, member
 
 from .c_signatures import Function, functions

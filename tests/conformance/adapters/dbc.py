@@ -13,9 +13,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction, Message
 from canwright.model.layout import ReservedRole, Space
+from canwright.model.message import Direction, Message
+from canwright.model.refusal import Refusal
 from canwright.model.types import Assignment
 from canwright.semantics.decoder import CanFrame as ModelFrame, has_id, is_message, node, raw_of, wrong_constants
 from canwright.targets import dbc

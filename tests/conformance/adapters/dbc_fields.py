@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cantools.database.can import Message, Signal
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Encoding, Field
+from canwright.model.layout import Field
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding
 
 from ..adapter import Cannot, ExactValue, Refused, Value
 

@@ -10,8 +10,11 @@ from typing import Any
 import cantools
 from cantools.database import Database, DecodeError, EncodeError
 from cantools.database.can import Message as CanMessage, Signal
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Command, Direction, Edition, Encoding, Field, Message, Space
+from canwright.model.edition import Edition
+from canwright.model.layout import Field, Space
+from canwright.model.message import Command, Direction, Message
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding
 from canwright.semantics.decoder import is_message
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
 from canwright.targets import docs as target
 from canwright.targets.base import Described
 

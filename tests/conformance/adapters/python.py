@@ -11,9 +11,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction, Edition
+from canwright.model.edition import Edition
 from canwright.model.layout import ReservedRole, Space
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
 from canwright.targets import python as target
 from canwright.targets.base import Described
 from canwright.targets.python.text import attribute, class_name

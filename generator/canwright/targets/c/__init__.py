@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from ...model.edition import Assignment
+from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import Described, Output
 from .bits import operand

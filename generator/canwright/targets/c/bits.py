@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from ...model.edition import BitRun, Key
 from ...model.layout import Field, Segment, Space
+from ...model.message import BitRun, Key
 from ...model.types import Encoding
 from .numbers import Integer, integer, smallest, working
 

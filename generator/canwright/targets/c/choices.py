@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
-from ...model.edition import Dependent, Edition, Parameter
+from ...model.edition import Edition
+from ...model.types import Dependent, Parameter
 from .names import Names, member
 from .text import english
 

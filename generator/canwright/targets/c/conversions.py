@@ -11,7 +11,8 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...model.edition import Edition, Encoding, Linear, Type
+from ...model.edition import Edition
+from ...model.types import Encoding, Linear, Type
 from ..base import NameProblem
 from .choices import Choice, choose, parameter_access
 from .names import Names

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from ...model.edition import Command, Direction, Edition, Message
+from ...model.edition import Edition
+from ...model.message import Command, Direction, Message
 from ...semantics.decoder import by_rule
 from . import bits
 from .messages import Messages, RuleView, frame_id

@@ -8,7 +8,9 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...language.golden_frames import Frame
-from ...model.edition import Command, Direction, Encoding, Field, Message, Type
+from ...model.layout import Field
+from ...model.message import Command, Direction, Message
+from ...model.types import Encoding, Type
 from ..base import Described
 from .names import Names, member
 from .numbers import integer

@@ -6,7 +6,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
 
-from ...model.edition import Edition, Encoding, Field, Layout, Variant
+from ...model.edition import Edition
+from ...model.layout import Field, Layout, Variant
+from ...model.types import Encoding
 from . import bits
 from .choices import Case, parameter_access
 from .comments import errata, field_facts

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ...model.edition import Address, Direction, Edition, IdRule, Key, Message
+from ...model.edition import Edition
+from ...model.message import Address, Direction, IdRule, Key, Message
 from . import bits
 from .names import Names
 from .numbers import working

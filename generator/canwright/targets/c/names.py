@@ -8,7 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...diagnostics.diagnostic import DocumentPath
-from ...model.edition import Edition, Layout, Parameter, Type
+from ...model.edition import Edition
+from ...model.layout import Layout
+from ...model.types import Parameter, Type
 from ..base import NameProblem
 from .patterns import named_patterns, pattern_of
 

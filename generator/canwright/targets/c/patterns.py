@@ -8,7 +8,9 @@ from functools import reduce
 from operator import or_
 from typing import NamedTuple
 
-from ...model.edition import Direction, Edition, Message, Segment, Space
+from ...model.edition import Edition
+from ...model.layout import Segment, Space
+from ...model.message import Direction, Message
 
 
 class Pattern(NamedTuple):

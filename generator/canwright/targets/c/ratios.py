@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
-from ...model.edition import Linear
+from ...model.types import Linear
 from .choices import parameter_access
 from .numbers import INT64
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from ...diagnostics.unicode_safety import visible
-from ...model.edition import Text
+from ...model.types import Text
 
 WIDTH = 118
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ...model.edition import Edition, Encoding, Type
+from ...model.edition import Edition
+from ...model.types import Encoding, Type
 from .choices import Choice
 from .comments import errata, type_facts
 from .conversions import ConversionView, double, milli

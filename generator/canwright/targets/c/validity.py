@@ -9,7 +9,8 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
-from ...model.edition import Bound, Dependent, Edition, Encoding, Linear, Member, Range, Type
+from ...model.edition import Edition
+from ...model.types import Bound, Dependent, Encoding, Linear, Member, Range, Type
 from ..base import NameProblem
 from .choices import Choice, choose, parameter_access
 from .names import Names
@@ -163,7 +164,11 @@ def _float_ranges(type_: Type) -> Dependent[Range]:
     if by is None:
         return Dependent.always(_raw(type_.raw_range.constant, type_.linear.constant))
     cases = type_.linear.cases or type_.raw_range.cases
-    return Dependent(by, None, {n: _raw(type_.raw_range.at({by: n}), type_.linear.at({by: n})) for n in cases})
+    return Dependent(
+        parameter=by,
+        constant=None,
+        cases={n: _raw(type_.raw_range.at({by: n}), type_.linear.at({by: n})) for n in cases},
+    )
 
 
 def _raw(limits: Range | None, linear: Linear | None) -> Range | None:

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from ...model import formatting
-from ...model.edition import Command, Direction, Edition, Layout, OtherReply
+from ...model.edition import Edition
+from ...model.layout import Layout
+from ...model.message import Command, Direction, OtherReply
 from ...model.metadata import Level
 from ..base import header
 from .choices import ParameterView, parameter_access, parameters

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ...model.edition import Assignment
+from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import Described, Output
 from .files import files, traffics

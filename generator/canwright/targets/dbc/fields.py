@@ -8,8 +8,8 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...model import formatting
-from ...model.edition import Direction
 from ...model.layout import Element, Field, ReservedRole, Space
+from ...model.message import Direction
 from ...model.metadata import Level
 from ...model.types import IDENTITY, Assignment, Encoding, Linear, Order, Type
 from .frames import Part

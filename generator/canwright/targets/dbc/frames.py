@@ -7,7 +7,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...model.edition import Address, Assignment, Command, Direction, Edition, Field, IdRule, Key, Message, Space
+from ...model.edition import Edition
+from ...model.layout import Field, Space
+from ...model.message import Address, Command, Direction, IdRule, Key, Message
+from ...model.types import Assignment
 
 MOST_NODES = 256
 """A DBC names every id, so the files list the first nodes of an address that has more."""

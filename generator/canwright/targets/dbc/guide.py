@@ -7,7 +7,9 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...language.golden_frames import Frame as GoldenFrame
-from ...model.edition import Direction, Edition, Parameter
+from ...model.edition import Edition
+from ...model.message import Direction
+from ...model.types import Parameter
 from ...semantics import parameters
 from ..base import Described, header
 from .fields import LETTER

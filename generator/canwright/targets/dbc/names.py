@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...diagnostics.diagnostic import DocumentPath, Severity
-from ...model.edition import Edition, Element, Field, Message, Space
+from ...model.edition import Edition
+from ...model.layout import Element, Field, Space
+from ...model.message import Message
 from ..base import NameProblem
 from .fields import LETTER
 from .frames import Part

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from ...diagnostics.diagnostic import DocumentPath
-from ...model.edition import Assignment, Edition
+from ...model.edition import Edition
+from ...model.types import Assignment
 from ..base import Described, NameProblem, Output, Target
 from . import generate
 from .names import long_names

@@ -7,7 +7,8 @@ from typing import Literal, NamedTuple
 
 from ...compare import Category, Change, Impact
 from ...model import formatting
-from ...model.edition import Command, Direction, Edition, KeyRole
+from ...model.edition import Edition
+from ...model.message import Command, Direction, KeyRole
 from .tables import code_of, index as index_of
 from .text import code, markdown
 

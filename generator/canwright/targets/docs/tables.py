@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from ...model import formatting
-from ...model.edition import Command, EchoReply, IdRule, Key, KeyRole, Message, OtherReply, OwnReply, SharedReply
 from ...model.layout import Field, Layout, NodeRole, ReservedRole, Space
+from ...model.message import Command, EchoReply, IdRule, Key, KeyRole, Message, OtherReply, OwnReply, SharedReply
 from ...model.types import Assignment, Encoding, Order, Text, Type
 from .text import code, markdown
 

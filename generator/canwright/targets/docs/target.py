@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ...model.edition import Assignment
+from ...model.types import Assignment
 from ..base import Described, Output, Target
 from . import generate
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...model.edition import BitRun, Key
 from ...model.layout import Element, Field, Segment, Space
+from ...model.message import BitRun, Key
 from ...model.types import Encoding, Order
 
 _STRUCT = {8: "b", 16: "h", 32: "i", 64: "q"}

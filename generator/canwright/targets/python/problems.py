@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...diagnostics.diagnostic import DocumentPath
-from ...model.edition import Edition, Layout
+from ...model.edition import Edition
+from ...model.layout import Layout
 from ..base import NameProblem
 from . import text
 from .imports import NAMES
@@ -19,7 +20,7 @@ _MODULE = {
 def problems(edition: Edition) -> Iterator[NameProblem]:
     """Everything about one edition."""
     yield from _clashes(_module_names(edition), "something that every module has")
-    for layout in {id(m.layout): m.layout for m in edition.all_messages()}.values():
+    for layout in dict.fromkeys(m.layout for m in edition.all_messages()):
         yield from _clashes(_attributes(layout), "")
     for type_ in edition.types:
         key = "enum" if type_.enum else "flags"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ...model.edition import BitRun, Direction, Edition, Message
+from ...model.edition import Edition
+from ...model.message import BitRun, Direction, Message
 from ...semantics.decoder import by_rule, open_bits
 from . import bits, text
 from .imports import Imports

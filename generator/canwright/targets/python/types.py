@@ -3,35 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
 
-from ...model import formatting
-from ...model.edition import IDENTITY, Bound, Dependent, Edition, Encoding, Linear, Parameter, Range, Type
-from . import text
+from ...model.edition import Edition
+from ...model.types import Bound, Encoding, Linear, Parameter, Range, Type
+from . import docstrings, text
 from .imports import Imports
 
 
-class MemberView(NamedTuple):
+@dataclass(frozen=True, kw_only=True)
+class MemberView:
     """One member of an enum or of flags."""
 
     name: str
     value: str
-    doc: str
+    doc: docstrings.Docstring
 
 
-class TypeView(NamedTuple):
-    """A type of the edition: the name of its `Number` or `Float`, and of its enum class where it has one."""
+@dataclass(frozen=True, kw_only=True)
+class TypeView:
+    """A type of the edition: a `Number` or `Float`, or an `enum` class."""
 
     constant: str
+    """The name of the number; empty for an enum."""
     declaration: str
+    """The expression of the number."""
     enum: str
+    """The name of the class; empty for a number."""
     is_flags: bool
     mask: str
     members: tuple[MemberView, ...]
-    doc: str
+    doc: docstrings.Docstring
     meaning: str
-    """Unit, scale and range in a sentence."""
+    """Unit, resolution and range in a sentence."""
     python: str
     """The type of a value."""
 
@@ -50,27 +55,25 @@ def type_views(edition: Edition, imports: Imports) -> dict[str, TypeView]:
 
 
 def _view(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) -> TypeView:
-    constant = text.member_name(type_.name)
-    constant = f"{constant}_NUMBER" if type_.enum or type_.flags else constant
     enum = text.class_name(type_.name) if type_.enum or type_.flags else ""
-    members = tuple(
+    members = (
         MemberView(
-            text.member_name(m.name), f"0x{1 << m.value:X}" if type_.flags else str(m.value), text.english(m.title)
+            name=text.member_name(m.name),
+            value=f"0x{1 << m.value:X}" if type_.flags else str(m.value),
+            doc=(text.english(m.title),),
         )
         for m in (*type_.enum, *type_.flags)
     )
-    declaration = "" if enum else _declaration(type_, parameters, imports)
-    python = f"{enum} | int" if type_.enum else enum or ("int" if type_.is_plain else "float")
     return TypeView(
-        constant,
-        declaration,
-        enum,
-        bool(type_.flags),
-        f"0x{sum(1 << m.value for m in type_.flags):X}",
-        members,
-        text.english(type_.title),
-        _meaning(type_),
-        python,
+        constant="" if enum else text.member_name(type_.name),
+        declaration="" if enum else _declaration(type_, parameters, imports),
+        enum=enum,
+        is_flags=bool(type_.flags),
+        mask=f"0x{sum(1 << m.value for m in type_.flags):X}",
+        members=tuple(members),
+        doc=(text.english(type_.title),),
+        meaning=docstrings.of_type(type_),
+        python=f"{enum} | int" if type_.enum else enum or ("int" if type_.is_plain else "float"),
     )
 
 
@@ -111,7 +114,7 @@ def _scale(linear: Linear | None, imports: Imports) -> str:
 
 
 def _times(type_: Type, parameters: Mapping[str, Parameter]) -> list[str]:
-    """The number parameter that the scale is a multiple of: one, or one for each case that has such a scale."""
+    """The argument `times`: the number parameter that multiplies the scale, or one for each case that has one."""
     linear = type_.linear
     if linear.parameter is None:
         times = linear.constant.times if linear.constant else None
@@ -140,24 +143,8 @@ def exact(number: Fraction, imports: Imports) -> str:
     return f"{imports.use('Fraction')}({number.numerator}, {number.denominator})"
 
 
-def _meaning(type_: Type) -> str:
-    parts = []
-    if type_.unit:
-        parts.append(f"In {type_.unit.symbol}")
-    scales = formatting.scale(type_)
-    is_bare = type_.encoding is Encoding.FLOAT and type_.linear == Dependent.always(IDENTITY)
-    if not type_.is_plain and type_.is_number and not is_bare:
-        parts.append("one raw step is " + ", ".join(f"{w} ({n})" if n else w for n, w in scales))
-    limits = formatting.ranges(type_)
-    if limits:
-        kind = "from" if type_.encoding is Encoding.FLOAT else "raw"
-        parts.append(f"{kind} " + ", ".join(f"{w} ({n})" if n else w for n, w in limits))
-    sentence = "; ".join(parts)
-    return text.plain(sentence[:1].upper() + sentence[1:])
-
-
 def inline_value(type_: Type, raw: str) -> str | None:
-    """The value as an expression of the raw integer, where the scale is constant; one rounded operation at the end."""
+    """The value as an expression of the raw integer, rounded once; None where the scale is not constant."""
     linear = type_.linear.constant
     if type_.linear.parameter is not None or linear is None or linear.times or type_.encoding is Encoding.FLOAT:
         return None
