@@ -5,7 +5,7 @@
  *
  * The host encodes a request, the node decodes it and answers, the host checks and decodes the answer.
  *
- * On Linux, a frame goes to SocketCAN and back by its members, since the id is the same:
+ * On Linux, the members of a frame are those of SocketCAN's `can_frame`, with the same id:
  *
  *     struct can_frame raw = {.can_id = frame.id, .can_dlc = frame.dlc};
  *     memcpy(raw.data, frame.data, sizeof raw.data);
@@ -15,7 +15,7 @@
 #include <mwd_motor/v2_35_2024_02.h>
 #include <mwd_motor/v2_35_2024_02_float.h>
 
-/* What host and node know and no frame says. */
+/* Properties of the node that no frame contains. */
 static const mwd_motor_v2_35_2024_02_parameters_t parameters = {
     .series = MWD_MOTOR_V2_35_2024_02_SERIES_MG,
     .encoder_bits = MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_16,
@@ -45,7 +45,7 @@ static void show_name(const char *field, const char *name)
     printf("    %s = %s\n", field, name != NULL ? name : "?");
 }
 
-/* The node: what it answers to any request. */
+/* The node: answers any request. */
 static canwright_status_t answer(canwright_frame_t *reply, const canwright_frame_t *request)
 {
     mwd_motor_v2_35_2024_02_any_request_t received;
@@ -88,7 +88,7 @@ static canwright_status_t answer(canwright_frame_t *reply, const canwright_frame
     }
 }
 
-/* The bus: a request goes to the node, and what comes back is its answer. */
+/* The bus: sends a request to the node and returns its answer. */
 static canwright_status_t exchange(canwright_frame_t *reply, const canwright_frame_t *request)
 {
     canwright_status_t status;

@@ -3,10 +3,10 @@
  * @file
  * MS, MF, MH and MG motors on CAN: values in their units, as doubles.
  *
- * From raw to value is one correctly rounded operation wherever a double allows it. From value to raw is the
- * nearest, ties away from zero; what does not fit is refused, and so are NaN and infinity. -ffast-math takes both
- * promises back, since it tells the compiler that there is no NaN and that the last digit does not matter, and
- * -fsingle-precision-constant takes the first, since it rounds the scales.
+ * A raw integer is converted to a value by one correctly rounded operation wherever a double allows it. A value is
+ * converted to the nearest raw integer, ties away from zero; a value that does not fit, NaN and infinity are rejected.
+ * Neither holds with -ffast-math, which lets the compiler ignore NaN and round differently, and the first does not hold
+ * with -fsingle-precision-constant, which rounds the scales.
  */
 #ifndef MWD_MOTOR_V2_35_FLOAT_H
 #define MWD_MOTOR_V2_35_FLOAT_H
@@ -14,8 +14,13 @@
 #include "canwright_float.h"
 #include "v2_35.h"
 
+<<<<<<< HEAD
 #if MWD_MOTOR_V2_35_SPEC != 0x9646f881u
 #error "v2_35.h and v2_35_float.h come of different specs; copy both from the same place."
+=======
+#if MWD_MOTOR_V2_35_SPEC != 0xf3f5995du
+#error "v2_35.h and v2_35_float.h were generated from different specs; copy both from one folder."
+>>>>>>> ctarget
 #endif
 
 #if defined(__cplusplus) && defined(__GNUC__)
