@@ -14,13 +14,8 @@
 #include "canwright_float.h"
 #include "v2_35_2024_02.h"
 
-<<<<<<< HEAD
 #if MWD_MOTOR_V2_35_2024_02_SPEC != 0x1dafc1deu
-#error "v2_35_2024_02.h and v2_35_2024_02_float.h come of different specs; copy both from the same place."
-=======
-#if MWD_MOTOR_V2_35_2024_02_SPEC != 0x50c57c63u
 #error "v2_35_2024_02.h and v2_35_2024_02_float.h were generated from different specs; copy both from one folder."
->>>>>>> ctarget
 #endif
 
 #if defined(__cplusplus) && defined(__GNUC__)

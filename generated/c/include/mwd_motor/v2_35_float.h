@@ -14,13 +14,8 @@
 #include "canwright_float.h"
 #include "v2_35.h"
 
-<<<<<<< HEAD
 #if MWD_MOTOR_V2_35_SPEC != 0x9646f881u
-#error "v2_35.h and v2_35_float.h come of different specs; copy both from the same place."
-=======
-#if MWD_MOTOR_V2_35_SPEC != 0xf3f5995du
 #error "v2_35.h and v2_35_float.h were generated from different specs; copy both from one folder."
->>>>>>> ctarget
 #endif
 
 #if defined(__cplusplus) && defined(__GNUC__)

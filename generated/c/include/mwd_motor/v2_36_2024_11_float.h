@@ -14,13 +14,8 @@
 #include "canwright_float.h"
 #include "v2_36_2024_11.h"
 
-<<<<<<< HEAD
 #if MWD_MOTOR_V2_36_2024_11_SPEC != 0xf23452c1u
-#error "v2_36_2024_11.h and v2_36_2024_11_float.h come of different specs; copy both from the same place."
-=======
-#if MWD_MOTOR_V2_36_2024_11_SPEC != 0xa8590ac0u
 #error "v2_36_2024_11.h and v2_36_2024_11_float.h were generated from different specs; copy both from one folder."
->>>>>>> ctarget
 #endif
 
 #if defined(__cplusplus) && defined(__GNUC__)

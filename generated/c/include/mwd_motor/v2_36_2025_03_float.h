@@ -14,13 +14,8 @@
 #include "canwright_float.h"
 #include "v2_36_2025_03.h"
 
-<<<<<<< HEAD
 #if MWD_MOTOR_V2_36_2025_03_SPEC != 0x597a4055u
-#error "v2_36_2025_03.h and v2_36_2025_03_float.h come of different specs; copy both from the same place."
-=======
-#if MWD_MOTOR_V2_36_2025_03_SPEC != 0xf43d4f0eu
 #error "v2_36_2025_03.h and v2_36_2025_03_float.h were generated from different specs; copy both from one folder."
->>>>>>> ctarget
 #endif
 
 #if defined(__cplusplus) && defined(__GNUC__)
