@@ -6,7 +6,7 @@ from pathlib import Path
 
 from canwright.diagnostics.diagnostic import Diagnostic, SpecError
 from canwright.model.edition import Edition
-from canwright.project.loader import described, spec_files
+from canwright.project.loader import spec_files, specification
 
 ROOT = Path(__file__).parent.parent
 SMALL = spec_files(ROOT / "tests/specs")
@@ -41,7 +41,7 @@ def edition(folder: Path, text: str) -> Edition:
     """The edition that a text describes."""
     file = folder / "spec.yaml"
     file.write_text(text, "utf-8")
-    return described(file).edition
+    return specification(file).edition
 
 
 def findings(folder: Path, text: str) -> list[Diagnostic]:

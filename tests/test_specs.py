@@ -24,7 +24,7 @@ FRAMES = [frames_file(spec) for spec in SMALL]
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """All targets of all small specs, in one folder."""
     folder = tmp_path_factory.mktemp("specs")
-    items = [one.described for one in all_loaded(SMALL)]
+    items = [one.specification for one in all_loaded(SMALL)]
     for path, content in generate(items, target_names(), {}).files.items():
         file = folder / path
         file.parent.mkdir(parents=True, exist_ok=True)

@@ -1,3 +1,103 @@
-"""canwright: bindings and documents from one YAML description of a CAN protocol."""
+"""Bindings and documents from one YAML description of a CAN protocol.
+
+The public API: load a spec, read its model, decode and encode frames, generate, and write a target. Everything else may
+change between minor versions. Names are imported when they are first used, so that the command line starts quickly.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .diagnostics.diagnostic import Diagnostic, DocumentPath, Position, Severity, SpecError
+    from .model.edition import Edition
+    from .model.layout import Field, Layout
+    from .model.message import Command, Direction, Message
+    from .model.refusal import Refusal
+    from .model.types import Type
+    from .semantics.decoder import Decoded, Decoder, Rejection
+    from .semantics.encoder import Encoder
+    from .semantics.exchange import check_reply
+    from .semantics.frame import CanFrame
+    from .targets.base import NameProblem, Output, Specification, Target
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "CanFrame",
+    "Command",
+    "Decoded",
+    "Decoder",
+    "Diagnostic",
+    "Direction",
+    "DocumentPath",
+    "Edition",
+    "Encoder",
+    "Field",
+    "Layout",
+    "Message",
+    "NameProblem",
+    "Output",
+    "Position",
+    "Refusal",
+    "Rejection",
+    "Severity",
+    "SpecError",
+    "Specification",
+    "Target",
+    "Type",
+    "check_reply",
+    "generate",
+    "load",
+]
+
+_MODULES: Mapping[str, Sequence[str]] = {
+    "diagnostics.diagnostic": ("Diagnostic", "DocumentPath", "Position", "Severity", "SpecError"),
+    "model.edition": ("Edition",),
+    "model.layout": ("Field", "Layout"),
+    "model.message": ("Command", "Direction", "Message"),
+    "model.refusal": ("Refusal",),
+    "model.types": ("Type",),
+    "semantics.decoder": ("Decoded", "Decoder", "Rejection"),
+    "semantics.encoder": ("Encoder",),
+    "semantics.exchange": ("check_reply",),
+    "semantics.frame": ("CanFrame",),
+    "targets.base": ("NameProblem", "Output", "Specification", "Target"),
+}
+
+
+def load(file: str | os.PathLike[str]) -> Specification:
+    """The edition in a spec file, with the golden frames beside it where there are any.
+
+    Raises SpecError with all findings when one of them is an error, and OSError.
+    """
+    from .project.loader import specification
+
+    return specification(Path(file))
+
+
+def generate(
+    specifications: Sequence[Specification],
+    targets: Sequence[str] | None = None,
+    parameters: Mapping[str, str] | None = None,
+) -> Mapping[str, bytes]:
+    """The generated files by path, such as `c/include/lamp/v1.h`; writes nothing.
+
+    `targets` are names of installed targets, all of them by default; `parameters` are values to fix in targets that can.
+    """
+    from .project import pipeline
+    from .targets.registry import target_names
+
+    names = target_names() if targets is None else targets
+    return pipeline.generate(specifications, names, parameters or {}).files
+
+
+def __getattr__(name: str) -> object:
+    for module, names in _MODULES.items():
+        if name in names:
+            return getattr(import_module(f".{module}", __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

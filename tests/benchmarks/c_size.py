@@ -9,7 +9,7 @@ import struct
 import tempfile
 from pathlib import Path
 
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.targets import c
 
 from ..compilers import CORTEX_M0, WARNINGS, ZIG
@@ -32,7 +32,7 @@ ALLOCATED = 2
 def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for output in c.generate([described(SPEC)], {}):
+        for output in c.generate([specification(SPEC)], {}):
             file = folder / output.path
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(output.text, "utf-8")

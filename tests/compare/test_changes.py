@@ -11,7 +11,7 @@ from canwright.cli import main
 from canwright.cli.diff_report import Comparison, text
 from canwright.compare import CHANGES, compare
 from canwright.compare.change import Category
-from canwright.project.loader import described, load
+from canwright.project.loader import load, specification
 from canwright.templating.resources import CHANGE_EXAMPLES
 from click.testing import CliRunner
 
@@ -43,7 +43,7 @@ def test_explain(rule: str) -> None:
 
 
 def test_an_edition_does_not_differ_from_itself() -> None:
-    whole = described(V2_35).edition
+    whole = specification(V2_35).edition
     assert compare(whole, whole) == ()
 
 
@@ -61,7 +61,7 @@ def test_order_in_the_file_is_no_change(tmp_path: Path) -> None:
     original = V2_35.read_text("utf-8")
     changed = _reordered(original)
     assert changed != original and sorted(changed.splitlines()) == sorted(original.splitlines())
-    assert compare(described(V2_35).edition, edition(tmp_path, changed)) == ()
+    assert compare(specification(V2_35).edition, edition(tmp_path, changed)) == ()
 
 
 def test_ways_to_write_the_same_are_no_change(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from functools import cache
 import pytest
 from canwright.compare import Category, Change, compare
 from canwright.model.edition import Edition
-from canwright.project.loader import described
+from canwright.project.loader import specification
 
 from ..spec_texts import ROOT
 
@@ -210,7 +210,7 @@ LATER = {
 
 @cache
 def edition(name: str) -> Edition:
-    return described(ROOT / "spec" / "mwd_motor" / f"{name}.yaml").edition
+    return specification(ROOT / "spec" / "mwd_motor" / f"{name}.yaml").edition
 
 
 @cache

@@ -10,7 +10,7 @@ import pytest
 import yaml
 from canwright.compare import compare
 from canwright.language.edition import EditionSpec
-from canwright.project.loader import described
+from canwright.project.loader import specification
 
 from ..strangers.everything import SPEC
 
@@ -207,7 +207,7 @@ def _edition(folder: Path, name: str, changes: dict[str, Any]) -> Any:
             part[last] = value
     file = folder / f"{name}.yaml"
     file.write_text(json.dumps(data), "utf-8")
-    return described(file).edition
+    return specification(file).edition
 
 
 def test_every_key_is_known() -> None:

@@ -13,7 +13,7 @@ import yaml
 from canwright.compare import Category, Change, Impact, compare
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.model.edition import Edition
-from canwright.project.loader import described
+from canwright.project.loader import specification
 
 from ..conformance.mutants import mutants
 from ..spec_texts import SPECS, called
@@ -21,7 +21,7 @@ from ..spec_texts import SPECS, called
 MOST = 40
 """So many mutants of one spec are tried, evenly spread over it, for the sake of time."""
 
-ORIGINALS = {called(spec): described(spec).edition for spec in SPECS}
+ORIGINALS = {called(spec): specification(spec).edition for spec in SPECS}
 DATA = {called(spec): yaml.load(spec.read_text("utf-8"), yaml.CSafeLoader) for spec in SPECS}
 MUTANTS = {name: dict(mutants(data)) for name, data in DATA.items()}
 _VALUE = re.compile(r"types\.\w+\.(scale|offset|range|raw_range|enum|flags)\b")
@@ -40,7 +40,7 @@ def _changed(spec: str, mutant: str, folder: Path) -> Edition | None:
     file = folder / "changed.yaml"
     file.write_text(yaml.dump(data, Dumper=yaml.CSafeDumper, allow_unicode=True, sort_keys=False), "utf-8")
     try:
-        edition = described(file).edition
+        edition = specification(file).edition
     except SpecError:
         return None
     return None if _meaning(edition) == _original(spec) else edition

@@ -10,7 +10,7 @@ import can
 import pytest
 from canwright.language.golden_frames import Frame
 from canwright.model.message import Direction
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.targets import python as target
 
 from ..spec_texts import ROOT, SPECS, called
@@ -31,7 +31,7 @@ def buses(request: pytest.FixtureRequest) -> Iterator[tuple[can.BusABC, can.BusA
 def test_frames_cross_a_bus(
     spec: Path, buses: tuple[can.BusABC, can.BusABC], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    item = described(spec)
+    item = specification(spec)
     assert item.frames is not None
     for output in target.generate([item], {}):
         file = tmp_path / output.path

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
-from canwright.project.loader import described
+from canwright.project.loader import specification
 
 from ..semantics.random_frames import random_frames
 from ..spec_texts import ROOT, SPECS, called
@@ -24,7 +24,7 @@ RANDOM_FRAMES = 400
 @pytest.mark.parametrize("target", ADAPTERS)
 @pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_golden_frames(spec: Path, target: str, tmp_path: Path) -> None:
-    item = described(spec)
+    item = specification(spec)
     assert item.frames is not None, f"{spec.name} has no golden frames beside it"
     adapter = ADAPTERS[target].create(item, tmp_path)
     report = Runner(item.edition, item.frames, adapter).run()
@@ -64,7 +64,7 @@ class _OtherMessages(ReferenceAdapter):
 
 
 def test_another_message_with_the_same_fields_fails(tmp_path: Path) -> None:
-    item = described(ROOT / "spec/mwd_motor/v2.35.yaml")
+    item = specification(ROOT / "spec/mwd_motor/v2.35.yaml")
     assert item.frames is not None
     report = Runner(item.edition, item.frames, _OtherMessages.create(item, tmp_path)).run()
     assert not report.passed["decode"] and not report.passed["decode alone"]
@@ -72,7 +72,7 @@ def test_another_message_with_the_same_fields_fails(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_every_message_has_a_golden_frame(spec: Path) -> None:
-    item = described(spec)
+    item = specification(spec)
     assert item.frames is not None
     there = {(f.direction, f.command) for f in item.frames.frames}
     for message in item.edition.all_messages():

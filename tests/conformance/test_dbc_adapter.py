@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
-from canwright.project.loader import described
+from canwright.project.loader import specification
 
 from ..spec_texts import ROOT
 from .adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
@@ -20,7 +20,7 @@ CASES = Path(__file__).parents[1] / "targets" / "dbc"
 
 @functools.cache
 def adapter(name: str) -> DbcAdapter:
-    return DbcAdapter(described(CASES / f"{name}.yaml"))
+    return DbcAdapter(specification(CASES / f"{name}.yaml"))
 
 
 def read(data: str, parameters: Parameters, answering: str | None = None, id_: int = 0x101) -> Decoded | Refused:
@@ -106,7 +106,7 @@ def test_nodes_and_parameters_that_are_missing() -> None:
         ),
         (
             "reserved_in_id",
-            lambda: DbcAdapter(described(ROOT / "tests/specs/cells/v1.yaml")).decode(
+            lambda: DbcAdapter(specification(ROOT / "tests/specs/cells/v1.yaml")).decode(
                 Direction.REPLY, CanFrame(0x1D05FF41, bytes(8), extended=True), {}, None
             ),
         ),

@@ -15,10 +15,10 @@ from canwright.document.document import read_document
 from canwright.language.edition import EditionSpec
 from canwright.language.validate import validate_parts
 from canwright.model.edition import Edition
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.rules import exchange_contradiction, frame_contradiction, refused_contradiction
 from canwright.rules.rule import Subject
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 
 from ..spec_texts import SMALL, SPECS, called
 from .adapter import Adapter
@@ -50,7 +50,7 @@ EVERYWHERE = {
 JUDGED = 16
 """So many mutants of each small spec are asked what they make of every single golden frame."""
 
-ORIGINALS = {called(spec): described(spec) for spec in SPECS}
+ORIGINALS = {called(spec): specification(spec) for spec in SPECS}
 DATA: dict[str, dict[str, Any]] = {called(spec): yaml.load(spec.read_text("utf-8"), yaml.CSafeLoader) for spec in SPECS}
 MUTANTS = {name: dict(mutants(data)) for name, data in DATA.items()}
 
@@ -63,7 +63,7 @@ def _spread(names: Sequence[str], most: int) -> list[str]:
 CASES = [(spec, mutant) for spec, found in MUTANTS.items() for mutant in _spread(list(found), MOST)]
 
 
-def _changed(spec: str, change: Change, folder: Path) -> Described | None:
+def _changed(spec: str, change: Change, folder: Path) -> Specification | None:
     """The changed edition with the golden frames as they are; None when the change is refused as no edition at all."""
     data = copy.deepcopy(DATA[spec])
     change(data)
@@ -72,12 +72,12 @@ def _changed(spec: str, change: Change, folder: Path) -> Described | None:
     file = folder / "changed.yaml"
     file.write_text(yaml.dump(data, Dumper=yaml.CSafeDumper, allow_unicode=True, sort_keys=False), "utf-8")
     try:
-        return Described(described(file).edition, ORIGINALS[spec].frames)
+        return Specification(specification(file).edition, ORIGINALS[spec].frames)
     except SpecError:
         return None
 
 
-def _replay(item: Described, target: str, folder: Path) -> list[str]:
+def _replay(item: Specification, target: str, folder: Path) -> list[str]:
     """What fails. A golden frame that cannot even be asked for, as its field or command is gone, fails too."""
     assert item.frames is not None
     adapter = ADAPTERS[target].create(item, folder)
@@ -115,7 +115,7 @@ def test_every_target_notices(spec: str, mutant: str, target: str, tmp_path: Pat
     assert _replay(item, target, tmp_path), f"{mutant} survives in {target}"
 
 
-def _judged(item: Described, file: Path) -> dict[tuple[str | int, ...], str]:
+def _judged(item: Specification, file: Path) -> dict[tuple[str | int, ...], str]:
     """What `check` says of the golden frames, by list and place in it."""
     spec = validate_parts(read_document(file)[0], EditionSpec).spec
     assert spec is not None
@@ -124,7 +124,7 @@ def _judged(item: Described, file: Path) -> dict[tuple[str | int, ...], str]:
     return {finding.path[:2]: finding.message for rule in rules for finding in rule.check(subject)}
 
 
-def _fails(item: Described, adapter: Adapter, key: str, entry: object) -> bool:
+def _fails(item: Specification, adapter: Adapter, key: str, entry: object) -> bool:
     """Whether one golden frame fails when it is replayed by itself, or cannot be asked for."""
     assert item.frames is not None
     alone = item.frames.model_copy(update={"frames": [], "refused": [], "exchanges": [], key: [entry]})

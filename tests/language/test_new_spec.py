@@ -8,7 +8,7 @@ import cantools
 import pytest
 from canwright.cli import main
 from canwright.diagnostics.diagnostic import SpecError
-from canwright.project.loader import described, load
+from canwright.project.loader import load, specification
 from canwright.resolve.types import read_units
 from click.testing import CliRunner
 
@@ -99,7 +99,7 @@ def test_a_layout_with_further_fields_is_used(tmp_path: Path) -> None:
 
 def test_an_entry_has_a_length_of_its_own(tmp_path: Path) -> None:
     (tmp_path / "v1.yaml").write_text(table("entry"), "utf-8")
-    commands = {c.name: c for c in described(tmp_path / "v1.yaml").edition.commands}
+    commands = {c.name: c for c in specification(tmp_path / "v1.yaml").edition.commands}
     lengths = {name: tuple(m and m.dlc for m in (command.request, command.reply)) for name, command in commands.items()}
     assert lengths == {
         "read_level": (8, 4),

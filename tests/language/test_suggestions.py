@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from canwright.language import aliases
-from canwright.project.loader import described
+from canwright.project.loader import specification
 
 from ..spec_texts import MINIMAL, findings
 
@@ -117,7 +117,7 @@ def test_short_values_and_mappings_mean_the_same(tmp_path: Path) -> None:
     (tmp_path / "long.yaml").write_text(
         text.replace("idle: 0", "idle: {value: 0}").replace("3}", "{value: 3}}"), "utf-8"
     )
-    short, long = (described(tmp_path / name).edition for name in ("short.yaml", "long.yaml"))
+    short, long = (specification(tmp_path / name).edition for name in ("short.yaml", "long.yaml"))
     assert short.types == long.types
     assert [(m.name, m.value) for m in short.types[0].enum] == [("idle", 0), ("busy", 3)]
 

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 
 from canwright.output.paths import MANIFEST
 from canwright.output.writer import Content, write
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.project.pipeline import generate
 
 from ..spec_texts import MINIMAL
@@ -72,9 +72,9 @@ def make_scenario(folder: Path) -> Scenario:
         (before / path).parent.mkdir(parents=True, exist_ok=True)
         (before / path).write_bytes(data)
     spec.write_text(MINIMAL, "utf-8")
-    write(before, generate([described(spec)], ["docs"], {}))
+    write(before, generate([specification(spec)], ["docs"], {}))
     spec.write_text(MINIMAL.replace("dim:", "fade:").replace("1..4", "1..5"), "utf-8")
-    content = generate([described(spec)], ["docs", "python"], {})
+    content = generate([specification(spec)], ["docs", "python"], {})
     shutil.copytree(before, after)
     changes = write(after, content)
     assert len(changes.removed) >= 3 and len(changes.written) >= 10 and changes.unchanged >= 1

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import ParamSpec
 
 import pytest
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.project.pipeline import generate
 from canwright.rules.bit_patterns import Known, pairs
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 from canwright.targets.registry import target_names
 from hypothesis import given, strategies as st
 
@@ -35,22 +35,22 @@ def calls(work: Callable[P, object], *arguments: P.args, **named: P.kwargs) -> i
 def specs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     folder = tmp_path_factory.mktemp("specs")
     found = [multiplied(folder, times) for times in TIMES]
-    described(found[0])
+    specification(found[0])
     return found
 
 
 @pytest.fixture(scope="module")
-def read(specs: list[Path]) -> list[Described]:
-    return [described(spec) for spec in specs]
+def read(specs: list[Path]) -> list[Specification]:
+    return [specification(spec) for spec in specs]
 
 
 def test_reading_grows_with_the_commands(specs: list[Path]) -> None:
-    few, more, most = (calls(described, spec) for spec in specs)
+    few, more, most = (calls(specification, spec) for spec in specs)
     assert most - more < MOST * (more - few)
 
 
 @pytest.mark.parametrize("target", target_names())
-def test_a_target_grows_with_the_commands(target: str, read: list[Described]) -> None:
+def test_a_target_grows_with_the_commands(target: str, read: list[Specification]) -> None:
     generate(read[:1], [target], {})
     few, more, most = (calls(generate, [one], [target], {}) for one in read)
     assert most - more < MOST * (more - few)

@@ -58,3 +58,40 @@ def test_the_generated_python_package_installs_and_needs_nothing_else(tmp_path: 
     script = "from mwd_motor.v2_35 import MotorOnRequest; print(MotorOnRequest(node=32).encode().hex())"
     assert run(tmp_path, python, "-c", script) == "8800000000000000\n"
     assert "py.typed" in run(tmp_path, python, "-m", "pip", "show", "--files", "mwd_motor")
+
+
+@pytest.fixture(scope="module")
+def with_csv(installed: Path) -> Path:
+    """The same environment with a target from another package."""
+    pip = (installed / "python", "-m", "pip", "--disable-pip-version-check", "--quiet")
+    run(installed, *pip, "install", Path(__file__).parent / "csv_target")
+    return installed
+
+
+def test_a_target_of_another_package_is_listed_and_generates(with_csv: Path, tmp_path: Path) -> None:
+    assert "[c|csv|dbc|docs|python]" in run(tmp_path, with_csv / "canwright", "generate", "--help")
+    (tmp_path / "my.yaml").write_text(MINIMAL, "utf-8")
+    run(tmp_path, with_csv / "canwright", "generate", "--spec", "my.yaml", "--out", "out", "--target", "csv")
+    assert [file.relative_to(tmp_path).as_posix() for file in (tmp_path / "out").rglob("*.csv")] == [
+        "out/csv/lamp-v1.csv"
+    ]
+    assert (tmp_path / "out/csv/lamp-v1.csv").read_text("utf-8").splitlines() == [
+        "message,direction,field,bits,type,unit",
+        "dim_request,request,level,16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31,level,%",
+        "dim_reply,reply,level,16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31,level,%",
+    ]
+    run(tmp_path, with_csv / "canwright", "check", "--spec", "my.yaml", "--out", "out", "--target", "csv")
+
+
+def test_a_target_of_another_package_rejects_names(with_csv: Path, tmp_path: Path) -> None:
+    (tmp_path / "my.yaml").write_text(MINIMAL.replace("request: {level:", "request: {order:"), "utf-8")
+    command = [str(with_csv / "canwright"), "check", "--spec", "my.yaml"]
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert "`order` is a reserved word of SQL [name-collision]" in result.stderr
+
+
+def test_a_target_of_another_package_names_what_to_rename(with_csv: Path, tmp_path: Path) -> None:
+    (tmp_path / "old.yaml").write_text(MINIMAL, "utf-8")
+    (tmp_path / "new.yaml").write_text(MINIMAL.replace("request: {level:", "request: {brightness:"), "utf-8")
+    assert "CSV `level` → `brightness`" in run(tmp_path, with_csv / "canwright", "diff", "old.yaml", "new.yaml")

@@ -13,7 +13,7 @@ import pytest
 from canwright.cli import main
 from canwright.output.paths import OutputError
 from canwright.project import site as site_module
-from canwright.project.loader import described, spec_files
+from canwright.project.loader import spec_files, specification
 from canwright.project.site import SiteError, build
 from canwright.targets import docs
 from click.testing import CliRunner
@@ -23,7 +23,7 @@ from ..spec_texts import MINIMAL, ROOT
 
 def pages_of(specs: Sequence[Path], folder: Path) -> Path:
     """A folder with the pages of some specs."""
-    for page in docs.generate([described(spec) for spec in specs], {}):
+    for page in docs.generate([specification(spec) for spec in specs], {}):
         file = folder / page.path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(page.text, "utf-8")
@@ -51,7 +51,7 @@ def test_both_languages_are_there_with_a_switch(site: Path) -> None:
 def test_the_menu_has_every_command_once_in_the_order_of_the_spec(site: Path, language: str, edition: str) -> None:
     page = (site / f"{language}{edition}/index.html").read_text("utf-8")
     menu = re.findall(r'<a href="commands/(\w+)/" class="md-nav__link"', page)
-    assert menu == [command.name for command in described(ROOT / f"spec/mwd_motor/{edition}.yaml").edition.commands]
+    assert menu == [command.name for command in specification(ROOT / f"spec/mwd_motor/{edition}.yaml").edition.commands]
 
 
 def test_nothing_on_a_page_has_the_same_anchor(site: Path) -> None:

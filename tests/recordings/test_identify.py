@@ -9,7 +9,7 @@ from pathlib import Path
 import can
 import pytest
 from canwright.cli import main
-from canwright.project.loader import described, spec_files
+from canwright.project.loader import spec_files, specification
 from canwright.recordings.identify import identify
 from canwright.recordings.readers import LogError, frames
 from canwright.recordings.scoring import Reader
@@ -18,7 +18,7 @@ from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL, ROOT, edition
 
-EDITIONS = [described(file).edition for file in spec_files(ROOT / "spec")]
+EDITIONS = [specification(file).edition for file in spec_files(ROOT / "spec")]
 
 # 48.7 V as 0.1 V in DATA[3..4]: 487 = 0x01E7
 V2_35 = ["142#9A00000000000000", "142#9A3200E701000000", "142#A10000009B000000", "142#A1329B00F4010080"]
@@ -241,7 +241,7 @@ def test_bytes_and_broken_recordings(tmp_path: Path) -> None:
 @pytest.mark.parametrize("file", spec_files(ROOT / "spec"), ids=lambda file: file.stem)
 def test_golden_frames_speak_for_their_own_edition(file: Path) -> None:
     """What an encoder of an edition writes has nothing against it there, but for values that no node would report."""
-    item = described(file)
+    item = specification(file)
     assert item.frames is not None
     far_out = {m.command for m in item.edition.all_messages() for f in m.layout.fields if f.type.plausible}
     checked = [g for g in item.frames.frames if not g.decode_only and g.command not in far_out]

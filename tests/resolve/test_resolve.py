@@ -12,7 +12,7 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Segment
 from canwright.model.message import Direction, EchoReply, OtherReply, OwnReply, SharedReply
 from canwright.model.types import Bound, Dependent, Linear, Range
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.semantics.decoder import linear_of
 
 from ..spec_texts import MINIMAL, ROOT, edition, findings, marked, places
@@ -20,7 +20,7 @@ from ..spec_texts import MINIMAL, ROOT, edition, findings, marked, places
 
 @pytest.fixture(scope="module")
 def v2_35() -> Edition:
-    return described(ROOT / "spec/mwd_motor/v2.35.yaml").edition
+    return specification(ROOT / "spec/mwd_motor/v2.35.yaml").edition
 
 
 def test_every_command_of_the_manual_is_there(v2_35: Edition) -> None:
@@ -318,10 +318,10 @@ def test_a_golden_frame_gives_a_number_that_can_be(tmp_path: Path) -> None:
         assert wrong != golden
         (tmp_path / "v1.frames.yaml").write_text(wrong, "utf-8")
         with pytest.raises(SpecError) as found:
-            described(tmp_path / "v1.yaml")
+            specification(tmp_path / "v1.yaml")
         assert says in str(found.value)
     (tmp_path / "v1.frames.yaml").write_text(golden.replace("p_max: 95.5", 'p_max: "191/2"'), "utf-8")
-    described(tmp_path / "v1.yaml")
+    specification(tmp_path / "v1.yaml")
 
 
 def test_a_constant_that_shares_its_bits_with_the_selector_is_told(tmp_path: Path) -> None:

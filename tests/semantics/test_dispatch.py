@@ -11,7 +11,7 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Space, bits_of
 from canwright.model.message import Direction, Key, Message
 from canwright.model.refusal import Refusal
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Rejection
 from canwright.semantics.dispatch import Found, Node, Select, dispatch_plan
 from canwright.semantics.frame import CanFrame
@@ -27,7 +27,7 @@ Outcome = tuple[str, int | None] | Refusal
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_random_and_golden_frames(spec: Path) -> None:
-    item = described(spec)
+    item = specification(spec)
     assert item.frames is not None
     golden = [CanFrame(f.id, f.data, f.extended, f.remote) for f in item.frames.frames]
     compare(item.edition, [*golden, *random_frames(item.edition, FRAMES)])
@@ -93,7 +93,7 @@ def test_only_the_length_decides_between_messages_of_one_code(tmp_path: Path) ->
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_the_tree_has_every_message_that_claims_a_code(spec: Path) -> None:
-    of_spec = described(spec).edition
+    of_spec = specification(spec).edition
     for direction in Direction:
         entries = dispatch_plan(of_spec.messages(direction)).entries
         there = {name for entry in entries for name in names(entry.then)}

@@ -13,7 +13,7 @@ from canwright.language.edition import EditionSpec
 from canwright.language.golden_frames import GoldenFrames
 from canwright.language.suggestions import VISIBLE
 from canwright.project.loader import load
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 
 Say = Callable[[], str]
 Schema = dict[str, Any]
@@ -91,7 +91,7 @@ exchanges:
 """
 
 
-def filled(say: Say, folder: Path, languages: tuple[str, ...] = ("en", "zh")) -> Described:
+def filled(say: Say, folder: Path, languages: tuple[str, ...] = ("en", "zh")) -> Specification:
     """The edition with what `say` says in every text."""
     folder.mkdir(exist_ok=True)
     for name, written, concept in (("lamp.yaml", SPEC, EditionSpec), ("lamp.frames.yaml", FRAMES, GoldenFrames)):
@@ -100,7 +100,7 @@ def filled(say: Say, folder: Path, languages: tuple[str, ...] = ("en", "zh")) ->
             data["languages"] = list(languages)
         found = _Filler(_schema(concept), say, languages).all(data)
         (folder / name).write_text(json.dumps(found, ensure_ascii=False, indent=1), "utf-8")
-    return load(folder / "lamp.yaml").described
+    return load(folder / "lamp.yaml").specification
 
 
 def text_fields() -> set[str]:

@@ -131,8 +131,8 @@ ODD: tuple[Data, ...] = (
 def outcome(file: Path) -> str:
     """`made` or `refused`; anything else is raised."""
     try:
-        described = load(file).described
-        files = generate([described], target_names(), {}).files
+        specifications = load(file).specification
+        files = generate([specifications], target_names(), {}).files
     except SpecError as error:
         assert error.diagnostics
         assert all(finding.message and finding.position.line for finding in error.diagnostics)

@@ -33,8 +33,10 @@ Files = dict[str, str]
 def made(say: Sequence[str], folder: Path, languages: tuple[str, ...] = ("en", "zh")) -> Files:
     """All that is generated, where the texts are said in turn."""
     turns = itertools.cycle(say)
-    described = filled(lambda: next(turns), folder, languages)
-    return {path: content.decode("utf-8") for path, content in generate([described], target_names(), {}).files.items()}
+    specifications = filled(lambda: next(turns), folder, languages)
+    return {
+        path: content.decode("utf-8") for path, content in generate([specifications], target_names(), {}).files.items()
+    }
 
 
 @pytest.fixture(scope="module")
@@ -213,9 +215,9 @@ def test_compilers_make_the_same_of_it(compiler: Compiler, tmp_path: Path) -> No
 
 def _object(say: Sequence[str], compiler: Compiler, folder: Path) -> bytes:
     turns = itertools.cycle(say)
-    described = [filled(lambda: next(turns), folder)]
-    include = write(described, folder) / "include"
-    (folder / "all.c").write_text(everything(include, headers(described)), "utf-8")
+    specifications = [filled(lambda: next(turns), folder)]
+    include = write(specifications, folder) / "include"
+    (folder / "all.c").write_text(everything(include, headers(specifications)), "utf-8")
     flags = (*WARNINGS, "-Wcomment", "-O2", "-g0")  # zig adds debug information by default: paths and line numbers
     compiler.run("c99", *flags, f"-I{include}", "-c", folder / "all.c", "-o", folder / "all.o")
     return (folder / "all.o").read_bytes()

@@ -13,7 +13,7 @@ from canwright.model.layout import Field, Space
 from canwright.model.message import Command, Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Type
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.semantics.decoder import linear_of
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Raw, Refused
@@ -26,7 +26,7 @@ ROUNDS = 20
 
 @pytest.fixture(scope="module", params=[*SPECS, *SMALL], ids=called)
 def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Edition, CAdapter]:
-    one = described(request.param)
+    one = specification(request.param)
     return one.edition, CAdapter.create(one, tmp_path_factory.mktemp("codec"))
 
 

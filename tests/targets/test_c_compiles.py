@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.targets import c
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, each_compiler
 from ..conformance.adapters.c_harness import harness
@@ -24,7 +24,7 @@ MAIN = ROOT / "spec" / "mwd_motor" / "v2.35.yaml"
 SPECS = [MAIN, CASES / "tiny.yaml", CASES / "packed.yaml"]
 
 
-def write(described_: Sequence[Described], folder: Path) -> Path:
+def write(described_: Sequence[Specification], folder: Path) -> Path:
     """The generated files below a folder."""
     for output in c.generate(described_, {}):
         file = folder / output.path
@@ -33,7 +33,7 @@ def write(described_: Sequence[Described], folder: Path) -> Path:
     return folder
 
 
-def headers(described_: Sequence[Described]) -> list[str]:
+def headers(described_: Sequence[Specification]) -> list[str]:
     names = [f"{d.edition.family}/{d.edition.identifier}" for d in described_]
     return [f"{name}{part}.h" for name in names for part in ("", "_float")]
 
@@ -51,7 +51,7 @@ def everything(include: Path, names: Sequence[str]) -> str:
 def units(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with `include/`, a unit that has all functions of all editions, and a program that uses the first."""
     folder = tmp_path_factory.mktemp("c")
-    editions = [described(spec) for spec in SPECS]
+    editions = [specification(spec) for spec in SPECS]
     include = write(editions, folder) / "include"
     (folder / "everything.c").write_text(everything(include, headers(editions)), "utf-8")
     (folder / "program.c").write_text(harness(editions[0].edition, include), "utf-8")
@@ -72,7 +72,7 @@ def test_no_warning(compiler: Compiler, standard: str, units: Path, tmp_path: Pa
 @each_compiler
 def test_strict_cxx_takes_the_casts_of_c(compiler: Compiler, units: Path, tmp_path: Path) -> None:
     """What C++ projects forbid in their own code, and what a pragma of ours must not leave behind."""
-    names = headers([described(spec) for spec in SPECS])
+    names = headers([specification(spec) for spec in SPECS])
     unit = tmp_path / "unit.cpp"
     unit.write_text("".join(f'#include "{name}"\n' for name in names) + "int own(double d);\n", "utf-8")
     forbidden = ["-Wold-style-cast", "-Wzero-as-null-pointer-constant"]
@@ -101,7 +101,7 @@ def test_every_macro_and_member_has_a_comment(units: Path) -> None:
 def test_two_editions_of_a_family_in_one_unit(tmp_path: Path) -> None:
     second = tmp_path / "second.yaml"
     second.write_text(re.sub(r"(?m)^edition: .*$", "edition: v9-second", MAIN.read_text("utf-8")), "utf-8")
-    editions = [described(MAIN), described(second)]
+    editions = [specification(MAIN), specification(second)]
     include = write(editions, tmp_path) / "include"
     unit = tmp_path / "both.c"
     unit.write_text(everything(include, headers(editions)), "utf-8")
@@ -130,8 +130,8 @@ def test_main_header_has_no_float(units: Path) -> None:
 
 def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
     program = (
-        "import sys; from pathlib import Path; from canwright.project.loader import described; from canwright.targets import c; "
-        "sys.stdout.write(repr([(o.path, o.text) for o in c.generate([described(Path(sys.argv[1]))], {})]))"
+        "import sys; from pathlib import Path; from canwright.project.loader import specification; from canwright.targets import c; "
+        "sys.stdout.write(repr([(o.path, o.text) for o in c.generate([specification(Path(sys.argv[1]))], {})]))"
     )
     made = {
         subprocess.run(
@@ -146,7 +146,7 @@ def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
 
 
 def test_example_builds_and_runs(tmp_path: Path) -> None:
-    folder = write([described(MAIN)], tmp_path / "c")
+    folder = write([specification(MAIN)], tmp_path / "c")
     build, prefix, examples = tmp_path / "build", tmp_path / "prefix", tmp_path / "examples"
     _cmake("-S", folder, "-B", build, f"-DCMAKE_INSTALL_PREFIX={prefix}")
     _cmake("--build", build)
@@ -161,7 +161,7 @@ def test_example_builds_and_runs(tmp_path: Path) -> None:
 
 
 def test_an_id_that_code_or_fields_go_into_is_said_to_lack_them() -> None:
-    said = [o.text for o in c.generate([described(CASES / "packed.yaml")], {}) if o.path == "include/drive/v1.h"]
+    said = [o.text for o in c.generate([specification(CASES / "packed.yaml")], {}) if o.path == "include/drive/v1.h"]
     assert "/** The id of a request to a node, without the bits of code and fields. */" in said[0]
     assert "/** The id of a request. */" in said[0]
 
@@ -169,7 +169,7 @@ def test_an_id_that_code_or_fields_go_into_is_said_to_lack_them() -> None:
 def test_without_an_exchange_to_show_nothing_is_said_of_examples(tmp_path: Path) -> None:
     spec = tmp_path / "v1.yaml"
     spec.write_text(MINIMAL.replace("reply: echo", "reply: none"), "utf-8")
-    folder = write([described(spec)], tmp_path / "c")
+    folder = write([specification(spec)], tmp_path / "c")
     assert not (folder / "examples").exists()
     assert "examples" not in (folder / "README.md").read_text("utf-8")
 
@@ -189,7 +189,7 @@ def _cmake(*arguments: str | Path) -> None:
 
 @pytest.mark.parametrize("spec", WHOLE, ids=called)
 def test_the_programs_of_the_readme_compile(spec: Path, tmp_path: Path) -> None:
-    folder = write([described(spec)], tmp_path)
+    folder = write([specification(spec)], tmp_path)
     blocks = re.findall(r"```c\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
     assert len(blocks) == (2 if list(folder.glob("examples/*.c")) else 0)
     for number, block in enumerate(blocks):
@@ -199,7 +199,7 @@ def test_the_programs_of_the_readme_compile(spec: Path, tmp_path: Path) -> None:
 
 
 def test_cmake_serves_a_project_in_cxx_alone_and_keeps_editions_apart(tmp_path: Path) -> None:
-    folder = write([described(MAIN), described(MAIN.with_name("v2.36-2025-03.yaml"))], tmp_path / "c")
+    folder = write([specification(MAIN), specification(MAIN.with_name("v2.36-2025-03.yaml"))], tmp_path / "c")
     prefix = tmp_path / "prefix"
     _cmake("-S", folder, "-B", tmp_path / "build", f"-DCMAKE_INSTALL_PREFIX={prefix}")
     _cmake("--install", tmp_path / "build")

@@ -11,8 +11,8 @@ from canwright.model.layout import Segment, Space
 from canwright.model.message import Command, Direction, Key, KeyRole, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Order
-from canwright.project.loader import described
-from canwright.targets.base import Described
+from canwright.project.loader import specification
+from canwright.targets.base import Specification
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
 from ..conformance.adapters.c import CAdapter
@@ -82,11 +82,11 @@ def target(tmp_path_factory: pytest.TempPathFactory) -> CAdapter:
     folder = tmp_path_factory.mktemp("keys")
     file = folder / "spec.yaml"
     file.write_text(SPEC.replace("second: {code: 1", "second: {code: 5"), "utf-8")
-    edition = described(file).edition
+    edition = specification(file).edition
     second = edition.command("second").request
     assert second is not None
     edition = _recoded(edition)
-    return CAdapter.create(Described(with_second_keys(edition), None), folder)
+    return CAdapter.create(Specification(with_second_keys(edition), None), folder)
 
 
 def _recoded(edition: Edition) -> Edition:

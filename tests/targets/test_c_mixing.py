@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from canwright.project.loader import described, spec_files
+from canwright.project.loader import spec_files, specification
 from canwright.targets import c
 
 from ..compilers import WARNINGS, ZIG, Compiler, each_compiler
@@ -14,7 +14,7 @@ from ..spec_texts import ROOT
 from .test_c_compiles import everything, headers
 
 INCLUDE = ROOT / "generated/c/include"
-NAMES = headers([described(file) for file in spec_files(ROOT / "spec")])
+NAMES = headers([specification(file) for file in spec_files(ROOT / "spec")])
 OLD, NEW = "mwd_motor_v2_35", "mwd_motor_v2_35_2024_02"
 
 USE = """
@@ -75,7 +75,7 @@ def test_headers_of_different_specs_do_not_compile_together(tmp_path: Path) -> N
     shutil.copytree(INCLUDE, tmp_path / "include")
     changed = tmp_path / "v2.35.yaml"
     changed.write_text((ROOT / "spec/mwd_motor/v2.35.yaml").read_text("utf-8") + "# changed\n", "utf-8")
-    made = {output.path: output.text for output in c.generate([described(changed)], {})}
+    made = {output.path: output.text for output in c.generate([specification(changed)], {})}
     unit = tmp_path / "unit.c"
     unit.write_text("#include <mwd_motor/v2_35_float.h>\n", "utf-8")
     arguments = (f"-I{tmp_path / 'include'}", "-c", unit, "-o", tmp_path / "unit.o")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from canwright.diagnostics.diagnostic import SpecError
-from canwright.project.loader import all_loaded, described
+from canwright.project.loader import all_loaded, specification
 from canwright.targets import c
 from canwright.targets.c.names import defined
 
@@ -22,7 +22,7 @@ FUNCTION = re.compile(r"^static inline [\w *]*?\*?(\w+)\(", re.M)
 
 @pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
 def test_every_name_is_known_beforehand(spec: Path) -> None:
-    one = described(spec)
+    one = specification(spec)
     known = {name for name, _, _ in defined(one.edition)}
     for output in c.generate([one], {}):
         if output.path.startswith("include/") and "canwright" not in output.path:

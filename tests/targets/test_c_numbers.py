@@ -12,7 +12,7 @@ from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Type
-from canwright.project.loader import described
+from canwright.project.loader import specification
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Refused
 from ..conformance.adapters.c import CAdapter
@@ -58,7 +58,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Edition, CAdapter]:
     folder = tmp_path_factory.mktemp("numbers")
     file = folder / "spec.yaml"
     file.write_text(spec(), "utf-8")
-    one = described(file)
+    one = specification(file)
     return one.edition, CAdapter.create(one, folder)
 
 
@@ -149,9 +149,9 @@ def test_thousandths(name: str, made: tuple[Edition, CAdapter]) -> None:
 
 def _headers(edition: Edition) -> list[str]:
     from canwright.targets import c
-    from canwright.targets.base import Described
+    from canwright.targets.base import Specification
 
-    return [output.text for output in c.generate([Described(edition, None)], {}) if output.path.endswith(".h")]
+    return [output.text for output in c.generate([Specification(edition, None)], {}) if output.path.endswith(".h")]
 
 
 def _type(edition: Edition, name: str) -> Type:

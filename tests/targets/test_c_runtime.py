@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from canwright.model.refusal import Refusal
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.targets.base import header
 from canwright.targets.c import RUNTIME, SHARED
 
@@ -59,7 +59,7 @@ def test_each_header_compiles_alone(file: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("file", SHARED)
 def test_the_source_is_copied_below_a_header_line(file: str, tmp_path: Path) -> None:
-    one = described(MAIN)
+    one = specification(MAIN)
     copied = write([one], tmp_path) / "include" / one.edition.family / file
     assert copied.read_bytes() == f"/* {header(one.edition)} */\n".encode() + (RUNTIME / file).read_bytes()
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from canwright.project.loader import described
+from canwright.project.loader import specification
 
 from ..compilers import ZIG, Compiler, build, each_compiler
 from ..conformance.adapters.c import CAdapter
@@ -22,7 +22,7 @@ from .test_c_compiles import MAIN, write
 def test_golden_frames_leave_nothing_undefined(level: str, compiler: Compiler, tmp_path: Path) -> None:
     checks = "undefined" if compiler is ZIG else "undefined,address"  # zig has no library that checks memory
     flags = (level, f"-fsanitize={checks}", "-fno-sanitize-recover=all")
-    item = described(MAIN)
+    item = specification(MAIN)
     assert item.frames is not None
     include = write([item], tmp_path) / "include"
     source = tmp_path / "harness.c"

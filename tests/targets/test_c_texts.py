@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.targets import c
 from canwright.targets.c.text import fold
 
@@ -67,7 +67,7 @@ def _bare(source: str) -> list[str]:
 def _code(folder: Path, text: str) -> tuple[dict[str, str], dict[str, list[str]]]:
     file = folder / "spec.yaml"
     file.write_text(SPEC.format(text=_quoted(text)), "utf-8")
-    made = {output.path: output.text for output in c.generate([described(file)], {})}
+    made = {output.path: output.text for output in c.generate([specification(file)], {})}
     return made, {path: _bare(source) for path, source in made.items() if path.endswith((".c", ".h"))}
 
 
@@ -93,7 +93,7 @@ def test_a_field_may_have_a_name_that_c_has_taken(tmp_path: Path) -> None:
 
 def _compile(folder: Path, standard: str = "c99") -> None:
     """Compiles all functions of the spec in a folder, with comments checked."""
-    made = [described(folder / "spec.yaml")]
+    made = [specification(folder / "spec.yaml")]
     include = write(made, folder) / "include"
     unit = folder / "everything.c"
     unit.write_text(everything(include, headers(made)), "utf-8")
@@ -108,7 +108,7 @@ def test_two_things_with_one_name_in_c_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "spec.yaml"
     file.write_text(text, "utf-8")
     with pytest.raises(Exception, match="lamp_v1_parameters_t"):
-        list(c.generate([described(file)], {}))
+        list(c.generate([specification(file)], {}))
 
 
 def test_long_code_is_folded_and_comments_and_directives_are_not() -> None:

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 from canwright.language.golden_frames import Frame, GoldenFrames
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.targets import dbc
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 
 from ..spec_texts import MINIMAL, SMALL, called
 
@@ -40,7 +40,7 @@ SECTIONS = [
 
 
 def made(spec: Path, **set_parameters: str) -> dict[str, str]:
-    return {output.path: output.text for output in dbc.generate([described(spec)], set_parameters)}
+    return {output.path: output.text for output in dbc.generate([specification(spec)], set_parameters)}
 
 
 def files(spec: Path, **set_parameters: str) -> dict[str, str]:
@@ -261,9 +261,9 @@ def test_several_senders_of_one_id_are_all_named() -> None:
     assert "BO_TX_BU_ 1408 : Probe4,Probe5;" in files(CASES / "packed.yaml")["drive-v1-reply.dbc"]
 
 
-def example() -> Described:
+def example() -> Specification:
     """The edition with golden frames, so that the guide has examples; only one of each direction is fit for it."""
-    plain = described(MAIN)
+    plain = specification(MAIN)
     parameters: dict[str, int | str] = {"series": "MG"}
     reply = Frame(
         source="by_hand",
@@ -304,7 +304,7 @@ def example() -> Described:
         sources={"by_hand": "By hand"},
         frames=[longer, reply, incomplete, request],
     )
-    return Described(plain.edition, frames)
+    return Specification(plain.edition, frames)
 
 
 @pytest.fixture(scope="module")

@@ -21,9 +21,9 @@ from canwright.model.layout import ConstantRole, Element, Field, Layout, Segment
 from canwright.model.message import Direction, KeyRole, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Assignment, Encoding
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.targets import dbc
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 from hypothesis import given, settings, strategies as st
 
 from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
@@ -86,13 +86,13 @@ def test_cantools_and_canmatrix_agree_on_every_signal(spec: Path) -> None:
 
 @functools.cache
 def adapter(spec: Path) -> DbcAdapter:
-    return DbcAdapter(described(spec))
+    return DbcAdapter(specification(spec))
 
 
 def every_message() -> Iterator[object]:
     """All that a DBC can say, which leaves out a remote frame and one that is shorter than others of its id."""
     for spec in SPECS:
-        edition = described(spec).edition
+        edition = specification(spec).edition
         for direction in Direction:
             for message in edition.messages(direction):
                 if not message.remote and message.name != "short_request":
@@ -170,12 +170,12 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
 
 @functools.cache
 def described_once(spec: Path) -> Edition:
-    return described(spec).edition
+    return specification(spec).edition
 
 
-def with_second_selector(at: int, constant: int | None = None) -> Described:
+def with_second_selector(at: int, constant: int | None = None) -> Specification:
     """A small edition whose code 0x1B has two forms, told apart by byte `at`; byte 1 is constant where it is given."""
-    small = described(CASES / "tiny.yaml")
+    small = specification(CASES / "tiny.yaml")
     commands = []
     for name, value in (("shine", 0x0A), ("turn", 0x0B)):
         command = small.edition.command(name)
@@ -188,7 +188,7 @@ def with_second_selector(at: int, constant: int | None = None) -> Described:
         layout = moved(reply.layout, constant)
         moved_reply = dataclasses.replace(reply, keys=(code, index), accept=(), claims=(0x1B,), layout=layout)
         commands.append(dataclasses.replace(command, replies=(dataclasses.replace(form, message=moved_reply),)))
-    return Described(dataclasses.replace(small.edition, commands=tuple(commands)), None)
+    return Specification(dataclasses.replace(small.edition, commands=tuple(commands)), None)
 
 
 def moved(layout: Layout, constant: int | None) -> Layout:
@@ -272,7 +272,7 @@ def test_a_selector_that_not_all_entries_have_is_left_to_the_joined_files(longer
     head, gains, rest = TABLE.partition("      gains:")
     gains, level = (gains + rest).splitlines(keepends=True)
     text = head + (level + gains if longer_first else gains + level)
-    texts = {o.path: o.text for o in dbc.generate([Described(edition(tmp_path, text), None)], {})}
+    texts = {o.path: o.text for o in dbc.generate([Specification(edition(tmp_path, text), None)], {})}
     plain, one, two = (loaded(texts[f"lamp-v1-command{which}.dbc"]) for which in ("", "-index", "-index-index_2"))
     short, long = bytes.fromhex("42 A0 07 00 09 00 00 00"), bytes.fromhex("42 05 0A 00 03 00 00 00")
     name = "write_setting_gains"
@@ -289,6 +289,6 @@ def test_a_selector_that_not_all_entries_have_is_left_to_the_joined_files(longer
 
 def test_no_name_is_given_to_a_selector_that_does_not_decide(tmp_path: Path) -> None:
     text = TABLE + "      hue: {index: [5, 0x0B], layout: {hue: {at: 4, raw: u8}}}\n"
-    texts = {o.path: o.text for o in dbc.generate([Described(edition(tmp_path, text), None)], {})}
+    texts = {o.path: o.text for o in dbc.generate([Specification(edition(tmp_path, text), None)], {})}
     read = loaded(texts["lamp-v1-command.dbc"]).decode_message(0x101, bytes.fromhex("42 05 0B 00 03 00 00 00"))
     assert read == {"c_code": 0x42, "c42_index": 5, "c42_data": 0x0000_0003_000B}

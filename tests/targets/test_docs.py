@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import markdown as python_markdown
 import pytest
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.targets import docs
 from canwright.targets.docs.text import markdown
 
@@ -20,12 +20,12 @@ SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
 
 @pytest.fixture(scope="module")
 def pages() -> dict[str, str]:
-    return {output.path: output.text for output in docs.generate([described(SPEC)], {})}
+    return {output.path: output.text for output in docs.generate([specification(SPEC)], {})}
 
 
 def test_every_command_has_a_page_in_every_language(pages: dict[str, str]) -> None:
     for language in ("en", "zh"):
-        for command in described(SPEC).edition.commands:
+        for command in specification(SPEC).edition.commands:
             text = pages[f"{language}/v2.35/commands/{command.name}.md"]
             assert text.startswith(f"# {markdown(command.title[language])}\n")
         for name in ("index", "types", "parameters", "errata", "bus"):
@@ -93,7 +93,7 @@ commands:
 def test_what_stands_in_the_id_is_in_table_and_picture(tmp_path: Path) -> None:
     spec = tmp_path / "spec.yaml"
     spec.write_text(IN_THE_ID, "utf-8")
-    pages = {output.path: output.text for output in docs.generate([described(spec)], {})}
+    pages = {output.path: output.text for output in docs.generate([specification(spec)], {})}
     text = pages["en/v1/commands/set.md"]
     assert "| `id bits 0..7` |  | `u8` |  | `0x21` |" in text
     assert "| `id bits 12..17` | `part` |" in text
@@ -106,7 +106,7 @@ def test_what_stands_in_the_id_is_in_table_and_picture(tmp_path: Path) -> None:
 def test_an_id_that_contains_the_code_is_shown_as_it_is_on_the_bus(tmp_path: Path) -> None:
     spec = tmp_path / "spec.yaml"
     spec.write_text(IN_THE_ID, "utf-8")
-    text = {output.path: output.text for output in docs.generate([described(spec)], {})}["en/v1/commands/set.md"]
+    text = {output.path: output.text for output in docs.generate([specification(spec)], {})}["en/v1/commands/set.md"]
     request, reply = text.split("## Reply")
     assert "Id with the code" not in request, "a field varies it"
     assert "| Id | Id with the code | Nodes |" in reply
@@ -136,7 +136,7 @@ def test_texts_show_as_texts(tmp_path: Path, text: str) -> None:
     spec = tmp_path / "spec.yaml"
     extra = f"    title: {quoted}\n    about: {quoted}\n    notes: [{quoted}]\n"
     spec.write_text(f"title: {quoted}\n" + MINIMAL.replace('    manual: "1"\n', extra), "utf-8")
-    for output in docs.generate([described(spec)], {}):
+    for output in docs.generate([specification(spec)], {}):
         assert "<script" not in output.text
         if output.path.endswith(".svg"):
             ElementTree.fromstring(output.text)
@@ -151,7 +151,7 @@ def _shown(text: str) -> str:
 
 
 def test_what_fixed_frames_leave_over_says_so() -> None:
-    joint = described(ROOT / "tests/specs/joint/v1.yaml")
+    joint = specification(ROOT / "tests/specs/joint/v1.yaml")
     pages = {output.path: output.text for output in docs.generate([joint], {})}
     said = "matches no other command"
     left_over = [path.rpartition("/")[2] for path, text in pages.items() if said in text]
@@ -159,7 +159,9 @@ def test_what_fixed_frames_leave_over_says_so() -> None:
 
 
 def test_a_multiple_of_a_number_is_shown_as_one() -> None:
-    pages = {output.path: output.text for output in docs.generate([described(ROOT / "tests/specs/arm/v1.yaml")], {})}
+    pages = {
+        output.path: output.text for output in docs.generate([specification(ROOT / "tests/specs/arm/v1.yaml")], {})
+    }
     assert "| `u16 big-endian` | `rad` radian | `2/65535*p_max rad - p_max rad` |" in pages["en/v1/types.md"]
     assert "| `0..1000` | `0..t_max N·m` |" in pages["en/v1/types.md"]
     assert "star: `-i_max..i_max A`<br>delta: `-327.67..327.67 A`" in pages["en/v1/types.md"]
@@ -181,7 +183,7 @@ def test_the_front_page_tells_editions_apart(tmp_path: Path) -> None:
     )
     for name, text in (("a", new), ("b", old)):
         (tmp_path / f"{name}.yaml").write_text(text, "utf-8")
-    made = docs.generate([described(tmp_path / f"{name}.yaml") for name in "ab"], {})
+    made = docs.generate([specification(tmp_path / f"{name}.yaml") for name in "ab"], {})
     pages = {output.path: output.text for output in made}
     rows = [line for line in pages["en/index.md"].splitlines() if line.startswith("| [")]
     assert rows == [
@@ -195,7 +197,7 @@ def test_a_frame_is_written_as_can_utils_take_it() -> None:
     """They recognise a 29-bit id by its eight digits."""
     found: dict[tuple[str, str], str] = {}
     for name in ("cells", "blower"):
-        for page in docs.generate([described(ROOT / f"tests/specs/{name}/v1.yaml")], {}):
+        for page in docs.generate([specification(ROOT / f"tests/specs/{name}/v1.yaml")], {}):
             found |= dict.fromkeys(
                 re.findall(r"^\| `([0-9A-F]+)#([0-9A-F]*|R)` \|", page.text, re.MULTILINE), page.path
             )

@@ -14,9 +14,9 @@ import yaml
 from canwright.compare import CHANGES, compare
 from canwright.compare.change import Fact, Said
 from canwright.language.edition import EditionSpec
-from canwright.project.loader import described, spec_files
+from canwright.project.loader import spec_files, specification
 from canwright.targets import docs
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 from canwright.targets.docs.text import markdown
 from canwright.templating.resources import CHANGE_EXAMPLES
 
@@ -58,7 +58,7 @@ def _texts(part: Any, language: str, keys: set[str], path: str = "") -> Iterator
             yield from _texts(inner, language, keys, f"{path}.{i}")
 
 
-def _missing(of: Described, data: Any) -> list[str]:
+def _missing(of: Specification, data: Any) -> list[str]:
     """Where the texts stand that are on no page."""
     pages = list(docs.generate([of], {}))
     keys = _text_keys()
@@ -79,7 +79,7 @@ def test_the_texts_are_known() -> None:
 def test_every_text_of_a_spec_is_on_a_page(spec: Path) -> None:
     data = yaml.load(spec.read_text("utf-8"), Loader=yaml.CSafeLoader)
     sections = _without_sections(data)
-    assert _missing(described(spec), sections) == []
+    assert _missing(specification(spec), sections) == []
 
 
 def test_every_text_there_can_be_is_on_a_page(tmp_path: Path) -> None:
@@ -114,7 +114,7 @@ def test_other_languages_have_every_word_of_a_sentence() -> None:
     words = {word for pairs in found for pair in pairs for word in pair if word}
     assert {"remote frame", "data frame"} <= words
     for folder in CHANGE_EXAMPLES.iterdir():
-        old, new = (described(folder / f"{name}.yaml").edition for name in ("previous", "current"))
+        old, new = (specification(folder / f"{name}.yaml").edition for name in ("previous", "current"))
         words |= {word for change in compare(old, new) for word in _said(tuple(change.facts.values()))}
     for language, says in languages.items():
         assert words <= says["words"].keys(), language
@@ -134,7 +134,7 @@ def test_a_change_is_told_in_the_language_of_its_page(rule: str, tmp_path: Path)
         _translate(data, _text_keys())
         file = tmp_path / f"{name}.yaml"
         file.write_text(json.dumps(data, ensure_ascii=False), "utf-8")
-        specs.append(described(file))
+        specs.append(specification(file))
     pages = {page.path: page.text for page in docs.generate(specs, {})}
     rows = [line for line in pages["zh/current/changes.md"].splitlines() if line.startswith("| ")]
     assert rows or rule == "languages-changed"  # both are in two languages here
@@ -144,7 +144,7 @@ def test_a_change_is_told_in_the_language_of_its_page(rule: str, tmp_path: Path)
 
 
 def test_chinese_pages_are_chinese_throughout() -> None:
-    made = docs.generate([described(spec) for spec in spec_files(ROOT / "spec")], {})
+    made = docs.generate([specification(spec) for spec in spec_files(ROOT / "spec")], {})
     pages = {page.path: page.text for page in made if page.path.startswith("zh/") and page.path.endswith(".md")}
     assert "zh/v2.36-2025-03/changes.md" in pages
     for path, text in pages.items():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.targets import docs
 from canwright.targets.docs.picture import ROW
 
@@ -38,7 +38,7 @@ commands:
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     spec = tmp_path_factory.mktemp("spec") / "spec.yaml"
     spec.write_text(SHARED, "utf-8")
-    return {output.path.removeprefix("en/v1/"): output.text for output in docs.generate([described(spec)], {})}
+    return {output.path.removeprefix("en/v1/"): output.text for output in docs.generate([specification(spec)], {})}
 
 
 def _row(page: str, field: str) -> str:
@@ -73,7 +73,7 @@ def test_a_layout_is_drawn_below_the_rows_that_an_id_has(pages: dict[str, str]) 
 
 def test_bits_are_called_reserved_where_they_are_data(pages: dict[str, str]) -> None:
     assert not [path for path, text in pages.items() if "Other bits are reserved" in text]
-    blower = described(ROOT / "tests/specs/blower/v1.yaml")
+    blower = specification(ROOT / "tests/specs/blower/v1.yaml")
     asked = next(o.text for o in docs.generate([blower], {}) if o.path == "en/v1/commands/read_voltage.md")
     assert "remote frame, `4` data bytes" in asked
     assert "Other bits are reserved" not in asked

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.targets import docs
 
 from ..spec_texts import MINIMAL
@@ -49,7 +49,7 @@ errata:
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     spec = tmp_path_factory.mktemp("spec") / "spec.yaml"
     spec.write_text(TABLE, "utf-8")
-    return {output.path.removeprefix("en/v1/"): output.text for output in docs.generate([described(spec)], {})}
+    return {output.path.removeprefix("en/v1/"): output.text for output in docs.generate([specification(spec)], {})}
 
 
 def test_the_overview_has_a_command_once_with_its_entries(pages: dict[str, str]) -> None:

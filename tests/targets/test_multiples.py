@@ -12,10 +12,10 @@ from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.model.types import Linear, Type
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.semantics.decoder import linear_of
 from canwright.targets import c
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
 from ..conformance.adapters.c import CAdapter
@@ -50,7 +50,7 @@ def spec() -> str:
     return "\n".join([*lines, ""])
 
 
-Made = tuple[Described, CAdapter, PythonAdapter]
+Made = tuple[Specification, CAdapter, PythonAdapter]
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
     folder = tmp_path_factory.mktemp("multiples")
     file = folder / "spec.yaml"
     file.write_text(spec(), "utf-8")
-    one = described(file)
+    one = specification(file)
     return one, CAdapter.create(one, folder), PythonAdapter.create(one, folder)
 
 

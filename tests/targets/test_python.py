@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.targets import python as target
 
 from ..conformance.adapters.python import load
@@ -21,7 +21,7 @@ SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
 
 
 def write(folder: Path, spec: Path) -> Path:
-    for output in target.generate([described(spec)], {}):
+    for output in target.generate([specification(spec)], {}):
         file = folder / output.path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(output.text, "utf-8")
@@ -30,7 +30,7 @@ def write(folder: Path, spec: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def v2_35(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
-    return load(write(tmp_path_factory.mktemp("python"), SPEC), described(SPEC).edition)
+    return load(write(tmp_path_factory.mktemp("python"), SPEC), specification(SPEC).edition)
 
 
 def test_mypy_strict_and_pyright_find_nothing(tmp_path: Path) -> None:
@@ -174,7 +174,7 @@ def test_a_parameter_that_cannot_be_is_refused(v2_35: ModuleType, tmp_path: Path
     assert v2_35.Parameters(series="MG").series == v2_35.Series.MG
     spec = tmp_path / "spec.yaml"
     spec.write_text(MINIMAL + "parameters: {size: {number: {min: 1/2, max: 8}}}\n", "utf-8")
-    lamp = load(write(tmp_path, spec), described(spec).edition)
+    lamp = load(write(tmp_path, spec), specification(spec).edition)
     assert (lamp.Parameters(size=0.5).size, lamp.Parameters(size=8).size) == (0.5, 8)
     for wrong in (0, 9, -1):
         with pytest.raises(ValueError, match=f"size={wrong} has to be at least 1/2 and at most 8"):
@@ -191,7 +191,7 @@ def test_a_parameter_that_cannot_be_is_refused(v2_35: ModuleType, tmp_path: Path
 def test_an_id_of_the_other_format_is_named(tmp_path: Path) -> None:
     spec = tmp_path / "spec.yaml"
     spec.write_text(MINIMAL.replace("nodes: 1..4", "nodes: 1..4, extended: true"), "utf-8")
-    lamp = load(write(tmp_path, spec), described(spec).edition)
+    lamp = load(write(tmp_path, spec), specification(spec).edition)
     data = bytes([0x10, 0, 1, 0, 0, 0, 0, 0])
     said = "no request has the id 0x101; with extended=True there is one"
     with pytest.raises(lamp.CodecError, match=f"^{said}$") as refused:
@@ -216,7 +216,7 @@ ENUM_AND_FLAGS = MINIMAL.replace(
 def test_what_is_no_integer_is_named_as_it_came(wrong: object, tmp_path: Path) -> None:
     spec = tmp_path / "v1.yaml"
     spec.write_text(ENUM_AND_FLAGS, "utf-8")
-    lamp = load(write(tmp_path, spec), described(spec).edition)
+    lamp = load(write(tmp_path, spec), specification(spec).edition)
     for field in ("level", "faults"):
         with pytest.raises(TypeError, match=f"^{field}={wrong!r} is no integer$"):
             lamp.DimRequest(node=1, **{"level": 0, "faults": 0, field: wrong})
@@ -270,7 +270,7 @@ def test_messages_and_errors_go_from_process_to_process(tmp_path: Path) -> None:
 @pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_the_programs_of_the_readme(spec: Path, tmp_path: Path) -> None:
     """The first runs and prints what a golden frame has; both are typed."""
-    folder, item = write(tmp_path, spec), described(spec)
+    folder, item = write(tmp_path, spec), specification(spec)
     blocks = re.findall(r"```python\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
     assert item.frames is not None and len(blocks) == 2
     command = [sys.executable, "-c", blocks[0]]
@@ -298,7 +298,7 @@ def test_facts_for_tools_stand_on_every_class(v2_35: ModuleType) -> None:
 def test_an_id_of_the_other_length_is_told(tmp_path: Path) -> None:
     """Ids of 29 bits look like those of 11 to who forgets to say which they are."""
     spec = ROOT / "tests/specs/cells/v1.yaml"
-    cells = load(write(tmp_path, spec), described(spec).edition)
+    cells = load(write(tmp_path, spec), specification(spec).edition)
     with pytest.raises(cells.CodecError, match=r"no reply has the id 0x14B; with extended=True there is one"):
         cells.decode_reply(0x14B, bytes(8))
     with pytest.raises(cells.CodecError, match=r"no reply has the id 0x14A$"):
@@ -330,7 +330,7 @@ commands:
 def test_parameters_may_be_named_like_words_of_python(tmp_path: Path) -> None:
     spec = tmp_path / "v1.yaml"
     spec.write_text(NAMED_LIKE_PYTHON, "utf-8")
-    lamp = load(write(tmp_path, spec), described(spec).edition)
+    lamp = load(write(tmp_path, spec), specification(spec).edition)
     old = lamp.DimRequest(level=0.5, limit=1, parameters=lamp.Parameters(type_=lamp.Type.OLD))
     assert old.encode() == bytes.fromhex("10 00 05 00 01 00 00 00")
     new = lamp.Parameters(type_=lamp.Type.NEW, float_=4, class_=8)
@@ -354,7 +354,7 @@ def test_an_array_of_enums_or_flags(tmp_path: Path) -> None:
     spec.write_text(
         ENUM_AND_FLAGS.replace("level: {at: 2, type: level}, faults: {at: 3, type: faults}", array), "utf-8"
     )
-    lamp = load(write(tmp_path, spec), described(spec).edition)
+    lamp = load(write(tmp_path, spec), specification(spec).edition)
     request = lamp.DimRequest(node=1, level=(0, lamp.Level.BRIGHT), faults=(lamp.Faults.HOT, 0))
     assert request.encode() == bytes.fromhex("10 00 00 01 01 00 00 00")
     assert (request.level, request.faults) == ((lamp.Level.DIM, lamp.Level.BRIGHT), (lamp.Faults.HOT, lamp.Faults(0)))

@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 import can
 import pytest
 from canwright.model import refusal
-from canwright.project.loader import described
+from canwright.project.loader import specification
 from canwright.targets.python import RUNTIME, SHARED, target
 from canwright.targets.python.imports import NAMES, PUBLIC, Imports
 from canwright.targets.python.runtime import _codec, _dispatch
@@ -178,7 +178,7 @@ def test_the_reasons_for_rejection_are_those_of_golden_frames() -> None:
 
 def test_each_module_is_copied_behind_one_header_line(tmp_path: Path) -> None:
     spec = ROOT / "tests/specs/valve/v1.yaml"
-    outputs = {o.path: o.text for o in target.TARGET.generate([described(spec)], {})}
+    outputs = {o.path: o.text for o in target.TARGET.generate([specification(spec)], {})}
     assert {path.name for path in RUNTIME.glob("*.py")} == {"__init__.py", *SHARED}
     for name in SHARED:
         first, rest = outputs[f"valve/{name}"].split("\n", 1)

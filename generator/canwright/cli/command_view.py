@@ -16,12 +16,12 @@ from ..model.edition import Edition
 from ..model.layout import Field, Layout, ReservedRole
 from ..model.message import Command, EchoReply, IdRule, Message, OtherReply, SharedReply
 from ..model.metadata import Level
-from ..targets.base import Described
+from ..targets.base import Specification
 
 _STYLES = {Level.NOTE: "cyan", Level.WARNING: "yellow", Level.DANGER: "bold red"}
 
 
-def find(described: Sequence[Described], wanted: str) -> tuple[list[tuple[Edition, Command]], str]:
+def find(specifications: Sequence[Specification], wanted: str) -> tuple[list[tuple[Edition, Command]], str]:
     """The commands of that name or code, in every edition, and a hint when there is none.
 
     The name of a command that a table gives several forms names all of them.
@@ -30,7 +30,7 @@ def find(described: Sequence[Described], wanted: str) -> tuple[list[tuple[Editio
         code = int(wanted, 0)
     except ValueError:
         code = None
-    pairs = [(d.edition, c) for d in described for c in d.edition.commands]
+    pairs = [(d.edition, c) for d in specifications for c in d.edition.commands]
     found = [(e, c) for e, c in pairs if wanted in (c.name, c.group) or (code is not None and code == c.code)]
     return found, nearest(
         wanted, dict.fromkeys(name for _, c in pairs for name in (c.name, c.group))

@@ -13,7 +13,7 @@ import click
 from ..diagnostics.diagnostic import Diagnostic, SpecError, near
 from ..model.formatting import counted
 from ..project.loader import Loaded, all_loaded, spec_files
-from ..targets.base import Described
+from ..targets.base import Specification
 from ..targets.registry import target_names
 from .printers import PRINTERS
 
@@ -85,9 +85,9 @@ set_option = click.option(
 )
 
 
-def read(specs: Sequence[Path], printer: str = "text") -> list[Described]:
+def read(specs: Sequence[Path], printer: str = "text") -> list[Specification]:
     """The editions of the given specs, or of all specs. Errors are printed and end the run."""
-    return [one.described for one in load(specs, printer)]
+    return [one.specification for one in load(specs, printer)]
 
 
 def load(specs: Sequence[Path], printer: str = "text") -> list[Loaded]:

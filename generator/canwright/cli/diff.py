@@ -52,7 +52,7 @@ def diff(old: str, new: str, report: str, fail_on: str) -> None:
         if kind not in FAILS:
             stop(f"--fail-on has no kind `{kind}`; there are: {', '.join(FAILS)}")
     before, after = _find(old), _find(new)
-    families = [one.described.edition.family for one in (before, after)]
+    families = [one.specification.edition.family for one in (before, after)]
     if families[0] != families[1]:
         stop(f"`{families[0]}` and `{families[1]}` are different families; compare editions of one")
     found = Comparison.of(before, after)
@@ -77,7 +77,7 @@ def editions(specs: Sequence[Path]) -> None:
     """List the editions: family, name, date, commands, title."""
     rows = [("family", "edition", "date", "commands", "title")]
     for one in load(specs):
-        edition = one.described.edition
+        edition = one.specification.edition
         groups = dict.fromkeys(command.group for command in edition.commands)
         title = next(iter(edition.title.values()), "")
         rows.append((edition.family, edition.name, edition.date, str(len(groups)), title))

@@ -37,12 +37,12 @@ class Comparison:
 
     @classmethod
     def of(cls, old: Loaded, new: Loaded) -> Comparison:
-        return cls(old, new, compare(old.described.edition, new.described.edition, targets()))
+        return cls(old, new, compare(old.specification.edition, new.specification.edition, targets()))
 
     @property
     def title(self) -> str:
         """`lamp v1 -> v2`."""
-        old, new = self.old.described.edition, self.new.described.edition
+        old, new = self.old.specification.edition, self.new.specification.edition
         return f"{old.family} {old.name} -> {new.name}"
 
     def places(self, change: Change) -> tuple[Position, Position]:
@@ -128,9 +128,9 @@ def _row(found: Comparison, change: Change) -> str:
 
 def changelog(found: Comparison) -> str:
     """A section to paste into a changelog."""
-    new = found.new.described.edition
+    new = found.new.specification.edition
     lines = [f"## {new.name}" + (f" ({new.date})" if new.date else ""), ""]
-    lines += [f"Since {found.old.described.edition.name}, {summary(found.changes)}.", ""]
+    lines += [f"Since {found.old.specification.edition.name}, {summary(found.changes)}.", ""]
     by_heading: dict[str, list[str]] = {heading: [] for heading in ("Changed", "Added", "Removed")}
     documents: dict[str, list[str]] = {}
     for change in by_impact(found.changes):
@@ -178,7 +178,7 @@ def as_json(found: Comparison) -> str:
         }
         for change in by_impact(found.changes)
     ]
-    old, new = found.old.described.edition, found.new.described.edition
+    old, new = found.old.specification.edition, found.new.specification.edition
     listed = {"family": old.family, "old": old.name, "new": new.name, "changes": changes}
     return json.dumps(listed, indent=2, ensure_ascii=False)
 

@@ -51,10 +51,10 @@ def generate(
     Nothing is written if a spec has errors. Files of an earlier run that are no longer generated are removed;
     files that canwright did not generate are never changed.
     """
-    described = read(specs, printer)
-    set_parameters = assignment(described, settings)
+    specifications = read(specs, printer)
+    set_parameters = assignment(specifications, settings)
     try:
-        content = make(described, targets or target_names(), set_parameters)
+        content = make(specifications, targets or target_names(), set_parameters)
         changes = write(out, content, force=force)
     except OutputError as error:
         stop(str(error))
@@ -83,16 +83,16 @@ def check(
     Prints a unified diff and exits 1 where the output differs. With --spec and without --out, the spec alone is checked.
     """
     loaded = load(specs, printer)
-    described = [one.described for one in loaded]
+    specifications = [one.specification for one in loaded]
     warnings = [warning for one in loaded for warning in one.warnings]
-    names = ", ".join(f"{d.edition.family} {d.edition.name}" for d in described)
-    set_parameters = assignment(described, settings)
+    names = ", ".join(f"{d.edition.family} {d.edition.name}" for d in specifications)
+    set_parameters = assignment(specifications, settings)
     if specs and out is None:
         _report(warnings, f"{names}: OK", printer, strict)
         return
     out = out or OUT_FOLDER
     try:
-        found = list(difference(out, make(described, targets or target_names(), set_parameters)))
+        found = list(difference(out, make(specifications, targets or target_names(), set_parameters)))
     except OutputError as error:
         stop(str(error))
     if not found:

@@ -23,14 +23,14 @@ def show(command: str, specs: Sequence[Path], edition: str | None, lang: str) ->
     """
     from .command_view import find, show_command
 
-    described = read(specs)
+    specifications = read(specs)
     if edition is not None:
-        names = [one.edition.name for one in described]
-        described = [one for one in described if one.edition.name == edition]
-        if not described:
+        names = [one.edition.name for one in specifications]
+        specifications = [one for one in specifications if one.edition.name == edition]
+        if not specifications:
             hint = nearest(edition, names) or "`canwright editions` lists them"
             stop(f"there is no edition `{edition}`; {hint}")
-    found, hint = find(described, command)
+    found, hint = find(specifications, command)
     if not found:
         stop(f"there is no command `{command}`; {hint}")
     for i, (item, one) in enumerate(found):

@@ -17,7 +17,7 @@ from ..resolve.doubts import Doubts, is_text, matters
 from ..resolve.edition import resolve
 from ..rules import Finding, Phase, Rule, Subject
 from ..rules.too_large import commands
-from ..targets.base import Described
+from ..targets.base import Specification
 from ..targets.registry import targets
 from .golden_file import Beside, read as read_frames
 
@@ -28,7 +28,7 @@ FRAMES_SUFFIX = ".frames.yaml"
 class Loaded:
     """A spec that is right: what targets are given of it, its text with positions, and what might be better."""
 
-    described: Described
+    specification: Specification
     document: Document
     warnings: tuple[Diagnostic, ...]
 
@@ -71,7 +71,7 @@ def _load(file: Path, name: str | None, frames: Beside) -> Loaded:
     if wrong:
         raise SpecError(findings)
     findings.sort(key=_place)
-    return Loaded(Described(edition, beside.golden), document, tuple(findings))
+    return Loaded(Specification(edition, beside.golden), document, tuple(findings))
 
 
 def _found_by_phase(
@@ -128,9 +128,9 @@ def _first_address(document: Document) -> str:
     return next(iter(addresses), "") if isinstance(addresses, dict) else ""
 
 
-def described(file: Path) -> Described:
+def specification(file: Path) -> Specification:
     """What targets are given of the edition in `file`. Raises as `load`."""
-    return load(file).described
+    return load(file).specification
 
 
 def all_loaded(files: Iterable[Path]) -> list[Loaded]:
@@ -139,12 +139,12 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     if not all(isinstance(one, Loaded) for one in tried):
         raise SpecError(f for one in tried for f in (one.warnings if isinstance(one, Loaded) else one))
     result = [one for one in tried if isinstance(one, Loaded)]
-    result.sort(key=lambda one: (one.described.edition.family, one.described.edition.name))
+    result.sort(key=lambda one: (one.specification.edition.family, one.specification.edition.name))
     findings = [
         later.document.finding(
             ("edition",),
             "name-collision",
-            f"{earlier.document.name} is {later.described.edition.family} {later.described.edition.name} as well",
+            f"{earlier.document.name} is {later.specification.edition.family} {later.specification.edition.name} as well",
             "rename one of the editions",
         )
         for earlier, later in itertools.pairwise(result)
@@ -152,9 +152,9 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     ]
     if findings:
         raise SpecError(findings)
-    editions = [one.described.edition for one in result]
+    editions = [one.specification.edition for one in result]
     clashes = (clash for target in targets() for clash in target.collisions(editions))
-    documents = {one.described.edition: one.document for one in result}
+    documents = {one.specification.edition: one.document for one in result}
     findings = [
         documents[edition].finding(("edition",), "name-collision", text, "rename one of the editions")
         for edition, text in clashes
@@ -173,7 +173,7 @@ def _tried(file: Path) -> Loaded | Sequence[Diagnostic]:
 
 
 def _name(one: Loaded) -> tuple[str, str]:
-    return one.described.edition.family, one.described.edition.name
+    return one.specification.edition.family, one.specification.edition.name
 
 
 def frames_file(file: Path) -> Path:

@@ -9,7 +9,19 @@ from collections.abc import Mapping, Sequence
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import aliases, edition as schema
 from ..language.notation import At, frame_bits
-from ..model.layout import ConstantRole, Element, Field, FieldRole, Layout, NodeRole, ReservedRole, Segment, Space, ValueRole, Variant
+from ..model.layout import (
+    ConstantRole,
+    Element,
+    Field,
+    FieldRole,
+    Layout,
+    NodeRole,
+    ReservedRole,
+    Segment,
+    Space,
+    ValueRole,
+    Variant,
+)
 from ..model.types import Order, Parameter, Text, Type
 from .context import Context
 from .types import bare_type

@@ -8,7 +8,18 @@ from collections.abc import Collection, Mapping
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import edition as schema, suggestions
 from ..model.layout import MAX_DATA_BYTES, Layout
-from ..model.message import Address, Direction, EchoReply, Key, KeyRole, Message, OtherReply, OwnReply, Reply, SharedReply
+from ..model.message import (
+    Address,
+    Direction,
+    EchoReply,
+    Key,
+    KeyRole,
+    Message,
+    OtherReply,
+    OwnReply,
+    Reply,
+    SharedReply,
+)
 from .command_forms import Form
 from .context import Context
 from .layouts import LayoutResolver, segments_at

@@ -12,7 +12,7 @@ from ..model.edition import Edition
 from ..model.types import Assignment
 
 
-class Described(NamedTuple):
+class Specification(NamedTuple):
     """An edition with its golden frames, where it has any: the input of a target."""
 
     edition: Edition
@@ -45,7 +45,7 @@ class Target(ABC):
     """What reports call the target, such as `C`."""
 
     @abstractmethod
-    def generate(self, described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(self, specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
         """The files for the editions, which may be of several families.
 
         `set_parameters` are values of parameters to fix in the output, by name; a target that leaves them to its user

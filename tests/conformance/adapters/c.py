@@ -14,7 +14,7 @@ from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding
 from canwright.targets import c as target
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 
 from ...compilers import build
 from ..adapter import (
@@ -47,12 +47,12 @@ class CAdapter(Adapter):
         weakref.finalize(self, _end, self._process)
 
     @classmethod
-    def create(cls, described: Described, workdir: Path) -> CAdapter:
+    def create(cls, specification: Specification, workdir: Path) -> CAdapter:
         """Compiles a program around the generated headers."""
-        folder = write_files(target.generate([described], {}), workdir)
+        folder = write_files(target.generate([specification], {}), workdir)
         source = folder / "harness.c"
-        source.write_text(harness(described.edition, folder / "include"), "utf-8")
-        return cls(described.edition, build([source], folder / "include", folder / "harness"))
+        source.write_text(harness(specification.edition, folder / "include"), "utf-8")
+        return cls(specification.edition, build([source], folder / "include", folder / "harness"))
 
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None

@@ -21,7 +21,7 @@ from canwright.semantics.decoder import Decoder, Identified
 from canwright.semantics.dispatch import dispatch_plan
 from canwright.semantics.frame import has_id, is_message, raw_of, wrong_constants
 from canwright.targets import dbc
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 from canwright.targets.dbc.frames import Traffic, obstacle
 
 from ..adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
@@ -50,10 +50,10 @@ class DbcAdapter(Adapter):
         "lengths": "all messages of one id have one length",
     }
 
-    def __init__(self, described: Described) -> None:
-        super().__init__(described.edition)
-        self._described = described
-        self._decoder = Decoder(described.edition)
+    def __init__(self, specification: Specification) -> None:
+        super().__init__(specification.edition)
+        self._described = specification
+        self._decoder = Decoder(specification.edition)
         self._texts: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
         self._loaded: dict[str, DbcFile] = {}
         self._left_out = {m.name for m in self.edition.all_messages() if obstacle(m)}
@@ -63,9 +63,9 @@ class DbcAdapter(Adapter):
         self._deciding = {name for m in self.edition.all_messages() for f in m.layout.fields for name in f.type.numbers}
 
     @classmethod
-    def create(cls, described: Described, workdir: Path) -> DbcAdapter:
+    def create(cls, specification: Specification, workdir: Path) -> DbcAdapter:
         """Needs no files: cantools loads texts."""
-        return cls(described)
+        return cls(specification)
 
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None

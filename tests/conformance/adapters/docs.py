@@ -13,7 +13,7 @@ from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.targets import docs as target
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 
 from ..adapter import Adapter, CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
 from .docs_tables import FieldRow, MessagePage, Scale, message, plain, tables
@@ -39,10 +39,10 @@ class DocsAdapter(Adapter):
                 self._read_command(Path(path).stem, text)
 
     @classmethod
-    def create(cls, described: Described, workdir: Path) -> DocsAdapter:
+    def create(cls, specification: Specification, workdir: Path) -> DocsAdapter:
         """Reads the generated pages back."""
-        pages = {output.path: output.text for output in target.generate([described], {})}
-        return cls(described.edition, {path: text for path, text in pages.items() if path.startswith("en/")})
+        pages = {output.path: output.text for output in target.generate([specification], {})}
+        return cls(specification.edition, {path: text for path, text in pages.items() if path.startswith("en/")})
 
     def _read_types(self, text: str) -> None:
         for heading, rows in tables(text):

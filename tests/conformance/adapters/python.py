@@ -15,7 +15,7 @@ from canwright.model.layout import ReservedRole, Space
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.targets import python as target
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 from canwright.targets.python.text import attribute, class_name
 
 from ..adapter import (
@@ -57,10 +57,10 @@ class PythonAdapter(Adapter):
         self._module = module
 
     @classmethod
-    def create(cls, described: Described, workdir: Path) -> PythonAdapter:
+    def create(cls, specification: Specification, workdir: Path) -> PythonAdapter:
         """Imports the generated package under a name of its own."""
-        folder = write_files(target.generate([described], {}), workdir)
-        return cls(described.edition, load(folder, described.edition))
+        folder = write_files(target.generate([specification], {}), workdir)
+        return cls(specification.edition, load(folder, specification.edition))
 
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None

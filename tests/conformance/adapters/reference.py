@@ -11,7 +11,7 @@ from canwright.model.message import Direction
 from canwright.semantics.decoder import Decoder, Rejection, Value as ModelValue
 from canwright.semantics.encoder import Encoders
 from canwright.semantics.exchange import check_reply
-from canwright.targets.base import Described
+from canwright.targets.base import Specification
 
 from ..adapter import (
     Adapter,
@@ -38,9 +38,9 @@ class ReferenceAdapter(Adapter):
         self._encoders = Encoders()
 
     @classmethod
-    def create(cls, described: Described, workdir: Path) -> ReferenceAdapter:
+    def create(cls, specification: Specification, workdir: Path) -> ReferenceAdapter:
         """Needs no files."""
-        return cls(described.edition)
+        return cls(specification.edition)
 
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None

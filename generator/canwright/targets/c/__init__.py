@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import Described, Output
+from ..base import Output, Specification
 from .bits import operand
 from .examples import example
 from .text import arguments, comment, defines, fold, in_comment, paragraph
@@ -37,13 +37,13 @@ class FamilyView(NamedTuple):
     examples: tuple[str, ...]
 
 
-def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
+def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
     """Headers, a CMake package, and an example an edition; nothing where there is no edition.
 
     The parameters stay open: a program decides on them.
     """
     env = environment("c", FILTERS)
-    views = [(one, edition_view(one.edition)) for one in described]
+    views = [(one, edition_view(one.edition)) for one in specifications]
     shown = [(view, example(one, view)) for one, view in views]
     families: list[FamilyView] = []
     for family in dict.fromkeys(view.family for _, view in views):

@@ -11,7 +11,7 @@ from ...language.golden_frames import Frame
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
 from ...model.types import Encoding, Type
-from ..base import Described
+from ..base import Specification
 from .names import Names, member
 from .numbers import integer
 from .types import TypeView
@@ -75,17 +75,17 @@ class ExampleView(NamedTuple):
         return [s.type_ for one in self.exchanges for s in one.reply.shown]
 
 
-def example(described: Described, view: EditionView) -> ExampleView:
+def example(specification: Specification, view: EditionView) -> ExampleView:
     """The example of an edition: the first commands whose replies differ, with golden frames where there are some."""
-    return _Example(described, view).view()
+    return _Example(specification, view).view()
 
 
 class _Example:
-    def __init__(self, described: Described, view: EditionView) -> None:
-        self._edition = described.edition
+    def __init__(self, specification: Specification, view: EditionView) -> None:
+        self._edition = specification.edition
         self._view = view
-        self._names = Names(described.edition)
-        self._golden = described.frames
+        self._names = Names(specification.edition)
+        self._golden = specification.frames
         self._known = self._parameters()
         self._types = {t.name: t for t in view.types}
         self._frames = {f.name: f for command in view.commands for f in command.frames}

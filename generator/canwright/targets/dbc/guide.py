@@ -11,7 +11,7 @@ from ...model.edition import Edition
 from ...model.message import Direction
 from ...model.types import Parameter
 from ...semantics import parameters
-from ..base import Described, header
+from ..base import Specification, header
 from .fields import LETTER
 from .files import KIND, Traffics
 from .frames import MOST_NODES, Part, obstacle
@@ -72,7 +72,7 @@ class Example(NamedTuple):
 class Made(NamedTuple):
     """An edition with its files."""
 
-    described: Described
+    specification: Specification
     traffics: Traffics
     files: tuple[File, ...]
 
@@ -89,8 +89,8 @@ class Guide(NamedTuple):
 
 def guide(made: Sequence[Made]) -> Guide:
     sections = tuple(map(_section, made))
-    reading = [e for one in made for e in _examples(one.described, one.files, Direction.REPLY)]
-    requests = (e for one in made for e in _examples(one.described, one.files, Direction.REQUEST))
+    reading = [e for one in made for e in _examples(one.specification, one.files, Direction.REPLY)]
+    requests = (e for one in made for e in _examples(one.specification, one.files, Direction.REQUEST))
     sending = next((e for e in requests if len(e.values) == len(e.frame.raw)), None)
     best = max(reading, key=lambda e: len(e.values), default=None)
     first = next((file for one in made for file in one.files), None)
@@ -98,17 +98,17 @@ def guide(made: Sequence[Made]) -> Guide:
     return Guide(sections, best.file if best else first, best, sending, for_one_node)
 
 
-def _usual(described: Described, parameter: Parameter) -> str:
+def _usual(specification: Specification, parameter: Parameter) -> str:
     """A typical value of a number parameter: that of the first golden frame with one."""
-    golden = described.frames.frames if described.frames else ()
+    golden = specification.frames.frames if specification.frames else ()
     texts = (str(f.parameters[parameter.name]) for f in golden if parameter.name in f.parameters)
-    found = (parameters.number(described.edition, parameter, text) for text in texts)
+    found = (parameters.number(specification.edition, parameter, text) for text in texts)
     return number(next(found, parameter.maximum or Fraction(1)))
 
 
 def _section(made: Made) -> Section:
-    described, traffics, files = made
-    edition = described.edition
+    specification, traffics, files = made
+    edition = specification.edition
     rows: dict[tuple[str, ...], list[File]] = {}
     for file in files:
         rows.setdefault(file.known, []).append(file)
@@ -120,7 +120,7 @@ def _section(made: Made) -> Section:
         tuple((" ".join(known) or "all", tuple(row)) for known, row in rows.items()),
         tuple((name, tuple(dict.fromkeys(commands))) for name, commands in _joined(files).items()),
         tuple((p.name, tuple(v.name for v in p.values)) for p in edition.parameters if p.is_choice and p.is_numeric),
-        tuple((p.name, _usual(described, p)) for p in edition.parameters if edition.is_factor(p)),
+        tuple((p.name, _usual(specification, p)) for p in edition.parameters if edition.is_factor(p)),
         tuple(_lacking(edition, traffics)),
     )
 
@@ -171,9 +171,9 @@ def _lacking(edition: Edition, traffics: Traffics) -> Iterator[tuple[str, str, s
                     )
 
 
-def _examples(described: Described, files: Sequence[File], direction: Direction) -> Iterator[Example]:
+def _examples(specification: Specification, files: Sequence[File], direction: Direction) -> Iterator[Example]:
     """Golden frames that a file describes without other parameters than those in its name."""
-    golden = [f for f in described.frames.frames if f.direction is direction] if described.frames else []
+    golden = [f for f in specification.frames.frames if f.direction is direction] if specification.frames else []
     whole = [
         (file, set(file.known), {message.id & ~EXTENDED: message for message in reversed(file.messages)})
         for file in files
@@ -183,7 +183,7 @@ def _examples(described: Described, files: Sequence[File], direction: Direction)
         known = {str(value) for value in frame.parameters.values()}
         for file, known_there, by_id in whole:
             view = by_id.get(frame.id) if known_there == known else None
-            example = _example(described.edition, file, view, frame) if view else None
+            example = _example(specification.edition, file, view, frame) if view else None
             if example and not frame.decode_only:
                 yield example
 

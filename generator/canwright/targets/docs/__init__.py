@@ -13,7 +13,7 @@ from ...model.edition import Edition
 from ...model.types import Assignment
 from ...templating import resources
 from ...templating.environment import environment
-from ..base import Described, Output, header
+from ..base import Output, Specification, header
 from . import editions
 from .common import Common
 from .pages import Pages
@@ -34,7 +34,7 @@ class _Book(NamedTuple):
     """Variables of every template."""
 
 
-def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
+def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
     """One folder for each language, with one folder for each edition."""
     env = environment(
         "docs",
@@ -46,14 +46,15 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
             "id_rule": formatting.id_rule,
         },
     )
-    families = {d.edition.family for d in described}
+    families = {d.edition.family for d in specifications}
     folders = {
-        d.edition: d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}" for d in described
+        d.edition: d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}"
+        for d in specifications
     }
-    books = list(_books(described, folders))
+    books = list(_books(specifications, folders))
     for book in books:
         yield from _front(env, book)
-    for item in described:
+    for item in specifications:
         common = Common(item.edition, item.frames)
         for book in books:
             if book.language in item.edition.languages:
@@ -61,10 +62,10 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
                 yield from _edition(env, common, book, folder)
 
 
-def _books(described: Sequence[Described], folders: Mapping[Edition, str]) -> Iterator[_Book]:
+def _books(specifications: Sequence[Specification], folders: Mapping[Edition, str]) -> Iterator[_Book]:
     wordings: Mapping[str, editions.Wording] = _words("changes")
     for language, labels in _words("labels").items():
-        here = editions.in_order(d.edition for d in described if language in d.edition.languages)
+        here = editions.in_order(d.edition for d in specifications if language in d.edition.languages)
         if here:
             listed = [(folders[edition], edition) for edition in here]
             view = {"lang": language, "labels": labels, "by_command": editions.by_command(listed)}

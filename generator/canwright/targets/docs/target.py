@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ...model.types import Assignment
-from ..base import Described, Output, Target
+from ..base import Output, Specification, Target
 from . import generate
 
 
@@ -14,8 +14,8 @@ class DocsTarget(Target):
 
     title = "Markdown"
 
-    def generate(self, described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
-        return generate(described, set_parameters)
+    def generate(self, specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+        return generate(specifications, set_parameters)
 
 
 TARGET = DocsTarget()

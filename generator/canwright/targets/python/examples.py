@@ -11,7 +11,7 @@ from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
 from ...model.types import Parameter
-from ..base import Described
+from ..base import Specification
 from . import text, types
 from .class_bodies import depends_on_parameters
 from .imports import Imports
@@ -44,24 +44,24 @@ class Argument(NamedTuple):
     enum: str
 
 
-def example(described: Sequence[Described]) -> Example | None:
+def example(specifications: Sequence[Specification]) -> Example | None:
     """The first command with values in both directions; where there is none, the first with values in its reply."""
     first: Example | None = None
-    for one in (one for item in described for one in _examples(item)):
+    for one in (one for item in specifications for one in _examples(item)):
         if one.is_full:
             return one
         first = first or one
     return first
 
 
-def _examples(described: Described) -> Iterator[Example]:
-    frames = described.frames.of_command if described.frames else {}
-    for command in described.edition.commands:
+def _examples(specification: Specification) -> Iterator[Example]:
+    frames = specification.frames.of_command if specification.frames else {}
+    for command in specification.edition.commands:
         sent = frames.get((command.name, Direction.REQUEST), ())
         answered = [f for f in frames.get((command.name, Direction.REPLY), ()) if f.values and not f.remote]
         pairs = ((q, r) for q in sent for r in answered if _belong(q, r))
         for request, reply in pairs:
-            made = _example(described.edition, command, request, reply)
+            made = _example(specification.edition, command, request, reply)
             if made:
                 yield made
                 break

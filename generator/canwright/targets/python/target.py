@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import Described, NameProblem, Output, Target
+from ..base import NameProblem, Output, Specification, Target
 from . import generate, text
 from .problems import problems
 
@@ -17,8 +17,8 @@ class PythonTarget(Target):
 
     title = "Python"
 
-    def generate(self, described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
-        return generate(described, set_parameters)
+    def generate(self, specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+        return generate(specifications, set_parameters)
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
         return problems(edition)
