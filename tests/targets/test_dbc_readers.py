@@ -37,8 +37,8 @@ from hypothesis import given, settings, strategies as st
 
 from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
 from ..conformance.adapters.dbc import DbcAdapter
-from ..spec_texts import SMALL, called, edition
 from ..resolve.test_tables import TABLE
+from ..spec_texts import SMALL, called, edition
 from .test_dbc import CASES, SPECS, files
 
 

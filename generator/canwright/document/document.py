@@ -40,16 +40,14 @@ _MARKS = {
 class Document:
     """One YAML file: its data, and where each key and value stands. `name` is the file as findings call it.
 
-    `findings` are those of reading, `spoilt` the paths of what could not be read; the rest of the data is as written.
-    `renamed` leads from the path that a misspelt key should have to the one it has.
+    `findings` are those of reading, `unreadable` the paths of what could not be read; the rest of the data is as written.
     """
 
     def __init__(self, name: str, text: str) -> None:
         self.name = name
         written = text.replace("\r\n", "\n")
         self._text = unicode_safety.covered(written)
-        self.renamed: dict[DocumentPath, DocumentPath] = {}
-        self.spoilt: set[DocumentPath] = set()
+        self.unreadable: set[DocumentPath] = set()
         self.findings: list[Diagnostic] = []
         for line, column, found in unicode_safety.places(written) if self._text != written else ():
             self.report_unseen(Mark(line, column, 1), found)
@@ -78,9 +76,6 @@ class Document:
 
     def position(self, path: DocumentPath, *, key: bool = False) -> Position:
         """Where the value at `path` stands, or with `key` its key; for a path that is not there, what is nearest."""
-        for meant, written in self.renamed.items():
-            if path[: len(meant)] == meant:
-                path = (*written, *path[len(meant) :])
         keys, values = self.places.keys, self.places.values
         while path and path not in values:
             path, key = path[:-1], True
@@ -113,7 +108,7 @@ class Document:
             at, "yaml", "there is no value here", ambiguous.missing_value_hint(str(path[-1]) if path else "", line)
         )
         if path is not None:
-            self.spoilt.add(path)
+            self.unreadable.add(path)
 
     def refuse(self, mark: Mark, rule: str, message: str, hint: str = "") -> NoReturn:
         """Ends reading with a finding and all before it. Raises SpecError."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..templating.environment import environment
-from . import suggestions
+from . import aliases
 from .edition import EditionSpec, schema_text
 from .golden_frames import GoldenFrames
 
@@ -121,14 +121,14 @@ def _keys(schema: JsonSchema, known: JsonSchema) -> Iterator[Key]:
     for name, of in schema["properties"].items():
         examples = next(_examples(of), ())
         example = next((one for one in examples if isinstance(one, dict)), None)
-        shown = suggestions.flow(example) if isinstance(example, dict) else ", ".join(map(suggestions.flow, examples))
+        shown = aliases.flow(example) if isinstance(example, dict) else ", ".join(map(aliases.flow, examples))
         default = of.get("default")
         yield Key(
             name,
             of["description"],
             _takes(of, known),
             shown,
-            "" if default is None or isinstance(default, dict) or default == [] else suggestions.flow(default).lower(),
+            "" if default is None or isinstance(default, dict) or default == [] else aliases.flow(default).lower(),
             name in schema.get("required", ()),
         )
 
