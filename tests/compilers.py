@@ -1,4 +1,4 @@
-"""C and C++ compilers for tests: those of the machine where there are any, and the one from PyPI, which is always there."""
+"""C and C++ compilers for tests: the one from PyPI always, and those of the machine in the tests marked `machine`."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+import pytest
 
 WARNINGS = (
     "-Wall",
@@ -36,7 +38,7 @@ class Compiler:
     cxx: tuple[str, ...]
 
     def run(self, standard: str, *arguments: str | Path) -> None:
-        """Compiles; fails with what the compiler says."""
+        """Compiles; fails with the output of the compiler."""
         is_cxx = standard.startswith("c++")
         command = [*(self.cxx if is_cxx else self.c), f"-std={standard}", *map(str, arguments)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -44,18 +46,31 @@ class Compiler:
             raise AssertionError(f"{' '.join(command)}\n{done.stdout}{done.stderr}")
 
 
-ZIG = Compiler("zig", (sys.executable, "-m", "ziglang", "cc"), (sys.executable, "-m", "ziglang", "c++"))
+_TARGET = ("-target", "native-linux-gnu") if sys.platform == "linux" else ()
+"""Makes zig use its own C library: by default it asks the C compiler of the machine, if there is one, for another."""
+
+_ZIG = (sys.executable, "-m", "ziglang")
+ZIG = Compiler("zig", (*_ZIG, "cc", *_TARGET), (*_ZIG, "c++", *_TARGET))
+
+_PAIRS = (("gcc", "g++"), ("clang", "clang++"))
+OF_MACHINE = [Compiler(c, (c,), (cxx,)) for c, cxx in _PAIRS if shutil.which(c) and shutil.which(cxx)]
+
+each_compiler = pytest.mark.parametrize(
+    "compiler",
+    [ZIG, *(pytest.param(compiler, marks=pytest.mark.machine) for compiler in OF_MACHINE)],
+    ids=lambda compiler: compiler.name,
+)
+"""Runs a test with the compiler from PyPI, and once more with each of the machine under `-m machine`."""
 
 
-def compilers() -> list[Compiler]:
-    """The compilers there are; the one from PyPI is a clang, and takes its place where that is missing."""
-    pairs = (("gcc", "g++"), ("clang", "clang++"))
-    found = [Compiler(c, (c,), (cxx,)) for c, cxx in pairs if shutil.which(c) and shutil.which(cxx)]
-    return found if any(compiler.name == "clang" for compiler in found) else [*found, ZIG]
-
-
-def build(sources: Sequence[Path], include: Path, program: Path, *flags: str, standard: str = "c99") -> Path:
-    """A program, made by the first compiler."""
-    first = compilers()[0]
-    first.run(standard, *WARNINGS, "-O1", *flags, f"-I{include}", *sources, "-o", program)
+def build(
+    sources: Sequence[Path],
+    include: Path,
+    program: Path,
+    *flags: str,
+    standard: str = "c99",
+    compiler: Compiler = ZIG,
+) -> Path:
+    """A program."""
+    compiler.run(standard, *WARNINGS, "-O1", *flags, f"-I{include}", *sources, "-o", program)
     return program

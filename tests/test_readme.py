@@ -13,7 +13,7 @@ import pytest
 from canwright.cli import main
 from click.testing import CliRunner
 
-from .compilers import WARNINGS, compilers
+from .compilers import WARNINGS, Compiler, each_compiler
 from .spec_texts import ROOT, findings
 
 README = (ROOT / "README.md").read_text("utf-8")
@@ -42,13 +42,13 @@ def test_the_python_examples(name: str, tmp_path: Path) -> None:
     assert (result.stdout, result.stderr) == (printed(name), "")
 
 
-def test_the_c_example(tmp_path: Path) -> None:
+@each_compiler
+def test_the_c_example(compiler: Compiler, tmp_path: Path) -> None:
     source, program = tmp_path / "example.c", tmp_path / "example"
     source.write_text(example("c"), "utf-8")
-    for compiler in compilers():
-        compiler.run("c99", *WARNINGS, f"-I{ROOT}/generated/c/include", source, "-o", program)
-        result = subprocess.run([str(program)], capture_output=True, text=True, check=True)
-        assert result.stdout == printed("c")
+    compiler.run("c99", *WARNINGS, f"-I{ROOT}/generated/c/include", source, "-o", program)
+    result = subprocess.run([str(program)], capture_output=True, text=True, check=True)
+    assert result.stdout == printed("c")
 
 
 def test_the_spec_example_generates(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -54,10 +55,12 @@ def test_frames_that_do_not_fit_yet_are_no_hindrance(specs: Path) -> None:
 
 
 def _git(folder: Path, *arguments: str) -> None:
+    assert shutil.which("git"), "this test needs git; install the package `git`"
     who = {f"GIT_{role}_{what}": "x" for role in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")}
     subprocess.run(["git", *arguments], cwd=folder, check=True, capture_output=True, env={**os.environ, **who})
 
 
+@pytest.mark.machine
 def test_a_revision_in_git(specs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _git(specs, "init", "-q")
     _git(specs, "add", ".")
@@ -69,7 +72,13 @@ def test_a_revision_in_git(specs: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert "HEAD:v1.yaml:7:11 -> v1.yaml:7:11" in result.output
     missing = diff("HEAD:v9.yaml", "v1.yaml")
     assert (missing.exit_code, "git has no `HEAD:v9.yaml`" in missing.output) == (2, True)
-    assert diff("--upload-pack=x:v1.yaml", "v1.yaml").exit_code == 2
+
+
+def test_a_revision_without_git(specs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(specs))
+    result = diff("HEAD:v1.yaml", "v1")
+    assert (result.exit_code, "there is no git here; install it" in result.output) == (2, True)
+    assert diff("--upload-pack=x:v1.yaml", "v1").exit_code == 2
 
 
 def test_exit_codes() -> None:

@@ -88,3 +88,17 @@ def test_of_reserved_bits(tmp_path: Path) -> None:
     request = "priority: {at: id.26, raw: u3, reserved: 6}"
     loud = ["loud sending: command balance: constant-changed"]
     assert told(tmp_path, cells, (request, request.replace("6}", "3}"))) == loud
+
+
+@pytest.mark.parametrize("name", ["mark", "code", "index"])
+def test_of_constants_where_there_is_no_selector(tmp_path: Path, name: str) -> None:
+    """A constant is no code and no index, whatever its name: only the constant of the request has changed."""
+    text = (
+        "canwright: 1\nfamily: lamp\nedition: v1\naddresses: {lamp: {id: 0x100 + node, nodes: 1..4}}\ncommands:\n"
+        f"  dim: {{request: {{{name}: {{at: 0, raw: u8, constant: 5}}, level: {{at: 1, raw: u8}}}}, reply: none}}\n"
+        f"  stop: {{request: {{{name}: {{at: 0, raw: u8, constant: 7}}}}, reply: none}}\n"
+    )
+    constant = ["loud sending: command dim: constant-changed"]
+    assert told(tmp_path, text, ("constant: 5", "constant: 6")) == constant
+    moved = ("{at: 0, raw: u8, constant", "{at: 2, raw: u8, constant")
+    assert told(tmp_path, text, moved) == [f"loud sending: command {one}: field-moved" for one in ("dim", "stop")]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
 
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
 from canwright.semantics.decoder import CanFrame as CanFrame
 
 Raw = int | list[int]

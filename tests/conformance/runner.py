@@ -9,7 +9,8 @@ from fractions import Fraction
 from functools import partial
 
 from canwright.language.golden_frames import CheckedFrame, Exchange, Frame, GoldenFrames, RefusedFrame, RefusedValues
-from canwright.model.edition import Direction, Edition
+from canwright.model.edition import Edition
+from canwright.model.message import Direction
 
 from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused
 

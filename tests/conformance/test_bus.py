@@ -9,7 +9,7 @@ from pathlib import Path
 import can
 import pytest
 from canwright.language.golden_frames import Frame
-from canwright.model.edition import Direction
+from canwright.model.message import Direction
 from canwright.project.loader import described
 from canwright.targets import python as target
 

@@ -7,8 +7,8 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
 from canwright.project.loader import described
 
 from ..spec_texts import ROOT

@@ -18,7 +18,7 @@ from canwright.model.edition import Edition
 from canwright.project.loader import described
 from canwright.rules import exchange_contradiction, frame_contradiction, refused_contradiction
 from canwright.rules.rule import Subject
-from canwright.targets import Described
+from canwright.targets.base import Described
 
 from ..spec_texts import SMALL, SPECS, called
 from .adapter import Adapter

@@ -40,9 +40,9 @@ def read(lines: list[str]) -> dict[str, Mistake]:
         changes = [part.partition(" => ") for part in line.split(" ;; ")]
         for alternative in changes[-1][2].split(" || "):
             made = [*changes[:-1], (*changes[-1][:2], alternative)]
-            name = " ;; ".join(new for _, _, new in made)
-            assert (old_new := f"{changes[0][0]} => {name}") not in mistakes, line
-            mistakes[old_new] = Mistake([change(old, new) for old, _, new in made], findings)
+            name = f"{changes[0][0]} => {' ;; '.join(new for _, _, new in made)}"
+            assert name not in mistakes, line
+            mistakes[name] = Mistake([change(old, new) for old, _, new in made], findings)
     return mistakes
 
 

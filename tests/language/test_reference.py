@@ -11,7 +11,7 @@ import yaml
 from canwright.cli import main
 from canwright.language import reference
 from canwright.language.notation import at, frame_bits
-from canwright.model.edition import Order
+from canwright.model.types import Order
 from canwright.project.loader import load
 from click.testing import CliRunner
 

@@ -39,6 +39,7 @@ def test_the_wheel_generates_in_any_folder(installed: Path, tmp_path: Path) -> N
     run(tmp_path, installed / "canwright", "generate", "--spec", "my.yaml", "--out", "out")
     assert (tmp_path / "out/c/include/lamp/v1.h").is_file()
     assert (tmp_path / "out/python/lamp/v1.py").is_file()
+    assert (tmp_path / "out/python/lamp/_dispatch.py").is_file()
     assert (tmp_path / "out/dbc/lamp-v1-reply.dbc").is_file()
     assert (tmp_path / "out/docs/en/v1/index.md").is_file()
 

@@ -8,7 +8,10 @@ from pathlib import Path
 
 import pytest
 from canwright.diagnostics.diagnostic import SpecError
-from canwright.model.edition import Bound, Dependent, Direction, Edition, Linear, Range, ReplyForm, Segment
+from canwright.model.edition import Edition
+from canwright.model.layout import Segment
+from canwright.model.message import Direction, EchoReply, OtherReply, OwnReply, SharedReply
+from canwright.model.types import Bound, Dependent, Linear, Range
 from canwright.project.loader import described
 from canwright.semantics.decoder import linear_of
 
@@ -45,14 +48,14 @@ def test_scales_are_exact_and_absent_where_the_manual_gives_none(v2_35: Edition)
 
 
 def test_reply_forms(v2_35: Edition) -> None:
-    forms = {c.name: c.reply_form for c in v2_35.commands}
-    assert forms["motor_off"] is ReplyForm.ECHO
-    assert forms["read_encoder"] is ReplyForm.OWN
-    assert forms["set_torque"] is ReplyForm.LAYOUT
-    broadcast = v2_35.command("broadcast_torque")
-    assert (broadcast.reply_form, broadcast.reply_of) == (ReplyForm.OTHER, "set_torque")
-    assert broadcast.from_each == (1, 2, 3, 4)
-    assert broadcast.reply == v2_35.command("set_torque").reply
+    forms = {c.name: [type(reply) for reply in c.replies] for c in v2_35.commands}
+    assert forms["motor_off"] == [EchoReply]
+    assert forms["read_encoder"] == [OwnReply]
+    assert forms["set_torque"] == [SharedReply]
+    (broadcast,) = v2_35.command("broadcast_torque").replies
+    assert isinstance(broadcast, OtherReply)
+    assert (broadcast.of, broadcast.from_each) == ("set_torque", (1, 2, 3, 4))
+    assert broadcast.message is v2_35.command("set_torque").reply
 
 
 def test_a_first_byte_that_two_replies_share_belongs_to_the_command_of_that_code(v2_35: Edition) -> None:
@@ -146,9 +149,9 @@ commands:
 def test_an_offset_may_depend_on_a_parameter(tmp_path: Path) -> None:
     angle, height = edition(tmp_path, PACKED).types
     assert angle.linear == Dependent(
-        "size",
-        None,
-        {
+        parameter="size",
+        constant=None,
+        cases={
             "small": Linear(Fraction(20, 65535), Fraction(-10)),
             "large": Linear(Fraction(50, 65535), Fraction(-25)),
             "odd": None,
@@ -235,7 +238,7 @@ def test_a_constant_tells_a_message_from_what_is_left(tmp_path: Path) -> None:
 def test_a_copy_of_an_edition_knows_its_own_layouts(v2_35: Edition, copied: Callable[[Edition], Edition]) -> None:
     assert all(v2_35.of_layout(message.layout) for message in v2_35.all_messages())
     other = copied(v2_35)
-    assert other == v2_35
+    assert [m.name for m in other.all_messages()] == [m.name for m in v2_35.all_messages()]
     assert all(m in other.of_layout(m.layout) for m in other.all_messages())
 
 
@@ -327,3 +330,10 @@ def test_a_constant_that_shares_its_bits_with_the_selector_is_told(tmp_path: Pat
     assert findings(tmp_path, text) == []
     text = text.replace("zero: {at: 1, raw: u8, constant: 0}", "zero: {at: 2, raw: u8, constant: 0}", 1)
     assert marked(findings(tmp_path, text)) == ["overlap: 2"]
+
+
+@pytest.mark.parametrize(("given", "found"), [("reserved: 3", "reserved"), ("holds: node", "holds")])
+def test_a_field_has_one_role(tmp_path: Path, given: str, found: str) -> None:
+    text = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
+    text = text.replace("zero: {at: 1, raw: u8, constant: 0}", f"zero: {{at: 1, raw: u8, constant: 0, {given}}}", 1)
+    assert marked(findings(tmp_path, text)) == [f"field-type: {found}"]

@@ -13,7 +13,7 @@ from canwright.language.edition import EditionSpec, json_schema
 from canwright.language.golden_frames import GoldenFrames
 from canwright.language.suggestions import VISIBLE
 from canwright.project.loader import load
-from canwright.targets import Described
+from canwright.targets.base import Described
 
 Say = Callable[[], str]
 Schema = dict[str, Any]

@@ -15,7 +15,8 @@ import pytest
 import yaml
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.project.loader import load
-from canwright.project.pipeline import TARGETS, generate
+from canwright.project.pipeline import generate
+from canwright.targets.registry import target_names
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from ..spec_texts import MINIMAL, ROOT
@@ -131,7 +132,7 @@ def outcome(file: Path) -> str:
     """`made` or `refused`; anything else is raised."""
     try:
         described = load(file).described
-        files = generate([described], list(TARGETS), {}).files
+        files = generate([described], target_names(), {}).files
     except SpecError as error:
         assert error.diagnostics
         assert all(finding.message and finding.position.line for finding in error.diagnostics)

@@ -8,8 +8,11 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 import pytest
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Command, Direction, Edition, Encoding, Field, Message, Space, Type
+from canwright.model.edition import Edition
+from canwright.model.layout import Field, Space
+from canwright.model.message import Command, Direction, Message
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding, Type
 from canwright.project.loader import described
 from canwright.semantics.decoder import linear_of
 
@@ -137,7 +140,7 @@ def _assignments(edition: Edition) -> list[Parameters]:
 def _fields(message: Message, parameters: Parameters) -> list[Field]:
     variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
     assert variant is not None
-    return [field for field in variant.fields if field.constant is None]
+    return [field for field in variant.fields if field.fixed is None]
 
 
 def _limits(type_: Type, parameters: Parameters) -> tuple[int, int]:
@@ -206,7 +209,7 @@ def _frame(message: Message, node: int | None, raw: dict[str, Raw], parameters: 
         _place(spaces[key.space], bits, key.value)
     variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
     for field in variant.fields if variant else ():
-        given = field.constant if field.constant is not None else raw[field.name]
+        given = field.fixed if field.fixed is not None else raw[field.name]
         numbers = given if isinstance(given, list) else [given] * len(field.elements)
         for element, number in zip(field.elements, numbers, strict=True):
             _place(spaces[field.space], element.bits, number)

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 from canwright.project.loader import described
-from canwright.targets import Described, c
+from canwright.targets import c
+from canwright.targets.base import Described
 
-from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, compilers
+from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, each_compiler
 from ..conformance.adapters.c_harness import harness
 from ..conformance.adapters.c_signatures import functions
 from ..spec_texts import MINIMAL, SPECS as WHOLE, called
@@ -58,7 +59,7 @@ def units(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("standard", STANDARDS)
-@pytest.mark.parametrize("compiler", compilers(), ids=lambda compiler: compiler.name)
+@each_compiler
 def test_no_warning(compiler: Compiler, standard: str, units: Path, tmp_path: Path) -> None:
     """Every function by itself at every level, and all of them inlined into a program."""
     language = ("-x", "c++") if standard.startswith("c++") else ()
@@ -68,7 +69,7 @@ def test_no_warning(compiler: Compiler, standard: str, units: Path, tmp_path: Pa
     compiler.run(standard, *flags, "-O3", units / "program.c")
 
 
-@pytest.mark.parametrize("compiler", compilers(), ids=lambda compiler: compiler.name)
+@each_compiler
 def test_strict_cxx_takes_the_casts_of_c(compiler: Compiler, units: Path, tmp_path: Path) -> None:
     """What C++ projects forbid in their own code, and what a pragma of ours must not leave behind."""
     names = headers([described(spec) for spec in SPECS])
@@ -76,7 +77,8 @@ def test_strict_cxx_takes_the_casts_of_c(compiler: Compiler, units: Path, tmp_pa
     unit.write_text("".join(f'#include "{name}"\n' for name in names) + "int own(double d);\n", "utf-8")
     forbidden = ["-Wold-style-cast", "-Wzero-as-null-pointer-constant"]
     forbidden += ["-Wuseless-cast"] if compiler.name == "gcc" else []
-    arguments: tuple[str | Path, ...] = (*WARNINGS, *forbidden, f"-I{units / 'include'}", "-fsyntax-only", unit)
+    flags = (*WARNINGS, *forbidden, f"-I{units / 'include'}")
+    arguments: tuple[str | Path, ...] = (*flags, "-c", unit, "-o", tmp_path / "unit.o")
     compiler.run("c++17", *arguments)
     with unit.open("a", encoding="utf-8") as file:
         file.write("int own(double d)\n{\n    return (int)d;\n}\n")
@@ -104,8 +106,7 @@ def test_two_editions_of_a_family_in_one_unit(tmp_path: Path) -> None:
     unit = tmp_path / "both.c"
     unit.write_text(everything(include, headers(editions)), "utf-8")
     for standard, language in (("c99", ()), ("c++17", ("-x", "c++"))):
-        flags = (*WARNINGS, f"-I{include}", *language, "-fsyntax-only")
-        compilers()[0].run(standard, *flags, unit)
+        ZIG.run(standard, *WARNINGS, f"-I{include}", *language, "-c", unit, "-o", tmp_path / "both.o")
 
 
 @pytest.mark.parametrize("standard", STANDARDS)
@@ -129,7 +130,7 @@ def test_main_header_has_no_float(units: Path) -> None:
 
 def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
     program = (
-        "import sys; from pathlib import Path; from canwright.load import described; from canwright.targets import c; "
+        "import sys; from pathlib import Path; from canwright.project.loader import described; from canwright.targets import c; "
         "sys.stdout.write(repr([(o.path, o.text) for o in c.generate([described(Path(sys.argv[1]))], {})]))"
     )
     made = {
@@ -174,20 +175,16 @@ def test_without_an_exchange_to_show_nothing_is_said_of_examples(tmp_path: Path)
 
 
 def _cmake(*arguments: str | Path) -> None:
-    """CMake of PyPI, with its Ninja where it configures."""
+    """CMake of PyPI, with the Ninja and the compilers of PyPI where it configures."""
     command = [sys.executable, "-c", "import cmake; cmake.cmake()", *map(str, arguments)]
     if arguments[0] == "-S":
         find = (sys.executable, "-c", "import ninja; print(ninja.BIN_DIR)")
         ninja = subprocess.run(find, capture_output=True, text=True, check=True).stdout.strip()
-        command += ["-G", "Ninja", f"-DCMAKE_MAKE_PROGRAM={ninja}/ninja", *_cmake_compilers()]
+        cxx = (*ZIG.cxx, "-nostdlib++")  # zig would first build the library of C++, for a minute
+        compilers = [f"-DCMAKE_C_COMPILER={';'.join(ZIG.c)}", f"-DCMAKE_CXX_COMPILER={';'.join(cxx)}"]
+        command += ["-G", "Ninja", f"-DCMAKE_MAKE_PROGRAM={ninja}/ninja", *compilers]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-
-
-def _cmake_compilers() -> list[str]:
-    """Settings that name the compilers; those of PyPI where there is no other."""
-    first = compilers()[0]
-    return [f"-DCMAKE_C_COMPILER={';'.join(first.c)}", f"-DCMAKE_CXX_COMPILER={';'.join(first.cxx)}"]
 
 
 @pytest.mark.parametrize("spec", WHOLE, ids=called)
@@ -198,7 +195,7 @@ def test_the_programs_of_the_readme_compile(spec: Path, tmp_path: Path) -> None:
     for number, block in enumerate(blocks):
         unit = tmp_path / f"{number}.c"
         unit.write_text(block, "utf-8")
-        compilers()[0].run("c99", *WARNINGS, f"-I{folder / 'include'}", "-fsyntax-only", unit)
+        ZIG.run("c99", *WARNINGS, f"-I{folder / 'include'}", "-c", unit, "-o", tmp_path / "unit.o")
 
 
 def test_cmake_serves_a_project_in_cxx_alone_and_keeps_editions_apart(tmp_path: Path) -> None:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 
 import pytest
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Command, Direction, Edition, Key, Message, Order, Segment, Space
+from canwright.model.edition import Edition
+from canwright.model.layout import Segment, Space
+from canwright.model.message import Command, Direction, Key, KeyRole, Message
+from canwright.model.refusal import Refusal
+from canwright.model.types import Order
 from canwright.project.loader import described
-from canwright.targets import Described
+from canwright.targets.base import Described
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
 from ..conformance.adapters.c import CAdapter, adapter
@@ -40,20 +44,35 @@ NODE_2 = 0x10002
 
 def second_key(value: int) -> Key:
     segments = (Segment(3, 0, 8, 0), Segment(2, 0, 8, 8))
-    return Key("index", Space.DATA, Order.BIG, 16, segments, value)
+    return Key(
+        name="index",
+        role=KeyRole.INDEX,
+        space=Space.DATA,
+        order=Order.BIG,
+        width=16,
+        segments=segments,
+        value=value,
+    )
 
 
 def with_second_keys(edition: Edition) -> Edition:
     """The edition with a second key where two commands share a code."""
 
-    def message(one: Message | None) -> Message | None:
-        if one is None or one.command not in INDEX:
+    def message(one: Message) -> Message:
+        if one.command not in INDEX:
             return one
         keys = (*one.keys, second_key(INDEX[one.command]))
         return dataclasses.replace(one, keys=keys, claims=(one.keys[0].value,))
 
+    return with_messages(edition, message)
+
+
+def with_messages(edition: Edition, changed: Callable[[Message], Message]) -> Edition:
+    """The edition with other requests and replies."""
+
     def command(one: Command) -> Command:
-        return dataclasses.replace(one, request=message(one.request), reply=message(one.reply))
+        replies = tuple(dataclasses.replace(reply, message=changed(reply.message)) for reply in one.replies)
+        return dataclasses.replace(one, request=one.request and changed(one.request), replies=replies)
 
     return dataclasses.replace(edition, commands=tuple(map(command, edition.commands)))
 
@@ -73,13 +92,12 @@ def target(tmp_path_factory: pytest.TempPathFactory) -> CAdapter:
 def _recoded(edition: Edition) -> Edition:
     """`second` with the code of `first`, which no rule of the language allows without a second key."""
 
-    def message(one: Message | None) -> Message | None:
-        if one is None or one.command != "second":
+    def message(one: Message) -> Message:
+        if one.command != "second":
             return one
         return dataclasses.replace(one, keys=(dataclasses.replace(one.keys[0], value=1),), claims=(1,))
 
-    commands = (dataclasses.replace(c, request=message(c.request), reply=message(c.reply)) for c in edition.commands)
-    return dataclasses.replace(edition, commands=tuple(commands))
+    return with_messages(edition, message)
 
 
 FRAMES = [

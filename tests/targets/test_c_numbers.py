@@ -8,8 +8,10 @@ import struct
 from fractions import Fraction
 
 import pytest
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction, Edition, Encoding, Type
+from canwright.model.edition import Edition
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding, Type
 from canwright.project.loader import described
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Refused
@@ -146,7 +148,8 @@ def test_thousandths(name: str, made: tuple[Edition, CAdapter]) -> None:
 
 
 def _headers(edition: Edition) -> list[str]:
-    from canwright.targets import Described, c
+    from canwright.targets import c
+    from canwright.targets.base import Described
 
     return [output.text for output in c.generate([Described(edition, None)], {}) if output.path.endswith(".h")]
 

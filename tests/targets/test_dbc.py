@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 from canwright.language.golden_frames import Frame, GoldenFrames
 from canwright.project.loader import described
-from canwright.targets import Described, dbc
+from canwright.targets import dbc
+from canwright.targets.base import Described
 
 from ..spec_texts import MINIMAL, SMALL, called
 

@@ -16,23 +16,14 @@ import canmatrix.formats
 import cantools
 import pytest
 from cantools.database import Database
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import (
-    Assignment,
-    Direction,
-    Edition,
-    Element,
-    Encoding,
-    Field,
-    Key,
-    Layout,
-    Message,
-    Segment,
-    Space,
-    Variant,
-)
+from canwright.model.edition import Edition
+from canwright.model.layout import ConstantRole, Element, Field, Layout, Segment, Space, Variant
+from canwright.model.message import Direction, KeyRole, Message
+from canwright.model.refusal import Refusal
+from canwright.model.types import Assignment, Encoding
 from canwright.project.loader import described
-from canwright.targets import Described, dbc
+from canwright.targets import dbc
+from canwright.targets.base import Described
 from hypothesis import given, settings, strategies as st
 
 from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
@@ -112,7 +103,7 @@ def packed(message: Message, raw: Mapping[str, list[int]]) -> bytes:
     """The data of a message, bit by bit."""
     places = [(bits_of(key.segments), key.value) for key in message.keys if key.space is Space.DATA]
     for field in message.layout.fields:
-        values = [field.constant] * len(field.elements) if field.constant is not None else raw.get(field.name, [])
+        values = [field.fixed] * len(field.elements) if field.fixed is not None else raw.get(field.name, [])
         places += [(element.bits, value) for element, value in zip(field.elements, values, strict=False)]
     frame = sum(1 << bit for bits, value in places for i, bit in enumerate(bits) if value >> i & 1)
     return frame.to_bytes(message.dlc, "little")
@@ -158,7 +149,7 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
     raw = {
         field.name: [data.draw(raw_integers(field, assignment)) for _ in field.elements]
         for field in variant.fields
-        if field.constant is None
+        if field.fixed is None
     }
     flat = {f.name: raw[f.name] if f.is_array else raw[f.name][0] for f in variant.fields if f.name in raw}
     node = data.draw(st.sampled_from(message.id.nodes)) if message.id.nodes else None
@@ -188,13 +179,15 @@ def with_second_selector(at: int, constant: int | None = None) -> Described:
     commands = []
     for name, value in (("shine", 0x0A), ("turn", 0x0B)):
         command = small.edition.command(name)
-        reply = command.reply
-        assert reply
+        (form,) = command.replies
+        reply = form.message
         code = dataclasses.replace(reply.keys[0], value=0x1B)
-        index = Key("index", Space.DATA, code.order, 8, (Segment(at, 0, 8, 0),), value)
+        index = dataclasses.replace(
+            code, name="index", role=KeyRole.INDEX, segments=(Segment(at, 0, 8, 0),), value=value
+        )
         layout = moved(reply.layout, constant)
         moved_reply = dataclasses.replace(reply, keys=(code, index), accept=(), claims=(0x1B,), layout=layout)
-        commands.append(dataclasses.replace(command, reply=moved_reply))
+        commands.append(dataclasses.replace(command, replies=(dataclasses.replace(form, message=moved_reply),)))
     return Described(dataclasses.replace(small.edition, commands=tuple(commands)), None)
 
 
@@ -203,9 +196,13 @@ def moved(layout: Layout, constant: int | None) -> Layout:
     first, *others = layout.fields
     away = dataclasses.replace(first, elements=(Element(None, (Segment(4, 0, 8, 0), Segment(5, 0, 8, 8))),))
     byte = (Element(None, (Segment(1, 0, 8, 0),)),)
-    fixed = dataclasses.replace(others[-1], name="fixed", elements=byte, constant=constant)
-    fields = (away, *others) if constant is None else (fixed, away, *others)
-    return dataclasses.replace(layout, fields=fields, variants=(Variant((), fields),))
+    fixed = (
+        ()
+        if constant is None
+        else (dataclasses.replace(others[-1], name="fixed", elements=byte, role=ConstantRole(constant)),)
+    )
+    fields = (*fixed, away, *others)
+    return dataclasses.replace(layout, fields=fields, variants=(Variant(values=(), fields=fields),))
 
 
 def test_selectors_side_by_side_have_a_file_that_reads_them_as_one() -> None:

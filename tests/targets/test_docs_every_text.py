@@ -15,7 +15,8 @@ from canwright.compare import CHANGES, compare
 from canwright.compare.change import Fact, Said
 from canwright.language.edition import EditionSpec, json_schema
 from canwright.project.loader import described, spec_files
-from canwright.targets import Described, docs
+from canwright.targets import docs
+from canwright.targets.base import Described
 from canwright.targets.docs.text import markdown
 from canwright.templating.resources import CHANGE_EXAMPLES
 

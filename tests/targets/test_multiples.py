@@ -8,11 +8,14 @@ from fractions import Fraction
 from math import floor
 
 import pytest
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction, Edition, Linear, Type
+from canwright.model.edition import Edition
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
+from canwright.model.types import Linear, Type
 from canwright.project.loader import described
 from canwright.semantics.decoder import linear_of
-from canwright.targets import Described, c
+from canwright.targets import c
+from canwright.targets.base import Described
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
 from ..conformance.adapters import c as c_adapter, python as python_adapter

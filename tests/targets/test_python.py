@@ -304,3 +304,59 @@ def test_an_id_of_the_other_length_is_told(tmp_path: Path) -> None:
     with pytest.raises(cells.CodecError, match=r"no reply has the id 0x14A$"):
         cells.decode_reply(0x14A, bytes(8))
     assert cells.decode_reply(0x14B, bytes(8), extended=True).node == 3
+
+
+NAMED_LIKE_PYTHON = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100}}
+selector: {at: 0, raw: u8}
+parameters: {type: {values: [old, new]}, float: {number: {}}, class: {number: {}}}
+types:
+  level: {raw: u16, scale: {by: type, old: 0.1, new: 1*float}, raw_range: {by: type, old: 0..9, new: 0..16}}
+  limit: {raw: u16, range: 0..2*class}
+commands:
+  dim:
+    code: 0x10
+    request:
+      level: {at: 2, type: level, only: {type: [old]}}
+      glow: {at: 2, type: level, only: {type: [new]}}
+      limit: {at: 4, type: limit}
+    reply: none
+"""
+
+
+def test_parameters_may_be_named_like_words_of_python(tmp_path: Path) -> None:
+    spec = tmp_path / "v1.yaml"
+    spec.write_text(NAMED_LIKE_PYTHON, "utf-8")
+    lamp = load(write(tmp_path, spec), described(spec).edition)
+    old = lamp.DimRequest(level=0.5, limit=1, parameters=lamp.Parameters(type_=lamp.Type.OLD))
+    assert old.encode() == bytes.fromhex("10 00 05 00 01 00 00 00")
+    new = lamp.Parameters(type_=lamp.Type.NEW, float_=4, class_=8)
+    read = lamp.decode_request(0x100, bytes.fromhex("10 00 05 00 00 00 00 00"), new)
+    assert (read.fields(), read.glow) == (("glow", "limit"), 20.0)
+    with pytest.raises(lamp.CodecError, match=r"limit=17 is out of range 0\.0\.\.16\.0"):
+        lamp.DimRequest(glow=20, limit=17, parameters=new)
+    with pytest.raises(lamp.CodecError, match=r"pass Parameters\(type_=\.\.\.\)"):
+        lamp.decode_request(0x100, bytes.fromhex("10 00 05 00 00 00 00 00"))
+
+
+def test_raw_integers_need_no_parameters(v2_35: ModuleType) -> None:
+    request = v2_35.SetTorqueRequest.from_raw(node=1, iq=5)
+    assert (request.parameters, request.encode()[4]) == (v2_35.UNKNOWN, 5)
+    assert repr(request) == "SetTorqueRequest(node=1, iq_raw=5)"
+
+
+def test_an_array_of_enums_or_flags(tmp_path: Path) -> None:
+    spec = tmp_path / "v1.yaml"
+    array = "level: {at: 2, type: level, array: 1..2}, faults: {at: 4, type: faults, array: 1..2}"
+    spec.write_text(
+        ENUM_AND_FLAGS.replace("level: {at: 2, type: level}, faults: {at: 3, type: faults}", array), "utf-8"
+    )
+    lamp = load(write(tmp_path, spec), described(spec).edition)
+    request = lamp.DimRequest(node=1, level=(0, lamp.Level.BRIGHT), faults=(lamp.Faults.HOT, 0))
+    assert request.encode() == bytes.fromhex("10 00 00 01 01 00 00 00")
+    assert (request.level, request.faults) == ((lamp.Level.DIM, lamp.Level.BRIGHT), (lamp.Faults.HOT, lamp.Faults(0)))
+    with pytest.raises(lamp.CodecError, match="level=2 is none of the values 0, 1"):
+        lamp.DimRequest(node=1, level=(0, 2), faults=(0, 0))

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
 from struct import Struct, pack
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ._codec import (
     Bound,
@@ -20,13 +20,10 @@ from ._codec import (
     FieldAbsent,
     Message,
     Number,
-    Reader,
     Real,
     Refusal,
     Reply,
     Request,
-    Route,
-    Router,
     ToNode,
     check_choice,
     check_number,
@@ -37,8 +34,12 @@ from ._codec import (
     missing,
     named,
     node_in,
-    not_answer,
     require,
+)
+from ._dispatch import (
+    Answer,
+    Dispatcher,
+    Route,
 )
 
 if TYPE_CHECKING:
@@ -132,7 +133,6 @@ EDITION = "v2.35"
 SPEC_HASH = "f3f5995d5684d0d5280b7c49a5b41df3fe4de367484eda8ad6701ff29702b81b"
 
 
-
 class Series(str, Enum):
     """Motor series"""
 
@@ -148,7 +148,7 @@ class Series(str, Enum):
 
 @dataclass(frozen=True)
 class Parameters:
-    """What is known of a node and no frame says; leave out what you do not know."""
+    """What you know of a node and no frame contains; leave out what you do not know."""
 
     series: Series | None = None
     """Motor series. One of MS, MF, MH, MG. Printed on the motor. It decides the ampere scale of the torque
@@ -262,7 +262,7 @@ class PidGains(Message):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -330,7 +330,7 @@ class WriteAccelerationRam(Message):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -361,6 +361,7 @@ class WriteEncoderOffsetRom(Message):
     TYPES = {
         "encoder_offset": ENCODER_POSITION.check,
     }
+    DEFAULTS = UNKNOWN
 
     encoder_offset_raw: int
 
@@ -377,7 +378,7 @@ class WriteEncoderOffsetRom(Message):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -388,7 +389,7 @@ class WriteEncoderOffsetRom(Message):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -416,6 +417,7 @@ class MotionFeedback(Message):
         "speed": SPEED.check,
         "encoder": ENCODER_POSITION.check,
     }
+    DEFAULTS = UNKNOWN
 
     temperature_raw: int
     power_raw: int
@@ -447,7 +449,7 @@ class MotionFeedback(Message):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -461,7 +463,7 @@ class MotionFeedback(Message):
         return self
 
     def fields(self) -> tuple[str, ...]:
-        """Names of the fields that are there, under the parameters."""
+        """Names of the fields that exist under the parameters."""
         return self._VARIANTS[known(self.parameters, "series", type(self).__name__)]
 
     _VARIANTS: ClassVar[dict[Any, tuple[str, ...]]] = {
@@ -484,7 +486,7 @@ class MotionFeedback(Message):
         """Output power.
 
         Raw -850..850. A bare number, the manual gives it no unit. What it means in amperes or torque differs
-        from motor to motor. There under MS only.
+        from motor to motor. Exists under MS only.
         """
         return self.power_raw
 
@@ -492,7 +494,7 @@ class MotionFeedback(Message):
     def iq(self) -> float:
         """Torque current.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048. There
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048. Exists
         under MF, MH, MG only.
         """
         return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
@@ -509,7 +511,7 @@ class MotionFeedback(Message):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -556,7 +558,7 @@ class Status1(Message):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -575,7 +577,7 @@ class Status1(Message):
     def voltage(self) -> float:
         """Supply voltage.
 
-        In V; one raw step is 0.1 V.
+        In V; resolution (1 LSB) 0.1 V.
         """
         return self.voltage_raw / 10
 
@@ -694,7 +696,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -739,6 +741,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     TYPES = {
         "iq": TORQUE_CURRENT.check,
     }
+    DEFAULTS = UNKNOWN
 
     iq_raw: int
 
@@ -755,7 +758,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -766,7 +769,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     def iq(self) -> float:
         """Torque current to hold.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
         return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
 
@@ -813,7 +816,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -824,7 +827,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In °/s; one raw step is 0.01 °/s.
+        In °/s; resolution (1 LSB) 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -872,7 +875,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -883,7 +886,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -934,7 +937,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -953,7 +956,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1004,7 +1007,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1020,7 +1023,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1075,7 +1078,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1099,7 +1102,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1146,7 +1149,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1157,7 +1160,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1208,7 +1211,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1227,7 +1230,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1434,7 +1437,7 @@ class ClearAngleRequest(ToNode, Request["ClearAngleReply"]):
 
     Would clear the multi-turn and single-turn angles and make the present position the zero. Manual 2.23.
 
-    Not implemented, says the manual.
+    Not implemented according to the manual.
 
     Effects: Moves the zero of the angle. Forgets the turns counted so far. Drops every pending position
     command. Kept in RAM, lost at power-off.
@@ -1564,18 +1567,18 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
-        self.iq_raw = (int.from_bytes(data[0:2], "little", signed=True), int.from_bytes(data[2:4], "little", signed=True), int.from_bytes(data[4:6], "little", signed=True), int.from_bytes(data[6:8], "little", signed=True),)
+        self.iq_raw = (int.from_bytes(data[0:2], "little", signed=True), int.from_bytes(data[2:4], "little", signed=True), int.from_bytes(data[4:6], "little", signed=True), int.from_bytes(data[6:8], "little", signed=True))
         return self
 
     @property
     def iq(self) -> tuple[float, ...]:
         """Torque current of each motor.
 
-        In A; one raw step is 32/2000 A; raw -2000..2000.
+        In A; resolution (1 LSB) 32/2000 A; raw -2000..2000.
         """
         return tuple(one * 2 / 125 for one in self.iq_raw)
 
@@ -1844,7 +1847,7 @@ class ReadAccelerationReply(Reply):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1898,6 +1901,7 @@ class ReadEncoderReply(Reply):
         "encoder_measured": ENCODER_POSITION.check,
         "encoder_offset": ENCODER_POSITION.check,
     }
+    DEFAULTS = UNKNOWN
 
     encoder_raw: int
     encoder_measured_raw: int
@@ -1920,7 +1924,7 @@ class ReadEncoderReply(Reply):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1931,7 +1935,7 @@ class ReadEncoderReply(Reply):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -1940,7 +1944,7 @@ class ReadEncoderReply(Reply):
     def encoder_measured(self) -> float:
         """Encoder position as measured.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
@@ -1949,7 +1953,7 @@ class ReadEncoderReply(Reply):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -1991,6 +1995,7 @@ class WritePositionAsZeroRomReply(Reply):
     TYPES = {
         "encoder_offset": ENCODER_POSITION.check,
     }
+    DEFAULTS = UNKNOWN
 
     encoder_offset_raw: int
 
@@ -2007,7 +2012,7 @@ class WritePositionAsZeroRomReply(Reply):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2018,7 +2023,7 @@ class WritePositionAsZeroRomReply(Reply):
     def encoder_offset(self) -> float:
         """The zero that was written.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2060,7 +2065,7 @@ class ReadMultiTurnAngleReply(Reply):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2071,7 +2076,7 @@ class ReadMultiTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle over all turns.
 
-        In °; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
+        In °; resolution (1 LSB) 0.01 °. Positive is clockwise, negative counter-clockwise.
         """
         return self.angle_raw / 100
 
@@ -2097,6 +2102,7 @@ class ReadSingleTurnAngleReply(Reply):
     TYPES = {
         "angle": SINGLE_TURN_POSITION.check,
     }
+    DEFAULTS = UNKNOWN
 
     angle_raw: int
 
@@ -2113,7 +2119,7 @@ class ReadSingleTurnAngleReply(Reply):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2124,7 +2130,7 @@ class ReadSingleTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle within one turn of the output.
 
-        In °; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
+        In °; resolution (1 LSB) 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
         starts again at 0 when it gets back there.
         """
         return self.angle_raw / 100
@@ -2239,7 +2245,7 @@ class ReadStatus3Reply(Reply):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2258,7 +2264,7 @@ class ReadStatus3Reply(Reply):
     def phase_a(self) -> float:
         """Phase A current.
 
-        In A; one raw step is 1/64 A.
+        In A; resolution (1 LSB) 1/64 A.
         """
         return self.phase_a_raw / 64
 
@@ -2266,7 +2272,7 @@ class ReadStatus3Reply(Reply):
     def phase_b(self) -> float:
         """Phase B current.
 
-        In A; one raw step is 1/64 A.
+        In A; resolution (1 LSB) 1/64 A.
         """
         return self.phase_b_raw / 64
 
@@ -2274,7 +2280,7 @@ class ReadStatus3Reply(Reply):
     def phase_c(self) -> float:
         """Phase C current.
 
-        In A; one raw step is 1/64 A.
+        In A; resolution (1 LSB) 1/64 A.
         """
         return self.phase_c_raw / 64
 
@@ -2287,212 +2293,105 @@ def _key_1(can_id: int, data: bytes) -> int:
     return data[0]
 
 
-_REQUESTS = Router("request", (
-    Route(0x140, 1, range(1, 33), selector=_key_1, messages={
-        0x80: ((MotorOffRequest, ()),),
-        0x88: ((MotorOnRequest, ()),),
-        0x81: ((MotorStopRequest, ()),),
-        0xA0: ((SetPowerRequest, ()),),
-        0xA1: ((SetTorqueRequest, ()),),
-        0xA2: ((SetSpeedRequest, ()),),
-        0xA3: ((MoveToAngleRequest, ()),),
-        0xA4: ((MoveToAngleAtSpeedRequest, ()),),
-        0xA5: ((TurnToAngleRequest, ()),),
-        0xA6: ((TurnToAngleAtSpeedRequest, ()),),
-        0xA7: ((MoveByAngleRequest, ()),),
-        0xA8: ((MoveByAngleAtSpeedRequest, ()),),
-        0x30: ((ReadPidRequest, ()),),
-        0x31: ((WritePidRamRequest, ()),),
-        0x32: ((WritePidRomRequest, ()),),
-        0x33: ((ReadAccelerationRequest, ()),),
-        0x34: ((WriteAccelerationRamRequest, ()),),
-        0x90: ((ReadEncoderRequest, ()),),
-        0x91: ((WriteEncoderOffsetRomRequest, ()),),
-        0x19: ((WritePositionAsZeroRomRequest, ()),),
-        0x92: ((ReadMultiTurnAngleRequest, ()),),
-        0x94: ((ReadSingleTurnAngleRequest, ()),),
-        0x95: ((ClearAngleRequest, ()),),
-        0x9A: ((ReadStatus1Request, ()),),
-        0x9B: ((ClearErrorsRequest, ()),),
-        0x9C: ((ReadStatus2Request, ()),),
-        0x9D: ((ReadStatus3Request, ()),),
-    }),
-    Route(0x280, 1, None, single=BroadcastTorqueRequest),
-))
-_REPLIES = Router("reply", (
-    Route(0x140, 1, range(1, 33), selector=_key_1, messages={
-        0x80: ((MotorOffReply, ()),),
-        0x88: ((MotorOnReply, ()),),
-        0x81: ((MotorStopReply, ()),),
-        0xA0: ((SetPowerReply, ()),),
-        0xA1: ((SetTorqueReply, ()),),
-        0xA2: ((SetSpeedReply, ()),),
-        0xA3: ((MoveToAngleReply, ()),),
-        0xA4: ((MoveToAngleAtSpeedReply, ()),),
-        0xA5: ((TurnToAngleReply, ()),),
-        0xA6: ((TurnToAngleAtSpeedReply, ()),),
-        0xA7: ((MoveByAngleReply, ()),),
-        0xA8: ((MoveByAngleAtSpeedReply, ()),),
-        0x30: ((ReadPidReply, ()),),
-        0x31: ((WritePidRamReply, ()),),
-        0x32: ((WritePidRomReply, ()),),
-        0x33: ((ReadAccelerationReply, ()),),
-        0x34: ((WriteAccelerationRamReply, ()),),
-        0x90: ((ReadEncoderReply, ()),),
-        0x91: ((WriteEncoderOffsetRomReply, ()),),
-        0x19: ((WritePositionAsZeroRomReply, ()),),
-        0x92: ((ReadMultiTurnAngleReply, ()),),
-        0x94: ((ReadSingleTurnAngleReply, ()),),
-        0x95: ((ClearAngleReply, ()),),
-        0x9A: ((ReadStatus1Reply, ()),),
-        0x9B: ((ClearErrorsReply, ()),),
-        0x9C: ((ReadStatus2Reply, ()),),
-        0x9D: ((ReadStatus3Reply, ()),),
-    }),
-))
-
-R = TypeVar("R", bound=Message)
-
-
-@dataclass(frozen=True)
-class _Answer:
-    """What answers a request: the class, its selectors with what they may be, where it comes from, whether it is an echo.
-
-    It comes from one of `nodes`, or from the node of the request where there are none. `asked` and `told` are the
-    fields of request and reply that hold the node, with the bits that they have of it.
-    """
-
-    reply: type[Message]
-    selectors: tuple[tuple[Reader, tuple[int, ...]], ...]
-    nodes: tuple[int, ...]
-    echo: bool
-    asked: tuple[Reader, int] | None = None
-    told: tuple[Reader, int] | None = None
-
-    def node(self, can_id: int, data: bytes, extended: bool, remote: bool) -> int | None:
-        """The node of a frame that is this reply. Raises CodecError when it is not."""
-        route, node = _REPLIES.find(can_id, extended, remote)
-        if self.reply not in route.classes:
-            raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} is no id of {self.reply.__name__}")
-        if len(data) != self.reply.DLC or route.unused:
-            route.check(self.reply, can_id, data)
-        for read, codes in self.selectors:
-            if read(can_id, data) not in codes:
-                raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not have the code of {self.reply.__name__}")
-        return node
-
-
-_ANSWERS: dict[type[Message], _Answer] = {
-    MotorOffRequest: _Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
-    MotorOnRequest: _Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
-    MotorStopRequest: _Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
-    SetPowerRequest: _Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
-    SetTorqueRequest: _Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
-    SetSpeedRequest: _Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
-    MoveToAngleRequest: _Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
-    MoveToAngleAtSpeedRequest: _Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
-    TurnToAngleRequest: _Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
-    TurnToAngleAtSpeedRequest: _Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
-    MoveByAngleRequest: _Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
-    MoveByAngleAtSpeedRequest: _Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
-    ReadPidRequest: _Answer(ReadPidReply, ((_key_1, (0x30,)),), (), False),
-    WritePidRamRequest: _Answer(WritePidRamReply, ((_key_1, (0x31,)),), (), True),
-    WritePidRomRequest: _Answer(WritePidRomReply, ((_key_1, (0x32,)),), (), True),
-    ReadAccelerationRequest: _Answer(ReadAccelerationReply, ((_key_1, (0x33,)),), (), False),
-    WriteAccelerationRamRequest: _Answer(WriteAccelerationRamReply, ((_key_1, (0x34,)),), (), True),
-    ReadEncoderRequest: _Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
-    WriteEncoderOffsetRomRequest: _Answer(WriteEncoderOffsetRomReply, ((_key_1, (0x91,)),), (), True),
-    WritePositionAsZeroRomRequest: _Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
-    ReadMultiTurnAngleRequest: _Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
-    ReadSingleTurnAngleRequest: _Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
-    ClearAngleRequest: _Answer(ClearAngleReply, ((_key_1, (0x95,)),), (), True),
-    ReadStatus1Request: _Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
-    ClearErrorsRequest: _Answer(ClearErrorsReply, ((_key_1, (0x9A, 0x9B)),), (), False),
-    ReadStatus2Request: _Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
-    ReadStatus3Request: _Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
-    BroadcastTorqueRequest: _Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (1, 2, 3, 4), False),
-}
-
-
-def node_of(direction: str, can_id: int, *, extended: bool = False, remote: bool = False) -> int | None:
-    """The node of an id, as a `request` or a `reply`; None for an id without one. Raises CodecError (unknown_id)."""
-    return (_REQUESTS if direction == "request" else _REPLIES).find(can_id, extended, remote)[1]
-
-
-def ids_of(direction: str, node: int) -> tuple[tuple[int, int, bool, bool], ...]:
-    """The ids of a node, as a `request` or a `reply`: each with the bits of it that messages fill in.
-
-    The last two tell whether it is a 29-bit id, and that of a remote frame.
-    """
-    return tuple((_REQUESTS if direction == "request" else _REPLIES).ids(node))
-
-
-def decode_request(
-    can_id: int, data: bytes, parameters: Parameters = UNKNOWN, *, extended: bool = False, remote: bool = False
-) -> Message:
-    """The request that a frame is. Raises CodecError."""
-    route, node = _REQUESTS.find(can_id, extended, remote)
-    return route.message(can_id, data).unpack(node, can_id, data, parameters)
-
-
-def decode_reply(
-    can_id: int, data: bytes, parameters: Parameters = UNKNOWN, *, extended: bool = False, remote: bool = False
-) -> Message:
-    """The reply that a frame is, judged by itself. Raises CodecError."""
-    route, node = _REPLIES.find(can_id, extended, remote)
-    return route.message(can_id, data).unpack(node, can_id, data, parameters)
-
-
-def decode_answer(
-    request: type[Request[R]],
-    can_id: int,
-    data: bytes,
-    parameters: Parameters = UNKNOWN,
-    *,
-    extended: bool = False,
-    remote: bool = False,
-) -> R:
-    """The reply to a request of that class. Raises CodecError, also (unknown_code) when the frame answers another."""
-    answer = _ANSWERS.get(request)
-    if answer is None:
-        raise not_answer(f"{request.__name__} has no reply")
-    node = answer.node(can_id, data, extended, remote)
-    return cast(R, answer.reply.unpack(node, can_id, data, parameters))
-
-
-def check_reply(
-    request_id: int,
-    request: bytes,
-    reply_id: int,
-    reply: bytes,
-    *,
-    extended: bool = False,
-    remote: bool = False,
-    reply_extended: bool | None = None,
-    reply_remote: bool = False,
-) -> None:
-    """Checks that a frame answers a request. Raises CodecError (not_answer, or why the request cannot be read).
-
-    `extended` and `remote` are those of the request; the reply has the same kind of id unless `reply_extended` says.
-    """
-    route, node = _REQUESTS.find(request_id, extended, remote)
-    sent = route.message(request_id, request)
-    answer = _ANSWERS.get(sent)
-    if answer is None:
-        raise not_answer(f"{sent.__name__} has no reply")
-    try:
-        from_node = answer.node(reply_id, reply, extended if reply_extended is None else reply_extended, reply_remote)
-    except CodecError as error:
-        raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
-    to, mask = (node, -1)
-    if answer.asked and not answer.nodes:
-        to, mask = answer.asked[0](request_id, request), answer.asked[1]
-    expected = answer.nodes or (() if to is None else (to,))
-    sources = [(from_node, mask)]
-    if answer.told:
-        sources.append((answer.told[0](reply_id, reply), mask & answer.told[1]))
-    for source, bits in sources:
-        if source is not None and expected and all((source ^ one) & bits for one in expected):
-            raise not_answer(f"{sent.__name__} went to node {to}, this came from node {source}")
-    if answer.echo and reply != request:
-        raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")
+_dispatcher = Dispatcher(
+    requests=(
+        Route(0x140, 1, range(1, 33), selector=_key_1, messages={
+            0x80: ((MotorOffRequest, ()),),
+            0x88: ((MotorOnRequest, ()),),
+            0x81: ((MotorStopRequest, ()),),
+            0xA0: ((SetPowerRequest, ()),),
+            0xA1: ((SetTorqueRequest, ()),),
+            0xA2: ((SetSpeedRequest, ()),),
+            0xA3: ((MoveToAngleRequest, ()),),
+            0xA4: ((MoveToAngleAtSpeedRequest, ()),),
+            0xA5: ((TurnToAngleRequest, ()),),
+            0xA6: ((TurnToAngleAtSpeedRequest, ()),),
+            0xA7: ((MoveByAngleRequest, ()),),
+            0xA8: ((MoveByAngleAtSpeedRequest, ()),),
+            0x30: ((ReadPidRequest, ()),),
+            0x31: ((WritePidRamRequest, ()),),
+            0x32: ((WritePidRomRequest, ()),),
+            0x33: ((ReadAccelerationRequest, ()),),
+            0x34: ((WriteAccelerationRamRequest, ()),),
+            0x90: ((ReadEncoderRequest, ()),),
+            0x91: ((WriteEncoderOffsetRomRequest, ()),),
+            0x19: ((WritePositionAsZeroRomRequest, ()),),
+            0x92: ((ReadMultiTurnAngleRequest, ()),),
+            0x94: ((ReadSingleTurnAngleRequest, ()),),
+            0x95: ((ClearAngleRequest, ()),),
+            0x9A: ((ReadStatus1Request, ()),),
+            0x9B: ((ClearErrorsRequest, ()),),
+            0x9C: ((ReadStatus2Request, ()),),
+            0x9D: ((ReadStatus3Request, ()),),
+        }),
+        Route(0x280, 1, None, single=BroadcastTorqueRequest),
+    ),
+    replies=(
+        Route(0x140, 1, range(1, 33), selector=_key_1, messages={
+            0x80: ((MotorOffReply, ()),),
+            0x88: ((MotorOnReply, ()),),
+            0x81: ((MotorStopReply, ()),),
+            0xA0: ((SetPowerReply, ()),),
+            0xA1: ((SetTorqueReply, ()),),
+            0xA2: ((SetSpeedReply, ()),),
+            0xA3: ((MoveToAngleReply, ()),),
+            0xA4: ((MoveToAngleAtSpeedReply, ()),),
+            0xA5: ((TurnToAngleReply, ()),),
+            0xA6: ((TurnToAngleAtSpeedReply, ()),),
+            0xA7: ((MoveByAngleReply, ()),),
+            0xA8: ((MoveByAngleAtSpeedReply, ()),),
+            0x30: ((ReadPidReply, ()),),
+            0x31: ((WritePidRamReply, ()),),
+            0x32: ((WritePidRomReply, ()),),
+            0x33: ((ReadAccelerationReply, ()),),
+            0x34: ((WriteAccelerationRamReply, ()),),
+            0x90: ((ReadEncoderReply, ()),),
+            0x91: ((WriteEncoderOffsetRomReply, ()),),
+            0x19: ((WritePositionAsZeroRomReply, ()),),
+            0x92: ((ReadMultiTurnAngleReply, ()),),
+            0x94: ((ReadSingleTurnAngleReply, ()),),
+            0x95: ((ClearAngleReply, ()),),
+            0x9A: ((ReadStatus1Reply, ()),),
+            0x9B: ((ClearErrorsReply, ()),),
+            0x9C: ((ReadStatus2Reply, ()),),
+            0x9D: ((ReadStatus3Reply, ()),),
+        }),
+    ),
+    answers={
+        MotorOffRequest: Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
+        MotorOnRequest: Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
+        MotorStopRequest: Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
+        SetPowerRequest: Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
+        SetTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
+        SetSpeedRequest: Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
+        MoveToAngleRequest: Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
+        MoveToAngleAtSpeedRequest: Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
+        TurnToAngleRequest: Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
+        TurnToAngleAtSpeedRequest: Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
+        MoveByAngleRequest: Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
+        MoveByAngleAtSpeedRequest: Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
+        ReadPidRequest: Answer(ReadPidReply, ((_key_1, (0x30,)),), (), False),
+        WritePidRamRequest: Answer(WritePidRamReply, ((_key_1, (0x31,)),), (), True),
+        WritePidRomRequest: Answer(WritePidRomReply, ((_key_1, (0x32,)),), (), True),
+        ReadAccelerationRequest: Answer(ReadAccelerationReply, ((_key_1, (0x33,)),), (), False),
+        WriteAccelerationRamRequest: Answer(WriteAccelerationRamReply, ((_key_1, (0x34,)),), (), True),
+        ReadEncoderRequest: Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
+        WriteEncoderOffsetRomRequest: Answer(WriteEncoderOffsetRomReply, ((_key_1, (0x91,)),), (), True),
+        WritePositionAsZeroRomRequest: Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
+        ReadMultiTurnAngleRequest: Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
+        ReadSingleTurnAngleRequest: Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
+        ClearAngleRequest: Answer(ClearAngleReply, ((_key_1, (0x95,)),), (), True),
+        ReadStatus1Request: Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
+        ClearErrorsRequest: Answer(ClearErrorsReply, ((_key_1, (0x9A, 0x9B)),), (), False),
+        ReadStatus2Request: Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
+        ReadStatus3Request: Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
+        BroadcastTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (1, 2, 3, 4), False),
+    },
+    unknown=UNKNOWN,
+)
+node_of = _dispatcher.node_of
+ids_of = _dispatcher.ids_of
+decode_request = _dispatcher.decode_request
+decode_reply = _dispatcher.decode_reply
+decode_answer = _dispatcher.decode_answer
+check_reply = _dispatcher.check_reply

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
 from struct import Struct, pack
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ._codec import (
     Bound,
@@ -18,13 +18,10 @@ from ._codec import (
     FieldAbsent,
     Message,
     Number,
-    Reader,
     Real,
     Refusal,
     Reply,
     Request,
-    Route,
-    Router,
     ToNode,
     check_choice,
     check_number,
@@ -34,8 +31,12 @@ from ._codec import (
     missing,
     named,
     node_in,
-    not_answer,
     require,
+)
+from ._dispatch import (
+    Answer,
+    Dispatcher,
+    Route,
 )
 
 if TYPE_CHECKING:
@@ -139,7 +140,6 @@ EDITION = "v2.35-2024-02"
 SPEC_HASH = "50c57c63ef8ef814620467e3fd103d57a6cd5f11c760e9707e590985d518174f"
 
 
-
 class Series(str, Enum):
     """Motor series"""
 
@@ -155,7 +155,7 @@ class Series(str, Enum):
 
 @dataclass(frozen=True)
 class Parameters:
-    """What is known of a node and no frame says; leave out what you do not know."""
+    """What you know of a node and no frame contains; leave out what you do not know."""
 
     series: Series | None = None
     """Motor series. One of MS, MF, MH, MG. Printed on the motor. It decides the ampere scale of the torque
@@ -278,7 +278,7 @@ class ControlParametersTorqueLimit(Message):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -317,7 +317,7 @@ class ControlParametersAccelerationLimit(Message):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -356,7 +356,7 @@ class ControlParametersSpeedLimit(Message):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -380,6 +380,7 @@ class WriteEncoderOffsetRom(Message):
     TYPES = {
         "encoder_offset": ENCODER_POSITION.check,
     }
+    DEFAULTS = UNKNOWN
 
     encoder_offset_raw: int
 
@@ -396,7 +397,7 @@ class WriteEncoderOffsetRom(Message):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -407,7 +408,7 @@ class WriteEncoderOffsetRom(Message):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -443,7 +444,7 @@ class SetAngle(Message):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -454,7 +455,7 @@ class SetAngle(Message):
     def angle(self) -> float:
         """What the present position is to read.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -481,6 +482,7 @@ class MotionFeedback(Message):
         "speed": SPEED.check,
         "encoder": ENCODER_POSITION.check,
     }
+    DEFAULTS = UNKNOWN
 
     temperature_raw: int
     power_raw: int
@@ -512,7 +514,7 @@ class MotionFeedback(Message):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -526,7 +528,7 @@ class MotionFeedback(Message):
         return self
 
     def fields(self) -> tuple[str, ...]:
-        """Names of the fields that are there, under the parameters."""
+        """Names of the fields that exist under the parameters."""
         return self._VARIANTS[known(self.parameters, "series", type(self).__name__)]
 
     _VARIANTS: ClassVar[dict[Any, tuple[str, ...]]] = {
@@ -548,7 +550,7 @@ class MotionFeedback(Message):
     def power(self) -> int:
         """Output power.
 
-        Raw -1000..1000. A bare number, the manual gives it no unit. There under MS only.
+        Raw -1000..1000. A bare number, the manual gives it no unit. Exists under MS only.
         """
         return self.power_raw
 
@@ -556,7 +558,8 @@ class MotionFeedback(Message):
     def iq(self) -> float:
         """Torque current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). There under MF, MH, MG only.
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). Exists under MF, MH, MG
+        only.
         """
         return MEASURED_TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
 
@@ -572,7 +575,7 @@ class MotionFeedback(Message):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -627,7 +630,7 @@ class Status1(Message):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -646,7 +649,7 @@ class Status1(Message):
     def voltage(self) -> float:
         """Supply voltage.
 
-        In V; one raw step is 0.01 V.
+        In V; resolution (1 LSB) 0.01 V.
         """
         return self.voltage_raw / 100
 
@@ -654,7 +657,7 @@ class Status1(Message):
     def current(self) -> float:
         """Supply current.
 
-        In A; one raw step is 0.01 A.
+        In A; resolution (1 LSB) 0.01 A.
         """
         return self.current_raw / 100
 
@@ -777,7 +780,7 @@ class BrakeRequest(Request["BrakeReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -832,7 +835,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -877,6 +880,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     TYPES = {
         "iq": TORQUE_CURRENT.check,
     }
+    DEFAULTS = UNKNOWN
 
     iq_raw: int
 
@@ -893,7 +897,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -904,7 +908,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     def iq(self) -> float:
         """Torque current to hold.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
         return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
 
@@ -951,7 +955,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -962,7 +966,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In °/s; one raw step is 0.01 °/s.
+        In °/s; resolution (1 LSB) 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -995,6 +999,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
         "iq_limit": TORQUE_CURRENT.check,
         "speed": SPEED_SETPOINT.check,
     }
+    DEFAULTS = UNKNOWN
 
     iq_limit_raw: int
     speed_raw: int
@@ -1014,7 +1019,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1025,7 +1030,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
     def iq_limit(self) -> float:
         """Torque current at most.
 
-        In A; one raw step is not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
+        In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
         return TORQUE_CURRENT.value(self.iq_limit_raw, self.parameters, "iq_limit")
 
@@ -1033,7 +1038,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
     def speed(self) -> float:
         """Speed to hold.
 
-        In °/s; one raw step is 0.01 °/s.
+        In °/s; resolution (1 LSB) 0.01 °/s.
         """
         return self.speed_raw / 100
 
@@ -1081,7 +1086,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1092,7 +1097,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1143,7 +1148,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1162,7 +1167,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle over all turns.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1213,7 +1218,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1229,7 +1234,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1284,7 +1289,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1308,7 +1313,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     def angle(self) -> float:
         """Target angle within the turn.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.angle_raw / 100
 
@@ -1355,7 +1360,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1366,7 +1371,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1417,7 +1422,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -1436,7 +1441,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     def increment(self) -> float:
         """Angle to add.
 
-        In °; one raw step is 0.01 °.
+        In °; resolution (1 LSB) 0.01 °.
         """
         return self.increment_raw / 100
 
@@ -1851,7 +1856,7 @@ class BrakeReply(Reply):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2151,6 +2156,7 @@ class ReadEncoderReply(Reply):
         "encoder_measured": ENCODER_POSITION.check,
         "encoder_offset": ENCODER_POSITION.check,
     }
+    DEFAULTS = UNKNOWN
 
     encoder_raw: int
     encoder_measured_raw: int
@@ -2173,7 +2179,7 @@ class ReadEncoderReply(Reply):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2184,7 +2190,7 @@ class ReadEncoderReply(Reply):
     def encoder(self) -> float:
         """Encoder position.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
@@ -2193,7 +2199,7 @@ class ReadEncoderReply(Reply):
     def encoder_measured(self) -> float:
         """Encoder position as measured.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
@@ -2202,7 +2208,7 @@ class ReadEncoderReply(Reply):
     def encoder_offset(self) -> float:
         """Zero of the encoder.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2244,6 +2250,7 @@ class WritePositionAsZeroRomReply(Reply):
     TYPES = {
         "encoder_offset": ENCODER_POSITION.check,
     }
+    DEFAULTS = UNKNOWN
 
     encoder_offset_raw: int
 
@@ -2260,7 +2267,7 @@ class WritePositionAsZeroRomReply(Reply):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2271,7 +2278,7 @@ class WritePositionAsZeroRomReply(Reply):
     def encoder_offset(self) -> float:
         """The zero that was written.
 
-        In °; one raw step is 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
+        In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
         return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
@@ -2313,7 +2320,7 @@ class ReadMultiTurnAngleReply(Reply):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2324,7 +2331,7 @@ class ReadMultiTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle over all turns.
 
-        In °; one raw step is 0.01 °. Positive is clockwise, negative counter-clockwise.
+        In °; resolution (1 LSB) 0.01 °. Positive is clockwise, negative counter-clockwise.
         """
         return self.angle_raw / 100
 
@@ -2350,6 +2357,7 @@ class ReadSingleTurnAngleReply(Reply):
     TYPES = {
         "angle": SINGLE_TURN_POSITION.check,
     }
+    DEFAULTS = UNKNOWN
 
     angle_raw: int
 
@@ -2366,7 +2374,7 @@ class ReadSingleTurnAngleReply(Reply):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2377,7 +2385,7 @@ class ReadSingleTurnAngleReply(Reply):
     def angle(self) -> float:
         """Angle within one turn of the output.
 
-        In °; one raw step is 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
+        In °; resolution (1 LSB) 0.01 °; raw 0..36000*gear_ratio-1. Grows clockwise from the encoder zero and
         starts again at 0 when it gets back there.
         """
         return self.angle_raw / 100
@@ -2467,6 +2475,7 @@ class ReadStatus3Reply(Reply):
         "phase_b": PHASE_CURRENT.check,
         "phase_c": PHASE_CURRENT.check,
     }
+    DEFAULTS = UNKNOWN
 
     temperature_raw: int
     phase_a_raw: int
@@ -2492,7 +2501,7 @@ class ReadStatus3Reply(Reply):
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
-        """The message in these data bytes; its id, length and selector are taken as checked."""
+        """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
         self.node = node
         self.parameters = parameters
@@ -2511,7 +2520,7 @@ class ReadStatus3Reply(Reply):
     def phase_a(self) -> float:
         """Phase A current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
         return PHASE_CURRENT.value(self.phase_a_raw, self.parameters, "phase_a")
 
@@ -2519,7 +2528,7 @@ class ReadStatus3Reply(Reply):
     def phase_b(self) -> float:
         """Phase B current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
         return PHASE_CURRENT.value(self.phase_b_raw, self.parameters, "phase_b")
 
@@ -2527,7 +2536,7 @@ class ReadStatus3Reply(Reply):
     def phase_c(self) -> float:
         """Phase C current.
 
-        In A; one raw step is not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
+        In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
         return PHASE_CURRENT.value(self.phase_c_raw, self.parameters, "phase_c")
 
@@ -2544,227 +2553,120 @@ def _key_2(can_id: int, data: bytes) -> int:
     return data[1]
 
 
-_REQUESTS = Router("request", (
-    Route(0x140, 1, range(1, 33), selector=_key_1, messages={
-        0xB0: (
-            (ReadControlParameterTorqueLimitRequest, ((_key_2, 0x0A),)),
-            (ReadControlParameterAccelerationLimitRequest, ((_key_2, 0x0C),)),
-            (ReadControlParameterSpeedLimitRequest, ((_key_2, 0x0E),)),
-        ),
-        0xB1: (
-            (WriteControlParameterRamTorqueLimitRequest, ((_key_2, 0x0A),)),
-            (WriteControlParameterRamAccelerationLimitRequest, ((_key_2, 0x0C),)),
-            (WriteControlParameterRamSpeedLimitRequest, ((_key_2, 0x0E),)),
-        ),
-        0x80: ((MotorOffRequest, ()),),
-        0x88: ((MotorOnRequest, ()),),
-        0x81: ((MotorStopRequest, ()),),
-        0x8C: ((BrakeRequest, ()),),
-        0xA0: ((SetPowerRequest, ()),),
-        0xA1: ((SetTorqueRequest, ()),),
-        0xA2: ((SetSpeedRequest, ()),),
-        0xAD: ((SetSpeedLimitedRequest, ()),),
-        0xA3: ((MoveToAngleRequest, ()),),
-        0xA4: ((MoveToAngleAtSpeedRequest, ()),),
-        0xA5: ((TurnToAngleRequest, ()),),
-        0xA6: ((TurnToAngleAtSpeedRequest, ()),),
-        0xA7: ((MoveByAngleRequest, ()),),
-        0xA8: ((MoveByAngleAtSpeedRequest, ()),),
-        0x90: ((ReadEncoderRequest, ()),),
-        0x91: ((WriteEncoderOffsetRomRequest, ()),),
-        0x19: ((WritePositionAsZeroRomRequest, ()),),
-        0x92: ((ReadMultiTurnAngleRequest, ()),),
-        0x94: ((ReadSingleTurnAngleRequest, ()),),
-        0x95: ((SetAngleRequest, ()),),
-        0x9A: ((ReadStatus1Request, ()),),
-        0x9B: ((ClearErrorsRequest, ()),),
-        0x9C: ((ReadStatus2Request, ()),),
-        0x9D: ((ReadStatus3Request, ()),),
-    }),
-))
-_REPLIES = Router("reply", (
-    Route(0x140, 1, range(1, 33), selector=_key_1, messages={
-        0xB0: (
-            (ReadControlParameterTorqueLimitReply, ((_key_2, 0x0A),)),
-            (ReadControlParameterAccelerationLimitReply, ((_key_2, 0x0C),)),
-            (ReadControlParameterSpeedLimitReply, ((_key_2, 0x0E),)),
-        ),
-        0xB1: (
-            (WriteControlParameterRamTorqueLimitReply, ((_key_2, 0x0A),)),
-            (WriteControlParameterRamAccelerationLimitReply, ((_key_2, 0x0C),)),
-            (WriteControlParameterRamSpeedLimitReply, ((_key_2, 0x0E),)),
-        ),
-        0x80: ((MotorOffReply, ()),),
-        0x88: ((MotorOnReply, ()),),
-        0x81: ((MotorStopReply, ()),),
-        0x8C: ((BrakeReply, ()),),
-        0xA0: ((SetPowerReply, ()),),
-        0xA1: ((SetTorqueReply, ()),),
-        0xA2: ((SetSpeedReply, ()),),
-        0xAD: ((SetSpeedLimitedReply, ()),),
-        0xA3: ((MoveToAngleReply, ()),),
-        0xA4: ((MoveToAngleAtSpeedReply, ()),),
-        0xA5: ((TurnToAngleReply, ()),),
-        0xA6: ((TurnToAngleAtSpeedReply, ()),),
-        0xA7: ((MoveByAngleReply, ()),),
-        0xA8: ((MoveByAngleAtSpeedReply, ()),),
-        0x90: ((ReadEncoderReply, ()),),
-        0x91: ((WriteEncoderOffsetRomReply, ()),),
-        0x19: ((WritePositionAsZeroRomReply, ()),),
-        0x92: ((ReadMultiTurnAngleReply, ()),),
-        0x94: ((ReadSingleTurnAngleReply, ()),),
-        0x95: ((SetAngleReply, ()),),
-        0x9A: ((ReadStatus1Reply, ()),),
-        0x9B: ((ClearErrorsReply, ()),),
-        0x9C: ((ReadStatus2Reply, ()),),
-        0x9D: ((ReadStatus3Reply, ()),),
-    }),
-))
-
-R = TypeVar("R", bound=Message)
-
-
-@dataclass(frozen=True)
-class _Answer:
-    """What answers a request: the class, its selectors with what they may be, where it comes from, whether it is an echo.
-
-    It comes from one of `nodes`, or from the node of the request where there are none. `asked` and `told` are the
-    fields of request and reply that hold the node, with the bits that they have of it.
-    """
-
-    reply: type[Message]
-    selectors: tuple[tuple[Reader, tuple[int, ...]], ...]
-    nodes: tuple[int, ...]
-    echo: bool
-    asked: tuple[Reader, int] | None = None
-    told: tuple[Reader, int] | None = None
-
-    def node(self, can_id: int, data: bytes, extended: bool, remote: bool) -> int | None:
-        """The node of a frame that is this reply. Raises CodecError when it is not."""
-        route, node = _REPLIES.find(can_id, extended, remote)
-        if self.reply not in route.classes:
-            raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} is no id of {self.reply.__name__}")
-        if len(data) != self.reply.DLC or route.unused:
-            route.check(self.reply, can_id, data)
-        for read, codes in self.selectors:
-            if read(can_id, data) not in codes:
-                raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not have the code of {self.reply.__name__}")
-        return node
-
-
-_ANSWERS: dict[type[Message], _Answer] = {
-    MotorOffRequest: _Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
-    MotorOnRequest: _Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
-    MotorStopRequest: _Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
-    BrakeRequest: _Answer(BrakeReply, ((_key_1, (0x8C,)),), (), False),
-    SetPowerRequest: _Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
-    SetTorqueRequest: _Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
-    SetSpeedRequest: _Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
-    SetSpeedLimitedRequest: _Answer(SetSpeedLimitedReply, ((_key_1, (0xAD,)),), (), False),
-    MoveToAngleRequest: _Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
-    MoveToAngleAtSpeedRequest: _Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
-    TurnToAngleRequest: _Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
-    TurnToAngleAtSpeedRequest: _Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
-    MoveByAngleRequest: _Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
-    MoveByAngleAtSpeedRequest: _Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
-    ReadControlParameterTorqueLimitRequest: _Answer(ReadControlParameterTorqueLimitReply, ((_key_1, (0xB0,)), (_key_2, (0x0A,))), (), False),
-    ReadControlParameterAccelerationLimitRequest: _Answer(ReadControlParameterAccelerationLimitReply, ((_key_1, (0xB0,)), (_key_2, (0x0C,))), (), False),
-    ReadControlParameterSpeedLimitRequest: _Answer(ReadControlParameterSpeedLimitReply, ((_key_1, (0xB0,)), (_key_2, (0x0E,))), (), False),
-    WriteControlParameterRamTorqueLimitRequest: _Answer(WriteControlParameterRamTorqueLimitReply, ((_key_1, (0xB1,)), (_key_2, (0x0A,))), (), False),
-    WriteControlParameterRamAccelerationLimitRequest: _Answer(WriteControlParameterRamAccelerationLimitReply, ((_key_1, (0xB1,)), (_key_2, (0x0C,))), (), False),
-    WriteControlParameterRamSpeedLimitRequest: _Answer(WriteControlParameterRamSpeedLimitReply, ((_key_1, (0xB1,)), (_key_2, (0x0E,))), (), False),
-    ReadEncoderRequest: _Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
-    WriteEncoderOffsetRomRequest: _Answer(WriteEncoderOffsetRomReply, ((_key_1, (0x91,)),), (), True),
-    WritePositionAsZeroRomRequest: _Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
-    ReadMultiTurnAngleRequest: _Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
-    ReadSingleTurnAngleRequest: _Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
-    SetAngleRequest: _Answer(SetAngleReply, ((_key_1, (0x95,)),), (), True),
-    ReadStatus1Request: _Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
-    ClearErrorsRequest: _Answer(ClearErrorsReply, ((_key_1, (0x9B,)),), (), False),
-    ReadStatus2Request: _Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
-    ReadStatus3Request: _Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
-}
-
-
-def node_of(direction: str, can_id: int, *, extended: bool = False, remote: bool = False) -> int | None:
-    """The node of an id, as a `request` or a `reply`; None for an id without one. Raises CodecError (unknown_id)."""
-    return (_REQUESTS if direction == "request" else _REPLIES).find(can_id, extended, remote)[1]
-
-
-def ids_of(direction: str, node: int) -> tuple[tuple[int, int, bool, bool], ...]:
-    """The ids of a node, as a `request` or a `reply`: each with the bits of it that messages fill in.
-
-    The last two tell whether it is a 29-bit id, and that of a remote frame.
-    """
-    return tuple((_REQUESTS if direction == "request" else _REPLIES).ids(node))
-
-
-def decode_request(
-    can_id: int, data: bytes, parameters: Parameters = UNKNOWN, *, extended: bool = False, remote: bool = False
-) -> Message:
-    """The request that a frame is. Raises CodecError."""
-    route, node = _REQUESTS.find(can_id, extended, remote)
-    return route.message(can_id, data).unpack(node, can_id, data, parameters)
-
-
-def decode_reply(
-    can_id: int, data: bytes, parameters: Parameters = UNKNOWN, *, extended: bool = False, remote: bool = False
-) -> Message:
-    """The reply that a frame is, judged by itself. Raises CodecError."""
-    route, node = _REPLIES.find(can_id, extended, remote)
-    return route.message(can_id, data).unpack(node, can_id, data, parameters)
-
-
-def decode_answer(
-    request: type[Request[R]],
-    can_id: int,
-    data: bytes,
-    parameters: Parameters = UNKNOWN,
-    *,
-    extended: bool = False,
-    remote: bool = False,
-) -> R:
-    """The reply to a request of that class. Raises CodecError, also (unknown_code) when the frame answers another."""
-    answer = _ANSWERS.get(request)
-    if answer is None:
-        raise not_answer(f"{request.__name__} has no reply")
-    node = answer.node(can_id, data, extended, remote)
-    return cast(R, answer.reply.unpack(node, can_id, data, parameters))
-
-
-def check_reply(
-    request_id: int,
-    request: bytes,
-    reply_id: int,
-    reply: bytes,
-    *,
-    extended: bool = False,
-    remote: bool = False,
-    reply_extended: bool | None = None,
-    reply_remote: bool = False,
-) -> None:
-    """Checks that a frame answers a request. Raises CodecError (not_answer, or why the request cannot be read).
-
-    `extended` and `remote` are those of the request; the reply has the same kind of id unless `reply_extended` says.
-    """
-    route, node = _REQUESTS.find(request_id, extended, remote)
-    sent = route.message(request_id, request)
-    answer = _ANSWERS.get(sent)
-    if answer is None:
-        raise not_answer(f"{sent.__name__} has no reply")
-    try:
-        from_node = answer.node(reply_id, reply, extended if reply_extended is None else reply_extended, reply_remote)
-    except CodecError as error:
-        raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
-    to, mask = (node, -1)
-    if answer.asked and not answer.nodes:
-        to, mask = answer.asked[0](request_id, request), answer.asked[1]
-    expected = answer.nodes or (() if to is None else (to,))
-    sources = [(from_node, mask)]
-    if answer.told:
-        sources.append((answer.told[0](reply_id, reply), mask & answer.told[1]))
-    for source, bits in sources:
-        if source is not None and expected and all((source ^ one) & bits for one in expected):
-            raise not_answer(f"{sent.__name__} went to node {to}, this came from node {source}")
-    if answer.echo and reply != request:
-        raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")
+_dispatcher = Dispatcher(
+    requests=(
+        Route(0x140, 1, range(1, 33), selector=_key_1, messages={
+            0xB0: (
+                (ReadControlParameterTorqueLimitRequest, ((_key_2, 0x0A),)),
+                (ReadControlParameterAccelerationLimitRequest, ((_key_2, 0x0C),)),
+                (ReadControlParameterSpeedLimitRequest, ((_key_2, 0x0E),)),
+            ),
+            0xB1: (
+                (WriteControlParameterRamTorqueLimitRequest, ((_key_2, 0x0A),)),
+                (WriteControlParameterRamAccelerationLimitRequest, ((_key_2, 0x0C),)),
+                (WriteControlParameterRamSpeedLimitRequest, ((_key_2, 0x0E),)),
+            ),
+            0x80: ((MotorOffRequest, ()),),
+            0x88: ((MotorOnRequest, ()),),
+            0x81: ((MotorStopRequest, ()),),
+            0x8C: ((BrakeRequest, ()),),
+            0xA0: ((SetPowerRequest, ()),),
+            0xA1: ((SetTorqueRequest, ()),),
+            0xA2: ((SetSpeedRequest, ()),),
+            0xAD: ((SetSpeedLimitedRequest, ()),),
+            0xA3: ((MoveToAngleRequest, ()),),
+            0xA4: ((MoveToAngleAtSpeedRequest, ()),),
+            0xA5: ((TurnToAngleRequest, ()),),
+            0xA6: ((TurnToAngleAtSpeedRequest, ()),),
+            0xA7: ((MoveByAngleRequest, ()),),
+            0xA8: ((MoveByAngleAtSpeedRequest, ()),),
+            0x90: ((ReadEncoderRequest, ()),),
+            0x91: ((WriteEncoderOffsetRomRequest, ()),),
+            0x19: ((WritePositionAsZeroRomRequest, ()),),
+            0x92: ((ReadMultiTurnAngleRequest, ()),),
+            0x94: ((ReadSingleTurnAngleRequest, ()),),
+            0x95: ((SetAngleRequest, ()),),
+            0x9A: ((ReadStatus1Request, ()),),
+            0x9B: ((ClearErrorsRequest, ()),),
+            0x9C: ((ReadStatus2Request, ()),),
+            0x9D: ((ReadStatus3Request, ()),),
+        }),
+    ),
+    replies=(
+        Route(0x140, 1, range(1, 33), selector=_key_1, messages={
+            0xB0: (
+                (ReadControlParameterTorqueLimitReply, ((_key_2, 0x0A),)),
+                (ReadControlParameterAccelerationLimitReply, ((_key_2, 0x0C),)),
+                (ReadControlParameterSpeedLimitReply, ((_key_2, 0x0E),)),
+            ),
+            0xB1: (
+                (WriteControlParameterRamTorqueLimitReply, ((_key_2, 0x0A),)),
+                (WriteControlParameterRamAccelerationLimitReply, ((_key_2, 0x0C),)),
+                (WriteControlParameterRamSpeedLimitReply, ((_key_2, 0x0E),)),
+            ),
+            0x80: ((MotorOffReply, ()),),
+            0x88: ((MotorOnReply, ()),),
+            0x81: ((MotorStopReply, ()),),
+            0x8C: ((BrakeReply, ()),),
+            0xA0: ((SetPowerReply, ()),),
+            0xA1: ((SetTorqueReply, ()),),
+            0xA2: ((SetSpeedReply, ()),),
+            0xAD: ((SetSpeedLimitedReply, ()),),
+            0xA3: ((MoveToAngleReply, ()),),
+            0xA4: ((MoveToAngleAtSpeedReply, ()),),
+            0xA5: ((TurnToAngleReply, ()),),
+            0xA6: ((TurnToAngleAtSpeedReply, ()),),
+            0xA7: ((MoveByAngleReply, ()),),
+            0xA8: ((MoveByAngleAtSpeedReply, ()),),
+            0x90: ((ReadEncoderReply, ()),),
+            0x91: ((WriteEncoderOffsetRomReply, ()),),
+            0x19: ((WritePositionAsZeroRomReply, ()),),
+            0x92: ((ReadMultiTurnAngleReply, ()),),
+            0x94: ((ReadSingleTurnAngleReply, ()),),
+            0x95: ((SetAngleReply, ()),),
+            0x9A: ((ReadStatus1Reply, ()),),
+            0x9B: ((ClearErrorsReply, ()),),
+            0x9C: ((ReadStatus2Reply, ()),),
+            0x9D: ((ReadStatus3Reply, ()),),
+        }),
+    ),
+    answers={
+        MotorOffRequest: Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
+        MotorOnRequest: Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
+        MotorStopRequest: Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
+        BrakeRequest: Answer(BrakeReply, ((_key_1, (0x8C,)),), (), False),
+        SetPowerRequest: Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
+        SetTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
+        SetSpeedRequest: Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
+        SetSpeedLimitedRequest: Answer(SetSpeedLimitedReply, ((_key_1, (0xAD,)),), (), False),
+        MoveToAngleRequest: Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
+        MoveToAngleAtSpeedRequest: Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
+        TurnToAngleRequest: Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
+        TurnToAngleAtSpeedRequest: Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
+        MoveByAngleRequest: Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
+        MoveByAngleAtSpeedRequest: Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
+        ReadControlParameterTorqueLimitRequest: Answer(ReadControlParameterTorqueLimitReply, ((_key_1, (0xB0,)), (_key_2, (0x0A,))), (), False),
+        ReadControlParameterAccelerationLimitRequest: Answer(ReadControlParameterAccelerationLimitReply, ((_key_1, (0xB0,)), (_key_2, (0x0C,))), (), False),
+        ReadControlParameterSpeedLimitRequest: Answer(ReadControlParameterSpeedLimitReply, ((_key_1, (0xB0,)), (_key_2, (0x0E,))), (), False),
+        WriteControlParameterRamTorqueLimitRequest: Answer(WriteControlParameterRamTorqueLimitReply, ((_key_1, (0xB1,)), (_key_2, (0x0A,))), (), False),
+        WriteControlParameterRamAccelerationLimitRequest: Answer(WriteControlParameterRamAccelerationLimitReply, ((_key_1, (0xB1,)), (_key_2, (0x0C,))), (), False),
+        WriteControlParameterRamSpeedLimitRequest: Answer(WriteControlParameterRamSpeedLimitReply, ((_key_1, (0xB1,)), (_key_2, (0x0E,))), (), False),
+        ReadEncoderRequest: Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
+        WriteEncoderOffsetRomRequest: Answer(WriteEncoderOffsetRomReply, ((_key_1, (0x91,)),), (), True),
+        WritePositionAsZeroRomRequest: Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
+        ReadMultiTurnAngleRequest: Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
+        ReadSingleTurnAngleRequest: Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
+        SetAngleRequest: Answer(SetAngleReply, ((_key_1, (0x95,)),), (), True),
+        ReadStatus1Request: Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
+        ClearErrorsRequest: Answer(ClearErrorsReply, ((_key_1, (0x9B,)),), (), False),
+        ReadStatus2Request: Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
+        ReadStatus3Request: Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
+    },
+    unknown=UNKNOWN,
+)
+node_of = _dispatcher.node_of
+ids_of = _dispatcher.ids_of
+decode_request = _dispatcher.decode_request
+decode_reply = _dispatcher.decode_reply
+decode_answer = _dispatcher.decode_answer
+check_reply = _dispatcher.check_reply

@@ -12,8 +12,11 @@ from rich.text import Text as RichText
 from ..diagnostics.diagnostic import nearest
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting
-from ..model.edition import Command, Edition, Field, IdRule, Layout, Level, Message, ReplyForm
-from ..targets import Described
+from ..model.edition import Edition
+from ..model.layout import Field, Layout, ReservedRole
+from ..model.message import Command, EchoReply, IdRule, Message, OtherReply, SharedReply
+from ..model.metadata import Level
+from ..targets.base import Described
 
 _STYLES = {Level.NOTE: "cyan", Level.WARNING: "yellow", Level.DANGER: "bold red"}
 
@@ -77,11 +80,14 @@ def _facts(command: Command, language: str) -> Iterator[RichText]:
 
 
 def _reply_form(command: Command) -> str:
-    form = {
-        ReplyForm.ECHO: "the request comes back",
-        ReplyForm.OTHER: f"that of {command.reply_of}",
-        ReplyForm.LAYOUT: f"the shared layout {command.reply.layout.name}" if command.reply else "",
-    }.get(command.reply_form, "")
+    form = ""
+    for reply in command.replies:
+        if isinstance(reply, EchoReply):
+            form = "the request comes back"
+        elif isinstance(reply, OtherReply):
+            form = f"that of {reply.of}"
+        elif isinstance(reply, SharedReply):
+            form = f"the shared layout {reply.message.layout.name}"
     each = f"one from each of {', '.join(map(str, command.from_each))}, in this order" if command.from_each else ""
     return ", ".join(part for part in (form, each) if part)
 
@@ -131,8 +137,8 @@ def _relevant(command: Command, layout: Layout, field: Field) -> tuple[str, ...]
 
 def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
     type_ = field.type
-    if field.constant is not None:
-        return "constant" if field.checked else "reserved, sent as", str(field.constant)
+    if field.fixed is not None:
+        return "reserved, sent as" if isinstance(field.role, ReservedRole) else "constant", str(field.fixed)
     if type_.enum:
         return "\n".join(f"{m.value} {m.name}" for m in type_.enum), ""
     if type_.flags:

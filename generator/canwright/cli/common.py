@@ -13,8 +13,8 @@ import click
 from ..diagnostics.diagnostic import Diagnostic, SpecError, near
 from ..model.formatting import counted
 from ..project.loader import Loaded, all_loaded, spec_files
-from ..project.pipeline import TARGETS
-from ..targets import Described
+from ..targets.base import Described
+from ..targets.registry import target_names
 from .printers import PRINTERS
 
 SPEC_FOLDER = Path("spec")
@@ -63,7 +63,7 @@ target_option = click.option(
     "--target",
     "targets",
     multiple=True,
-    type=click.Choice(list(TARGETS)),
+    type=click.Choice(target_names()),
     help="A target; may be given several times.  [default: all]",
 )
 format_option = click.option(

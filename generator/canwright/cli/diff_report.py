@@ -15,6 +15,7 @@ from ..diagnostics.diagnostic import DocumentPath, Position
 from ..model import formatting
 from ..project.loader import Loaded
 from ..targets.docs.text import markdown as markdown_text
+from ..targets.registry import targets
 from .printers import annotation
 
 _COLOURS = {Impact.SILENT: "red", Impact.LOUD: "yellow", Impact.BUILD: "cyan", Impact.SAFE: "green"}
@@ -36,7 +37,7 @@ class Comparison:
 
     @classmethod
     def of(cls, old: Loaded, new: Loaded) -> Comparison:
-        return cls(old, new, compare(old.described.edition, new.described.edition))
+        return cls(old, new, compare(old.described.edition, new.described.edition, targets()))
 
     @property
     def title(self) -> str:

@@ -9,11 +9,12 @@ from pathlib import Path
 import click
 
 from ..diagnostics.diagnostic import Diagnostic, Position, Severity
-from ..model.edition import Assignment
+from ..model.types import Assignment
 from ..output.paths import OutputError
 from ..output.writer import Content, difference, held, write
-from ..project.pipeline import TARGETS, generate as make
-from ..targets import Described
+from ..project.pipeline import generate as make
+from ..targets.base import Described
+from ..targets.registry import target_names
 from .common import (
     FINDINGS,
     OUT_FOLDER,
@@ -120,4 +121,4 @@ def _report(warnings: Sequence[Diagnostic], message: str, printer: str, strict: 
 
 def _content(described: Sequence[Described], targets: Sequence[str], set_parameters: Assignment, out: Path) -> Content:
     """What is made for a folder, beside what it holds. Raises OutputError."""
-    return make(described, targets or list(TARGETS), set_parameters, held(out))
+    return make(described, targets or target_names(), set_parameters, held(out))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..model.edition import Assignment
+from ..model.types import Assignment
 from ..semantics import parameters
-from ..targets import Described
+from ..targets.base import Described
 from .common import stop
 
 

@@ -1,19 +1,29 @@
-"""Two editions compared: every change, what kind it is, and who is hit by it."""
+"""Two editions compared: every change, its category, and who is affected.
+
+Belongs here: matching the items of two editions, the catalogue of changes, and their impact. What names a target
+exports is passed in. Imports `diagnostics`, `model` and `semantics`.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from ..model.edition import Edition
 from . import commands, edition_changes, renames
 from .catalogue import CHANGES as CHANGES
 from .change import Category as Category, Change as Change, Impact as Impact, Item as Item, Side as Side
 from .collector import Found
+from .exported_names import ExportedNames, Exporter
 
 _CATEGORIES, _IMPACTS = list(Category), list(Impact)
 
 
-def compare(old: Edition, new: Edition) -> tuple[Change, ...]:
-    """Every change from `old` to `new`, in the order of the specs, what surrounds the commands first."""
-    found = Found()
+def compare(old: Edition, new: Edition, exporters: Sequence[Exporter] = ()) -> tuple[Change, ...]:
+    """Every change from `old` to `new`, in the order of the specs; what surrounds the commands comes first.
+
+    A renamed item is reported with its names in each of the `exporters`, which are targets.
+    """
+    found = Found(ExportedNames(exporters, old, new))
     old = renames.compare(found, old, new)
     edition_changes.compare(found, old, new)
     commands.compare(found, old, new)

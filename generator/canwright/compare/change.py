@@ -8,7 +8,8 @@ from enum import Enum
 from types import MappingProxyType
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..model.edition import Direction, Entry, Text
+from ..model.message import Direction, Entry
+from ..model.types import Text
 
 
 class Category(str, Enum):

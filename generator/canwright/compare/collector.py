@@ -9,9 +9,10 @@ from typing import Protocol
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Text
+from ..model.types import Text
 from .catalogue import CHANGES
 from .change import Change, Fact, Impact, Item, Said, Side
+from .exported_names import ExportedNames
 
 _ORDER = list(Impact)
 
@@ -41,7 +42,8 @@ class Titled(Protocol):
 class Found:
     """Collects changes. One that is found again for another command is the same change."""
 
-    def __init__(self) -> None:
+    def __init__(self, names: ExportedNames) -> None:
+        self._names = names
         self._changes: dict[object, Change] = {}
         self.moved: dict[DocumentPath, DocumentPath] = {}
         """Where the old edition has what is compared under a new name."""
@@ -58,9 +60,7 @@ class Found:
         **facts: Fact,
     ) -> None:
         """A change by `rule`; `old` and `new` are where it stands."""
-        for now, was in self.moved.items():
-            if old is not None and old[: len(now)] == now:
-                old = (*was, *old[len(now) :])
+        old = None if old is None else self._original(old)
         told = tuple((name, _frozen(fact)) for name, fact in facts.items())
         key = (rule, item, told, old, new)
         known = self._changes.get(key)
@@ -75,7 +75,16 @@ class Found:
 
     def renamed(self, rule: str, item: Item, old: DocumentPath, new: DocumentPath, use: Use, /, **facts: Fact) -> None:
         """A change of a name alone."""
+        if "{names}" in CHANGES[rule].says:
+            facts["names"] = self._names.renamed(self._original(old), new) or f"`{facts['old']}` → `{facts['new']}`"
         self.add(rule, item, old, new, Impact.BUILD, use, **facts)
+
+    def _original(self, path: DocumentPath) -> DocumentPath:
+        """Where the old edition has an item, given its path under new names."""
+        for now, was in self.moved.items():
+            if path[: len(now)] == now:
+                path = (*was, *path[len(now) :])
+        return path
 
     def section(self, item: Item, places: tuple[DocumentPath, DocumentPath], old: str, new: str, use: Use) -> None:
         """A change of the section of the manual."""

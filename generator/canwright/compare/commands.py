@@ -7,8 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Command, Direction, Edition, Effect, Level, Message, ReplyForm
-from . import api, discriminators, fields, match
+from ..model.edition import Edition
+from ..model.message import Command, Direction, EchoReply, Message, OtherReply, SharedReply
+from ..model.metadata import Effect, Level
+from . import discriminators, fields, match
 from .change import Fact, Impact, Item, Said, Side
 from .collector import Found, Use, listed
 from .fields import Editions
@@ -79,7 +81,7 @@ def messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, M
 
 def _is_another(old: Command, new: Command, one: Message, other: Message) -> bool:
     """Whether a reply needs no look: it is an echo in both editions, or in one and has nothing of the other's."""
-    echoes = (old.reply_form is ReplyForm.ECHO) + (new.reply_form is ReplyForm.ECHO)
+    echoes = old.is_echoed + new.is_echoed
     if echoes == 2:
         return old.request is not None and new.request is not None
     return echoes == 1 and not match.fields(one.layout, other.layout).pairs
@@ -139,7 +141,7 @@ def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
         names = {"old": old.entry.name, "new": new.entry.name}
         found.renamed("entry-renamed", entry, old.entry.path, new.entry.path, use, **names)
     elif old.group != new.group:
-        names = {"old": old.group, "new": new.group, "names": api.command(old.name, new.name)}
+        names = {"old": old.group, "new": new.group}
         found.renamed("command-renamed", item, *where, use, **names)
     discriminators.compare(found, both, old, new)
     _facts(found, both, old, new)
@@ -242,7 +244,7 @@ def _reply(found: Found, old: Command, new: Command) -> None:
     one, other = _form(old), _form(new)
     if one != other:
         impact = Impact.LOUD if other == "none" else Impact.SAFE if one == "none" else Impact.SILENT
-        layouts = [c.reply.layout.name if c.reply_form is ReplyForm.LAYOUT and c.reply else "" for c in (old, new)]
+        layouts = ["".join(r.message.layout.name for r in c.replies if isinstance(r, SharedReply)) for c in (old, new)]
         facts = {"old": layouts[0] or one, "new": layouts[1] or other}
         found.add("reply-form-changed", item, *where, impact, use, **facts)
     if old.from_each != new.from_each:
@@ -262,9 +264,11 @@ def _repliers(command: Command) -> Fact:
 
 def _form(command: Command) -> str:
     """The form as far as it decides what comes back: whose layout the fields are in does not."""
-    if command.reply_form is ReplyForm.OTHER:
-        return f"of {command.reply_of}"
-    return "fields" if command.reply_form in (ReplyForm.OWN, ReplyForm.LAYOUT) else command.reply_form.value
+    for reply in command.replies:
+        if isinstance(reply, OtherReply):
+            return f"of {reply.of}"
+        return "echo" if isinstance(reply, EchoReply) else "fields"
+    return "none"
 
 
 def _message(found: Found, both: Editions, old: Command, new: Command, one: Message, other: Message) -> None:
@@ -275,9 +279,9 @@ def _message(found: Found, both: Editions, old: Command, new: Command, one: Mess
         paths = (*one.path, key), (*other.path, key)
         found.add(rule, item, *paths, impact, use, old=before, new=after, **facts)
 
-    own = [m.keys[0].value if m.keys else None for m in (one, other)]
+    own = [discriminators.code_sent(m) for m in (one, other)]
     if own != [old.code, new.code] and own[0] != own[1]:
-        known = other.keys and other.keys[0].value in one.accept
+        known = own[1] in one.accept
         add(
             "reply-code-changed",
             Impact.SAFE if known else Impact.LOUD,

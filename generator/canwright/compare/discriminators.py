@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Command, Edition, Key, Message
+from ..model.edition import Edition
+from ..model.message import Command, Key, KeyRole, Message
 from .change import Impact, Item, Said, Side
 from .collector import Found, Use, listed
 from .fields import Editions
@@ -17,10 +18,15 @@ def code(value: int | None) -> str:
     return Said("none") if value is None else f"0x{value:02X}"
 
 
+def code_sent(message: Message) -> int | None:
+    """The code in a message, which may differ from its command's."""
+    return next((key.value for key in message.keys if key.role is KeyRole.CODE), None)
+
+
 def index(command: Command) -> str:
     """The index of an entry, as `0x05, 0x0A`."""
     message = command.request or command.reply
-    return listed(code(key.value) for key in message.keys if key.is_index) if message else Said("none")
+    return listed(code(key.value) for key in message.keys if key.role is KeyRole.INDEX) if message else Said("none")
 
 
 def compare(found: Found, both: Editions, old: Command, new: Command) -> None:
@@ -52,7 +58,7 @@ def compare(found: Found, both: Editions, old: Command, new: Command) -> None:
 
 def _constants(found: Found, old: Message, new: Message, use: Use) -> None:
     """Constants that tell one message from others, as a code does."""
-    before, after = ({k.name: k for k in m.keys if k.name != "code" and not k.is_index} for m in (old, new))
+    before, after = ({k.name: k for k in m.keys if k.role is KeyRole.CONSTANT} for m in (old, new))
     item = Item("command", use.commands[0])
     for name in before.keys() & after.keys():
         one, other = before[name], after[name]
@@ -68,7 +74,7 @@ def _constants(found: Found, old: Message, new: Message, use: Use) -> None:
 
 def _one_selector(edition: Edition) -> bool:
     """Whether all frames have their code in the same bits."""
-    return len({m.keys[0].segments for m in edition.all_messages() if m.keys and m.keys[0].name == "code"}) < 2
+    return len({m.keys[0].segments for m in edition.all_messages() if m.keys and m.keys[0].role is KeyRole.CODE}) < 2
 
 
 def _places(
@@ -76,20 +82,20 @@ def _places(
 ) -> None:
     """Where the code stands, and the index of a table."""
 
-    def stand(keys: Sequence[Key]) -> str:
-        return listed(formatting.place(k.space, k.segments) for k in keys)
+    def stand(keys: Sequence[Key], role: KeyRole) -> str:
+        return listed(formatting.place(k.space, k.segments) for k in keys if k.role is role)
 
-    first = [keys[: 1 if keys and keys[0].name == "code" else 0] for keys in (one, other)]
-    rest = [keys[len(lead) :] for keys, lead in zip((one, other), first, strict=True)]
-    if stand(first[0]) != stand(first[1]):
-        facts = {"old": stand(first[0]), "new": stand(first[1])}
+    stood = [stand(one, KeyRole.CODE), stand(other, KeyRole.CODE)]
+    if stood[0] != stood[1]:
+        facts = {"old": stood[0], "new": stood[1]}
         whole = _one_selector(both.old) and _one_selector(both.new)
         item = Item("edition", "") if whole else Item("address", old.address)
         paths: list[DocumentPath] = [
             ("selector",) if whole else ("addresses", c.address, "selector") for c in (old, new)
         ]
         found.add("code-moved", item, paths[0], paths[1], Impact.LOUD, use, **facts)
-    if old.entry and new.entry and stand(rest[0]) != stand(rest[1]):
-        facts = {"old": stand(rest[0]), "new": stand(rest[1])}
+    stood = [stand(one, KeyRole.INDEX), stand(other, KeyRole.INDEX)]
+    if old.entry and new.entry and stood[0] != stood[1]:
+        facts = {"old": stood[0], "new": stood[1]}
         was, now = ("tables", old.entry.table, "index"), ("tables", new.entry.table, "index")
         found.add("index-moved", Item("table", old.entry.table), was, now, Impact.LOUD, use, **facts)

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Address, Bus, Direction, Edition, Erratum, IdRule, Mode, Parameter, Setting, Text
-from . import api
+from ..model.edition import Edition
+from ..model.message import Address, Direction, IdRule
+from ..model.metadata import Bus, Erratum, Mode, Setting
+from ..model.types import Parameter, Text
 from .change import Fact, Impact, Item, Said, Side
 from .collector import BOTH_SIDES, Found, Use, differ, listed, section
 from .match import Matched, T, by_name
@@ -126,7 +128,7 @@ def _taken(old: IdRule, new: IdRule) -> bool:
 def _bus(found: Found, old: Bus, new: Bus) -> None:
     item = Item("bus", "")
     if old.host != new.host:
-        names = {"old": old.host, "new": new.host, "names": api.host(old.host, new.host)}
+        names = {"old": old.host, "new": new.host}
         found.renamed("host-renamed", item, ("bus", "host"), ("bus", "host"), BOTH_SIDES, **names)
     found.section(item, (("bus",), ("bus",)), old.manual, new.manual, Use())
     matched = by_name(old.modes, new.modes)

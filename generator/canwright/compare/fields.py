@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Edition, Encoding, Field, Layout, Type
-from . import api, match, quantities
+from ..model.edition import Edition
+from ..model.layout import Field, Layout, NodeRole, ReservedRole
+from ..model.types import Encoding, Type
+from . import match, quantities
 from .change import Fact, Impact, Item, Said, Side
 from .collector import Found, Use, listed
 
@@ -27,8 +29,7 @@ def compare(found: Found, both: Editions, command: str, old: Layout, new: Layout
     """All changes of one layout, as it is used by a message of `command`."""
     item = _item(command, old, new)
     if item.kind == "layout" and both.layouts.get(old.name) == new.name:
-        names = api.layout(old.name, new.name)
-        found.renamed("layout-renamed", item, old.path, new.path, use, old=old.name, new=new.name, names=names)
+        found.renamed("layout-renamed", item, old.path, new.path, use, old=old.name, new=new.name)
     if item.kind == "layout":
         found.texts(item, (old.path, new.path), old, new)
         found.section(item, (old.path, new.path), old.manual, new.manual, Use((), use.commands))
@@ -65,8 +66,7 @@ def _item(command: str, old: Layout, new: Layout) -> Item:
 def _field(found: Found, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
     where = old.path, new.path
     if old.name != new.name:
-        names = api.field(old.name, new.name)
-        found.renamed("field-renamed", item, *where, use, old=old.name, new=new.name, names=names)
+        found.renamed("field-renamed", item, *where, use, old=old.name, new=new.name)
 
     def add(rule: str, impact: Impact, key: str, one: str, other: str) -> None:
         paths = (*old.path, key), (*new.path, key)
@@ -79,14 +79,14 @@ def _field(found: Found, both: Editions, item: Item, old: Field, new: Field, use
         add("array-changed", Impact.SILENT, "array", *(_array(f) for f in (old, new)))
     if old.only != new.only:
         add("field-condition-changed", Impact.SILENT, "only", old_only(old), old_only(new))
-    if (old.constant, old.checked) != (new.constant, new.checked):
+    if (old.fixed, old.demanded) != (new.fixed, new.demanded):
         _constant(found, item, old, new, use)
-    if old.holds_node != new.holds_node:
+    if isinstance(old.role, NodeRole) != isinstance(new.role, NodeRole):
         add(
             "holds-changed",
             Impact.LOUD,
             "holds",
-            *(Said("the node" if f.holds_node else "a value") for f in (old, new)),
+            *(Said("the node" if isinstance(f.role, NodeRole) else "a value") for f in (old, new)),
         )
     if (old.title, new.title) != (old.type.title, new.type.title):
         found.title(item, _at(old, new, "title"), (old.name, new.name), old.title, new.title)
@@ -96,15 +96,17 @@ def _field(found: Found, both: Editions, item: Item, old: Field, new: Field, use
 
 def _constant(found: Found, item: Item, old: Field, new: Field, use: Use) -> None:
     ignored = old.demanded is None and new.demanded is None and Side.SENDING not in use.sides
-    before, after = ((*f.path, "constant" if f.checked else "reserved") for f in (old, new))
+    before, after = ((*f.path, "reserved" if isinstance(f.role, ReservedRole) else "constant") for f in (old, new))
     impact = Impact.SAFE if ignored else Impact.LOUD
     found.add("constant-changed", item, before, after, impact, use, name=new.name, old=_held(old), new=_held(new))
 
 
 def _held(field: Field) -> Fact:
-    if field.constant is None:
+    if field.fixed is None:
         return Said("any value")
-    return str(field.constant) if field.checked else (Said("any value"), ", ", Said("sent as"), f" {field.constant}")
+    if isinstance(field.role, ReservedRole):
+        return (Said("any value"), ", ", Said("sent as"), f" {field.fixed}")
+    return str(field.fixed)
 
 
 def old_only(field: Field) -> str:
@@ -141,8 +143,7 @@ def _type(found: Found, both: Editions, item: Item, old: Field, new: Field, use:
     paths = (one.path, other.path) if same else (_path(old), _path(new))
     pair = quantities.Pair(one, other, owner, name, *paths, use)
     if same and one.name != other.name:
-        names = api.type_(one.name, other.name)
-        found.renamed("type-renamed", owner, *paths, use, old=one.name, new=other.name, names=names)
+        found.renamed("type-renamed", owner, *paths, use, old=one.name, new=other.name)
     elif not same and one.name != other.name:
         found.renamed("type-of-field-changed", item, *paths, use, name=new.name, old=one.name, new=other.name)
     if one.width != other.width:

@@ -6,7 +6,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
-from ..model.edition import Command, Edition, Field, Layout, Message, ReplyForm, Type
+from ..model.edition import Edition
+from ..model.layout import Field, Layout
+from ..model.message import Command, Message
+from ..model.types import Type
 
 
 class Named(Protocol):
@@ -92,7 +95,7 @@ def _bits(field: Field) -> set[int]:
 
 
 def _content(command: Command) -> tuple[object, ...]:
-    echo = command.reply_form is ReplyForm.ECHO
+    echo = command.is_echoed
     return (_fields(command.request), echo, None if echo else _fields(command.reply))
 
 
@@ -102,7 +105,7 @@ def _names(command: Command) -> tuple[set[str], set[str]]:
 
 
 def _fields(message: Message | None) -> object:
-    return message and {(f.elements, f.only, f.constant, f.checked, _meaning(f.type)) for f in message.layout.fields}
+    return message and {(f.elements, f.only, f.fixed, f.demanded, _meaning(f.type)) for f in message.layout.fields}
 
 
 def _meaning(type_: Type) -> tuple[object, ...]:

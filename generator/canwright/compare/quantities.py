@@ -9,8 +9,7 @@ from typing import TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Bound, Dependent, Linear, Member, Range, Type
-from . import api
+from ..model.types import Bound, Dependent, Linear, Member, Range, Type
 from .change import Impact, Item, Said, Side
 from .collector import Found, Use
 from .match import by_name
@@ -136,8 +135,7 @@ def _members(found: Found, pair: Pair, key: str, old: tuple[Member, ...], new: t
     for one, other in matched.pairs:
         places = (*pair.old_path, key, one.name), (*pair.new_path, key, other.name)
         if one.name != other.name:
-            names = api.member(pair.old.name, one.name, other.name)
-            facts = {"name": pair.name, "old": one.name, "new": other.name, "names": names}
+            facts = {"name": pair.name, "old": one.name, "new": other.name}
             found.renamed("member-renamed", pair.item, *places, pair.use, **facts)
         if one.value != other.value:
             facts = {"name": pair.name, "member": other.name, "old": str(one.value), "new": str(other.value)}

@@ -9,8 +9,11 @@ from typing import Any, TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.edition import Bound, Command, Dependent, Edition, Effect, Layout, Linear, Mode, Parameter, Setting
-from . import api
+from ..model.edition import Edition
+from ..model.layout import Layout
+from ..model.message import Command
+from ..model.metadata import Effect, Mode, Setting
+from ..model.types import Bound, Dependent, Linear, Parameter
 from .change import Item
 from .collector import BOTH_SIDES, Found
 from .match import Matched, Named, by_name
@@ -38,7 +41,7 @@ class _Names:
 def compare(found: Found, old: Edition, new: Edition) -> Edition:
     """All renames of what commands name; the old edition as it would be with the new names."""
     names = _Names()
-    _renamed(found, names, Parameter, ("parameters",), _parameters(old, new), api.parameter)
+    _renamed(found, names, Parameter, ("parameters",), _parameters(old, new))
     for one, other in _parameters(old, new).pairs:
         if one.is_numeric or other.is_numeric:
             continue
@@ -47,17 +50,16 @@ def compare(found: Found, old: Edition, new: Edition) -> Edition:
                 names.values.setdefault(other.name, {})[value.name] = now.name
                 places = ("parameters", one.name, "values", value.name), ("parameters", other.name, "values", now.name)
                 facts = {"name": other.name, "old": value.name, "new": now.name}
-                told = api.member(other.name, value.name, now.name)
                 item = Item("parameter", one.name)
-                found.renamed("parameter-value-renamed", item, *places, BOTH_SIDES, **facts, names=told)
+                found.renamed("parameter-value-renamed", item, *places, BOTH_SIDES, **facts)
     settings = by_name(old.settings, new.settings).also(_same_title, _same_use(old, new, lambda c: c.limited_by))
-    _renamed(found, names, Setting, ("settings",), settings, api.listed_name)
+    _renamed(found, names, Setting, ("settings",), settings)
     effects = by_name(old.effects, new.effects).also(_same_title, _same_use(old, new, lambda c: c.effects))
-    _renamed(found, names, Effect, ("effects",), effects, api.listed_name)
+    _renamed(found, names, Effect, ("effects",), effects)
     modes = by_name(old.bus.modes, new.bus.modes).also(
         lambda a, b: (a.bit_rates_kbps, a.default_kbps) == (b.bit_rates_kbps, b.default_kbps)
     )
-    _renamed(found, names, Mode, ("bus", "modes"), modes, None)
+    _renamed(found, names, Mode, ("bus", "modes"), modes)
     if not names.of and not names.values:
         return old
     renamed: Edition = _in(names, old)
@@ -93,7 +95,6 @@ def _renamed(
     kind: type[object],
     path: DocumentPath,
     matched: Matched[T],
-    told: Callable[[str, str], str] | None,
 ) -> None:
     called = kind.__name__.lower()
     for one, other in matched.pairs:
@@ -101,8 +102,6 @@ def _renamed(
             names.of.setdefault(kind, {})[one.name] = other.name
             was, now = (*path, one.name), (*path, other.name)
             facts = {"old": one.name, "new": other.name}
-            if told is not None:
-                facts["names"] = told(one.name, other.name)
             found.renamed(f"{called}-renamed", Item(called, one.name), was, now, BOTH_SIDES, **facts)
             found.moved[now] = was
 

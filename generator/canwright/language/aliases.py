@@ -12,6 +12,7 @@ from decimal import Decimal
 
 from ..diagnostics.diagnostic import DocumentPath, near
 from ..document.ambiguous import number_notation
+from ..model.layout import MAX_DATA_BYTES
 from . import notation as language
 
 Row = tuple[str, Callable[[re.Match[str]], str] | str]
@@ -131,7 +132,7 @@ def data(written: object) -> str:
     if len(parts) == 1 and len(parts[0]) % 2 == 0:
         parts = re.findall("..", parts[0].removeprefix("0x"))
     bytes_ = [part[2:] if part[:2] in ("0x", "0X") else part for part in parts]
-    if all(re.fullmatch("[0-9A-Fa-f]{1,2}", b) for b in bytes_) and len(bytes_) <= 8:
+    if all(re.fullmatch("[0-9A-Fa-f]{1,2}", b) for b in bytes_) and len(bytes_) <= MAX_DATA_BYTES:
         return '"' + " ".join(b.zfill(2).upper() for b in bytes_) + '"'
     return ""
 

@@ -4,7 +4,9 @@ import json
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
-from ..model.edition import Level, Order
+from ..model.layout import MAX_DATA_BYTES
+from ..model.metadata import Level
+from ..model.types import Order
 from .concept import Concept as Concept, JsonSchema, Key, Limits, keys as keys
 from .forms import Mapped
 from .messages import (
@@ -87,7 +89,9 @@ class Bus(Concept):
     host: Annotated[
         str, Limits(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=48), Key("Name of the host in DBC files.")
     ] = "Host"
-    dlc: Annotated[int, Limits(ge=0, le=8), Key("Data bytes of every frame, unless a message says otherwise.")] = 8
+    dlc: Annotated[
+        int, Limits(ge=0, le=MAX_DATA_BYTES), Key("Data bytes of every frame, unless a message says otherwise.")
+    ] = 8
     max_nodes: Annotated[int | None, Limits(ge=1), Key("How many nodes one bus can have.")] = None
     reply_within_ms: Annotated[Rational | None, Key("Time from request to reply.")] = None
     modes: Annotated[dict[Name, Mode], Key("Modes of the bus; the first is the usual one.")] = field(

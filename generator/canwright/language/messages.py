@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
-from ..model.edition import Encoding, Order
+from ..model.layout import MAX_DATA_BYTES
+from ..model.types import Encoding, Order
 from .concept import Choose, Concept, JsonSchema, Key, Limits, keys
 from .scalar_types import Byte, CodeFormat, Indices, Name, Nodes, Only, Raw, Section, Start, Text
 from .types import Titled
@@ -105,7 +106,7 @@ class MessageSpec(Concept):
     ] = None
     accept: Annotated[list[Byte] | None, Limits(max_length=256), Key("Further codes that a receiver takes.")] = None
     address: Annotated[Name | None, Key("Address, when not the command's.")] = None
-    dlc: Annotated[int | None, Limits(ge=0, le=8), Key("Data bytes, when not the bus's.")] = None
+    dlc: Annotated[int | None, Limits(ge=0, le=MAX_DATA_BYTES), Key("Data bytes, when not the bus's.")] = None
     remote: Annotated[bool | None, Key("True for a remote frame, which has no data.")] = None
 
 
@@ -160,7 +161,7 @@ class Entry(Titled):
     ] = None
     dlc: Annotated[
         int | None,
-        Limits(ge=0, le=8),
+        Limits(ge=0, le=MAX_DATA_BYTES),
         Key("Data bytes of the messages that hold its layout, when not those of the others."),
     ] = None
     only: Only = None

@@ -10,16 +10,18 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 
-from ..model.edition import Bound, Encoding, Order, Range, Space
+from ..model.layout import MAX_DATA_BYTES, Space
+from ..model.types import Bound, Encoding, Order, Range
 
 LONGEST = 200
 """Characters of a notation, so that no text of a stranger makes numbers that take long to reckon with."""
 DIGITS = 40
 """Characters of one number."""
 MOST_NODES = 1 << 16
-MOST_ELEMENTS = 64
+MOST_ELEMENTS = MAX_DATA_BYTES * 8
 """Elements of an array: no frame has more bits."""
-LAST_BYTE = 63
+LAST_BYTE = MAX_DATA_BYTES * 8 - 1
+"""The last position that is read: a bit in place of a byte is reported with the byte it is in."""
 LAST_ID_BIT = 28
 SHORT_ID = 0x7FF
 """The last id of 11 bits."""

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Annotated, Any, Literal
 
-from ..model.edition import Encoding, Range
+from ..model.types import Encoding, Range
 from . import notation
 from .concept import JsonSchema, Key, Limits, Notation
 from .notation import At, IdExpression

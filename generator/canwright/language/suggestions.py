@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
 
 from ..diagnostics.diagnostic import near, nearest
-from ..model.edition import Unit
+from ..model.types import Unit
 from .aliases import REMOTE
 from .concept import Concept, inner_concepts, keys
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
-from ..model.edition import Order
+from ..model.types import Order
 from .concept import Concept, JsonSchema, Key, Limits
 from .scalar_types import Multiple, Name, Raw, Span, Text
 

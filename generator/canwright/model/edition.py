@@ -1,230 +1,19 @@
-"""The resolved edition: frozen, complete and exact. This is all that targets read.
-
-Positions are bits. In the data, bit `n` is bit `n % 8` (0 is the least significant) of byte `n // 8`; in the id, bit 0
-is the least significant. Every number is an int or a Fraction; nothing here is a float.
-"""
+"""The resolved edition: frozen, complete and exact. This is all that targets read."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from enum import Enum
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
-from .layout import (
-    Element as Element,
-    Field as Field,
-    Layout as Layout,
-    Segment as Segment,
-    Space as Space,
-    Variant as Variant,
-)
-from .metadata import (
-    Bus as Bus,
-    Effect as Effect,
-    Erratum as Erratum,
-    Level as Level,
-    Mode as Mode,
-    Setting as Setting,
-)
-from .types import (
-    IDENTITY as IDENTITY,
-    UNNAMED as UNNAMED,
-    Assignment as Assignment,
-    Bound as Bound,
-    Dependent as Dependent,
-    Encoding as Encoding,
-    Linear as Linear,
-    Member as Member,
-    Order as Order,
-    Parameter as Parameter,
-    ParameterValue as ParameterValue,
-    Range as Range,
-    Text as Text,
-    Type as Type,
-    Unit as Unit,
-)
+from .layout import Layout
+from .message import Address, Command, Direction, IdRule, Message, Table
+from .metadata import Bus, Effect, Erratum, Setting
+from .types import Order, Parameter, Text, Type
 
 
-class Direction(str, Enum):
-    """Who sends the frame: the host a request, the node a reply."""
-
-    REQUEST = "request"
-    REPLY = "reply"
-
-
-class ReplyForm(str, Enum):
-    """How the reply of a command comes about."""
-
-    NONE = "none"
-    ECHO = "echo"
-    """The node sends the request back."""
-    OWN = "own"
-    """The fields stand with the command."""
-    LAYOUT = "layout"
-    """The fields are those of a shared layout."""
-    OTHER = "other"
-    """The frame is the reply of another command."""
-
-
-@dataclass(frozen=True)
-class IdRule:
-    """A rule from node to CAN id, and back: `id = base + node * node_step`, without the bits of keys and fields.
-
-    `nodes` is None for a fixed id. `extended` means 29 bits instead of 11.
-    """
-
-    base: int
-    node_step: int
-    nodes: range | None
-    extended: bool
-
-
-@dataclass(frozen=True)
-class Address:
-    """Where requests go and replies come from; often the same rule."""
-
-    name: str
-    request: IdRule
-    reply: IdRule
-    title: Text
-    about: Text
-    manual: str
-    path: DocumentPath = field(compare=False)
-
-    def rule(self, direction: Direction) -> IdRule:
-        """The rule of its requests, or of its replies."""
-        return self.request if direction is Direction.REQUEST else self.reply
-
-
-@dataclass(frozen=True)
-class Key:
-    """Bits that must hold `value` for a frame to be a given message; the selector and, where there is one, a second."""
-
-    name: str
-    space: Space
-    order: Order
-    width: int
-    segments: tuple[Segment, ...]
-    value: int
-
-    @property
-    def is_index(self) -> bool:
-        """Whether it tells the entry of a table."""
-        return self.name.rstrip("0123456789") in ("index", "index_")
-
-
-@dataclass(frozen=True)
-class Message:
-    """One frame form in one direction.
-
-    `keys` select it; `accept` are further values that a receiver takes for `keys[0]`. `claims` are the values of
-    `keys[0]` that `edition.messages(direction)` attributes to this message when nothing else is known: two messages
-    may share a first byte, and then the one whose command has that code is meant.
-    """
-
-    name: str
-    command: str
-    direction: Direction
-    address: str
-    id: IdRule
-    keys: tuple[Key, ...]
-    accept: tuple[int, ...]
-    claims: tuple[int, ...]
-    dlc: int
-    remote: bool
-    layout: Layout
-    path: DocumentPath = field(compare=False)
-
-    @property
-    def node_key(self) -> Key | None:
-        """The bits of the field that holds the node, as a key is read; None when there is no such field."""
-        field = next((f for f in self.layout.fields if f.holds_node), None)
-        if field is None:
-            return None
-        return Key(field.name, field.space, field.type.order, field.type.width, field.elements[0].segments, 0)
-
-    @cached_property
-    def id_mask(self) -> int:
-        """Bits of the id that keys and fields fill; the rest is the id rule's."""
-        segments = [s for k in self.keys if k.space is Space.ID for s in k.segments]
-        segments += [s for f in self.layout.fields if f.space is Space.ID for e in f.elements for s in e.segments]
-        return sum(((1 << s.width) - 1) << s.low for s in segments)
-
-
-@dataclass(frozen=True)
-class Table:
-    """Things that several commands read and write by an index."""
-
-    name: str
-    title: Text
-    about: Text
-    manual: str
-    path: DocumentPath = field(compare=False)
-
-
-@dataclass(frozen=True)
-class Entry:
-    """The entry of a table that a form of a command is of; its `path` is where it stands."""
-
-    table: str
-    name: str
-    title: Text
-    about: Text
-    manual: str
-    path: DocumentPath = field(compare=False)
-
-
-@dataclass(frozen=True)
-class Command:
-    """A code with its request and its reply.
-
-    `code` is None when no selector tells it. `only` maps a parameter to the values that have the command.
-    `from_each` are the nodes that reply, one frame each in this order; empty when only the addressed node does.
-    `reply_of` is the command whose reply this one shares (`ReplyForm.OTHER`). `group` is the command as the spec has it:
-    the name, but for the forms that a table gives a command, `GROUP_ENTRY`; then `entry` is that entry.
-    """
-
-    name: str
-    group: str
-    entry: Entry | None
-    code: int | None
-    address: str
-    mode: str | None
-    only: Mapping[str, tuple[str, ...]]
-    request: Message | None
-    reply: Message | None
-    reply_form: ReplyForm
-    reply_of: str | None
-    from_each: tuple[int, ...]
-    implemented: bool
-    effects: tuple[Effect, ...]
-    limited_by: tuple[Setting, ...]
-    not_limited_by: tuple[Setting, ...]
-    title: Text
-    about: Text
-    notes: tuple[Text, ...]
-    manual: str
-    path: DocumentPath = field(compare=False)
-
-    @property
-    def group_title(self) -> Text:
-        """The title of the command as the spec has it, without that of an entry."""
-        if self.entry is None:
-            return self.title
-        return {lang: text.removesuffix(f": {self.entry.title[lang]}") for lang, text in self.title.items()}
-
-    def message(self, direction: Direction) -> Message | None:
-        """Its request, or its reply."""
-        return self.request if direction is Direction.REQUEST else self.reply
-
-    def available(self, assignment: Assignment) -> bool:
-        """False when an assigned parameter has a value that lacks the command."""
-        return all(assignment.get(name, values[0]) in values for name, values in self.only.items())
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Edition:
     """One exact protocol, resolved. `hash` is the SHA-256 of the spec's text, in hex."""
 
@@ -267,7 +56,7 @@ class Edition:
 
     def of_layout(self, layout: Layout) -> Sequence[Message]:
         """The messages that have a layout: this very one, not one like it."""
-        return self._index.of_layout.get(id(layout), ())
+        return self._index.of_layout.get(layout, ())
 
     def command(self, name: str) -> Command:
         return self._index.commands[name]
@@ -330,10 +119,10 @@ class _Index:
                     self.messages[direction].append(message)
         self.all_messages = [message for messages in self.messages.values() for message in messages]
         self.of_rule: dict[tuple[Direction, IdRule], list[Message]] = {}
-        self.of_layout: dict[int, list[Message]] = {}
+        self.of_layout: dict[Layout, list[Message]] = {}
         for message in self.all_messages:
             self.of_rule.setdefault((message.direction, message.id), []).append(message)
-            self.of_layout.setdefault(id(message.layout), []).append(message)
+            self.of_layout.setdefault(message.layout, []).append(message)
         self.errata: dict[str, list[int]] = {}
         """The numbers of the errata, by every dotted path that leads to what they are about."""
         for number, erratum in enumerate(edition.errata):

@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Protocol
 
-from .edition import Bound, Dependent, Encoding, Field, IdRule, Linear, Order, Parameter, Range, Segment, Space, Type
+from .layout import Field, Segment, Space
+from .message import IdRule
+from .types import Bound, Dependent, Encoding, Linear, Order, Parameter, Range, Type
 
 
 def exact(number: Fraction) -> str:

@@ -7,12 +7,15 @@ is the least significant.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
 from .types import Assignment, Text, Type
+
+MAX_DATA_BYTES = 8
+"""Data bytes that a frame has room for: classic CAN. The only limit on the length of frames."""
 
 
 class Space(str, Enum):
@@ -54,13 +57,38 @@ class Element:
 
 
 @dataclass(frozen=True)
+class ValueRole:
+    """The role of a field whose value the sender chooses."""
+
+
+@dataclass(frozen=True)
+class ConstantRole:
+    """The role of a field that always has the same raw value; any other is rejected."""
+
+    raw: int
+
+
+@dataclass(frozen=True)
+class ReservedRole:
+    """The role of a field that is always sent as the same raw value; a receiver ignores it."""
+
+    raw: int
+
+
+@dataclass(frozen=True)
+class NodeRole:
+    """The role of a field whose value is the node that the frame is to or from."""
+
+
+FieldRole = ValueRole | ConstantRole | ReservedRole | NodeRole
+"""What a field is for; each field has one role."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Field:
     """A run of bits with a type; an array has one element for each index.
 
     `only` names the value of the layout's parameter under which the field is there; empty means always.
-    `constant` is the raw value of a field that always holds it: it is written, checked, and not part of the message.
-    Where it is not `checked`, these are reserved bits that are sent as something else than 0.
-    `holds_node` marks the field that says which node the frame is to or from.
     """
 
     name: str
@@ -69,21 +97,24 @@ class Field:
     elements: tuple[Element, ...]
     is_array: bool
     only: tuple[str, ...]
-    constant: int | None
-    checked: bool
-    holds_node: bool
+    role: FieldRole
     title: Text
     about: Text
     manual: str
-    path: DocumentPath = field(compare=False)
+    path: DocumentPath
+
+    @property
+    def fixed(self) -> int | None:
+        """The raw value that a sender always writes: the field is no part of the message. None where it varies."""
+        return self.role.raw if isinstance(self.role, (ConstantRole, ReservedRole)) else None
 
     @property
     def demanded(self) -> int | None:
-        """What a reader insists on; None where anything may stand."""
-        return self.constant if self.checked else None
+        """The raw value that a receiver insists on; None where it accepts any."""
+        return self.role.raw if isinstance(self.role, ConstantRole) else None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Variant:
     """The fields of a layout under some values of its parameter; `values` is empty when it has no parameter."""
 
@@ -91,7 +122,7 @@ class Variant:
     fields: tuple[Field, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Layout:
     """Fields with their bits. `shared` layouts have a name in the spec; the others belong to one message.
 
@@ -107,7 +138,7 @@ class Layout:
     title: Text
     about: Text
     manual: str
-    path: DocumentPath = field(compare=False)
+    path: DocumentPath
 
     def variant(self, assignment: Assignment) -> Variant | None:
         """The variant under `assignment`; None when the parameter it needs is not assigned."""

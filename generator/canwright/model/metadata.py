@@ -18,7 +18,7 @@ class Level(str, Enum):
     DANGER = "danger"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Effect:
     """What sending a command does besides its reply, as data for tools and a sentence for people."""
 
@@ -28,7 +28,7 @@ class Effect:
     about: Text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Setting:
     """A limit that is set on the node by other means than this protocol."""
 
@@ -38,7 +38,7 @@ class Setting:
     about: Text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Mode:
     """A way to run the bus; commands of different modes exclude each other."""
 
@@ -49,7 +49,7 @@ class Mode:
     about: Text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Bus:
     """What host and nodes must agree on before the first frame."""
 
@@ -61,7 +61,7 @@ class Bus:
     manual: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Erratum:
     """Where the manual is wrong or silent, and what the spec does about it. `where` are dotted paths into the spec."""
 

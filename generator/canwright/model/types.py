@@ -17,9 +17,6 @@ from ..diagnostics.diagnostic import DocumentPath
 
 T = TypeVar("T")
 
-UNNAMED = ""
-"""In a path, in place of the name of what is left out because another has its name."""
-
 Text = Mapping[str, str]
 """One text in every language of the edition, by language code."""
 
@@ -42,7 +39,7 @@ class Encoding(str, Enum):
     FLOAT = "float"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Unit:
     """A unit of `units.yaml`: `symbol` for people, `dbc` in ASCII."""
 
@@ -53,7 +50,7 @@ class Unit:
     title: Text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ParameterValue:
     """One value a choice can take. `number` is set when the value is one, as 14 for an encoder of 14 bits."""
 
@@ -63,7 +60,7 @@ class ParameterValue:
     about: Text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Parameter:
     """What the integrator knows of a node and no frame says.
 
@@ -87,7 +84,7 @@ class Parameter:
         return all(value.number is not None for value in self.values)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Dependent(Generic[T]):
     """Something that is constant, or depends on one choice parameter, or is not known."""
 
@@ -97,7 +94,7 @@ class Dependent(Generic[T]):
 
     @classmethod
     def always(cls, value: T | None) -> Dependent[T]:
-        return cls(None, value, {})
+        return cls(parameter=None, constant=value, cases={})
 
     def at(self, assignment: Assignment) -> T | None:
         """The value under `assignment`; None where it is not given or its parameter is not assigned."""
@@ -178,7 +175,7 @@ class Range:
         return self.low.parameter is None and self.high.parameter is None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Member:
     """A name for one raw value of an enum, or for one bit of flags (then `value` is the bit number)."""
 
@@ -188,7 +185,7 @@ class Member:
     about: Text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Type:
     """How raw bits become a value.
 
@@ -211,11 +208,7 @@ class Type:
     title: Text
     about: Text
     differs: Text
-    path: DocumentPath = field(compare=False)
-
-    def __hash__(self) -> int:
-        """Equal types have equal names; what else a type has is slow to hash, or has no hash."""
-        return hash(self.name)
+    path: DocumentPath
 
     @property
     def raw_limits(self) -> tuple[int, int]:

@@ -17,7 +17,8 @@ from ..resolve.affected import Affected, decides_code
 from ..resolve.edition import resolve
 from ..rules import Finding, Phase, Rule, Subject
 from ..rules.too_large import commands
-from ..targets import Described, c
+from ..targets.base import Described
+from ..targets.registry import targets
 from .golden_file import GoldenFile, read_golden_file
 
 FRAMES_SUFFIX = ".frames.yaml"
@@ -132,10 +133,11 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     ]
     if findings:
         raise SpecError(findings)
-    documents = {id(one.described.edition): one.document for one in result}
-    clashes = c.between([one.described.edition for one in result])
+    editions = [one.described.edition for one in result]
+    clashes = (clash for target in targets() for clash in target.collisions(editions))
+    documents = {one.described.edition: one.document for one in result}
     findings = [
-        documents[id(edition)].finding(("edition",), "name-collision", text, "rename one of the editions")
+        documents[edition].finding(("edition",), "name-collision", text, "rename one of the editions")
         for edition, text in clashes
     ]
     if findings:

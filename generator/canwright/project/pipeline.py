@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ..model.edition import Assignment
+from ..model.types import Assignment
 from ..output.writer import Content, Held
-from ..targets import Described, Target, c, dbc, docs, python
-
-TARGETS: dict[str, Target] = {"c": c.generate, "python": python.generate, "dbc": dbc.generate, "docs": docs.generate}
+from ..targets import registry
+from ..targets.base import Described
 
 
 def generate(
@@ -35,7 +34,7 @@ class _Made(NamedTuple):
 
 def _made(target: str, described: Sequence[Described], set_parameters: Assignment, held: Held | None) -> _Made:
     made = _Made({}, {})
-    for output in TARGETS[target](described, set_parameters):
+    for output in registry.target(target).generate(described, set_parameters):
         path, data = f"{target}/{output.path}", output.text.encode("utf-8")
         hashed = held.standing(path, data) if held else None
         if hashed is None:

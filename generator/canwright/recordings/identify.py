@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from ..compare import Change, Impact, Side, compare
-from ..model.edition import Command, Edition
+from ..model.edition import Edition
+from ..model.message import Command
 from ..semantics.decoder import CanFrame, has_id, node_of
 from .scoring import STRONG, Reader, Reading, Reason
 

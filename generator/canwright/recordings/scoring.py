@@ -12,7 +12,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ..model import formatting
-from ..model.edition import Assignment, Direction, Edition, Element, Encoding, Field, Key, Message, Space, Type, Variant
+from ..model.edition import Edition
+from ..model.layout import Element, Field, ReservedRole, Space, Variant
+from ..model.message import Direction, Key, Message
+from ..model.types import Assignment, Encoding, Type
 from ..semantics.decoder import CanFrame, data_bits, has_id, node_of, value_of
 
 WEAK = 1
@@ -166,9 +169,9 @@ class _Form:
     def _checks_of(self, field: Field) -> list[tuple[bool, list[tuple[int, int, int]], Callable[[int], Reason | None]]]:
         type_ = field.type
         bounded = any(type_.raw_range.at(a) for a in _assignments(type_.raw_range.parameter, type_.raw_range.cases))
-        if field.constant is not None and not field.checked:
+        if isinstance(field.role, ReservedRole):
             return []
-        if not (field.constant is not None or type_.enum or type_.flags or type_.plausible or bounded):
+        if not (field.demanded is not None or type_.enum or type_.flags or type_.plausible or bounded):
             return []
         check = functools.cache(functools.partial(self._reason, field))
         return [(field.space is Space.ID, _parts(element), check) for element in field.elements]
@@ -179,9 +182,9 @@ class _Form:
         signed = type_.encoding is Encoding.SIGNED and bits >> (type_.width - 1)
         raw = bits - (1 << type_.width) if signed else bits
         name = STRONG if self.is_request else UNNAMED
-        if field.constant is not None:
-            wrong = raw != field.constant
-            return Reason(STRONG, self.kind, f"{named} is not {field.constant}") if wrong else None
+        if field.demanded is not None:
+            wrong = raw != field.demanded
+            return Reason(STRONG, self.kind, f"{named} is not {field.demanded}") if wrong else None
         if type_.enum and all(member.value != raw for member in type_.enum):
             return Reason(name, self.kind, f"{named} has a value without a name")
         if type_.flags and raw & ~sum(1 << flag.value for flag in type_.flags):

@@ -10,7 +10,7 @@ from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, ne
 from ..document.document import Document
 from ..language import edition as schema
 from ..model import formatting
-from ..model.edition import Text
+from ..model.types import Text
 from .affected import Affected
 
 T = TypeVar("T")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 
-from ..model.edition import Command, Direction, Field, Key, Layout, Message, ReplyForm, Segment, Space, Variant
-from ..model.layout import bits_of
+from ..model.layout import Field, Layout, Segment, Space, Variant, bits_of
+from ..model.message import Command, Direction, Key, KeyRole, Message
 
 Place = tuple[Space, tuple[Segment, ...]]
 Constants = dict[Place, Field]
@@ -41,20 +42,27 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
                 less = (frozenset(c) for size in range(len(selected) + 1) for c in combinations(selected, size))
                 meant = (keys for keys in less if keys != selected or keys not in by_length)
                 others = [constants for keys in meant for constants in holding.get(keys, ())]
-                names = (f.name for at, f in mine.items() if any(_holds(o.get(at)) != f.constant for o in others))
+                names = (f.name for at, f in mine.items() if any(_holds(o.get(at)) != f.fixed for o in others))
                 deciding[message.name] = frozenset(names)
     for command in commands:
-        if command.reply_form is ReplyForm.ECHO and command.request and command.reply:
+        if command.is_echoed and command.request and command.reply:
             both = deciding.get(command.request.name, frozenset()) | deciding.get(command.reply.name, frozenset())
             deciding |= {command.request.name: both, command.reply.name: both}
-    known: dict[tuple[int, frozenset[str]], Layout] = {}
-    return tuple(_with(c, _keyed(c.request, deciding, known), _keyed(c.reply, deciding, known)) for c in commands)
+    known: dict[tuple[Layout, frozenset[str]], Layout] = {}
+    return _with_messages(commands, lambda message: _keyed(message, deciding, known))
 
 
-def _with(command: Command, request: Message | None, reply: Message | None) -> Command:
-    if request is command.request and reply is command.reply:
-        return command
-    return dataclasses.replace(command, request=request, reply=reply)
+def _with_messages(commands: Sequence[Command], changed: Callable[[Message], Message]) -> tuple[Command, ...]:
+    """The commands with other messages; one that is the reply of several commands stays one."""
+    of = functools.cache(changed)
+    return tuple(
+        dataclasses.replace(
+            command,
+            request=command.request and of(command.request),
+            replies=tuple(dataclasses.replace(reply, message=of(reply.message)) for reply in command.replies),
+        )
+        for command in commands
+    )
 
 
 def _lengths_tell(messages: Sequence[Message]) -> bool:
@@ -95,31 +103,37 @@ def _constants(message: Message) -> Constants:
 
 
 def _holds(field: Field | None) -> int | None:
-    return field.constant if field else None
+    return field.fixed if field else None
 
 
-def _keyed(
-    message: Message | None, deciding: Deciding, known: dict[tuple[int, frozenset[str]], Layout]
-) -> Message | None:
+def _keyed(message: Message, deciding: Deciding, known: dict[tuple[Layout, frozenset[str]], Layout]) -> Message:
     """The message with its keys; what one layout becomes is one layout again, for a request and its echo."""
-    names = deciding.get(message.name) if message else None
-    if message is None or not names:
+    names = deciding.get(message.name)
+    if not names:
         return message
     keys = tuple(_key(f) for f in message.layout.fields if f.name in names)
-    layout = known.setdefault((id(message.layout), names), _without(message.layout, names))
+    layout = known.setdefault((message.layout, names), _without(message.layout, names))
     return dataclasses.replace(message, keys=(*message.keys, *keys), layout=layout)
 
 
 def _key(field: Field) -> Key:
-    value = (field.constant or 0) & ((1 << field.type.width) - 1)
-    return Key(field.name, field.space, field.type.order, field.type.width, field.elements[0].segments, value)
+    width = field.type.width
+    return Key(
+        name=field.name,
+        role=KeyRole.CONSTANT,
+        space=field.space,
+        order=field.type.order,
+        width=width,
+        segments=field.elements[0].segments,
+        value=(field.fixed or 0) & ((1 << width) - 1),
+    )
 
 
 def _without(layout: Layout, names: frozenset[str]) -> Layout:
     def rest(fields: Sequence[Field]) -> tuple[Field, ...]:
         return tuple(f for f in fields if f.name not in names)
 
-    variants = tuple(Variant(v.values, rest(v.fields)) for v in layout.variants)
+    variants = tuple(Variant(values=v.values, fields=rest(v.fields)) for v in layout.variants)
     return dataclasses.replace(layout, fields=rest(layout.fields), variants=variants)
 
 
@@ -142,7 +156,4 @@ def with_claims(commands: Sequence[Command]) -> tuple[Command, ...]:
                 taken.add(place)
                 claims.setdefault(message.name, []).append(value)
 
-    def claimed(message: Message | None) -> Message | None:
-        return message and dataclasses.replace(message, claims=tuple(claims.get(message.name, ())))
-
-    return tuple(_with(c, claimed(c.request), claimed(c.reply)) for c in commands)
+    return _with_messages(commands, lambda m: dataclasses.replace(m, claims=tuple(claims.get(m.name, ()))))

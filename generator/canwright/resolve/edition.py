@@ -10,27 +10,16 @@ from ..diagnostics.diagnostic import Diagnostic, DocumentPath
 from ..document.document import Document
 from ..language import edition as schema, suggestions
 from ..language.notation import LAST_ID, SHORT_ID, IdExpression
-from ..model.edition import (
-    Address,
-    Bus,
-    Command,
-    Direction,
-    Edition,
-    Effect,
-    Entry,
-    Erratum,
-    IdRule,
-    Mode,
-    Setting,
-    Table,
-)
+from ..model.edition import Edition
+from ..model.message import Address, Command, Direction, Entry, IdRule, Table
+from ..model.metadata import Bus, Effect, Erratum, Mode, Setting
 from .affected import Affected
+from .command_forms import Form
 from .context import Context
 from .discriminators import keyed_by_constants, with_claims
 from .layouts import LayoutResolver
 from .messages import ENTRY, MessageResolver
 from .parameters import resolve_parameters
-from .reply_forms import Form
 from .types import read_units, resolve_types
 
 T = TypeVar("T")
@@ -63,29 +52,29 @@ def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition
     addresses = {name: _address(context, i, name, written) for i, (name, written) in enumerate(spec.addresses.items())}
     settings = {
         name: Setting(
-            name,
-            {p: tuple(v) for p, v in (written.only or {}).items()},
-            context.title(("settings", name), written.title, name),
-            context.text(("settings", name, "about"), written.about),
+            name=name,
+            only={p: tuple(v) for p, v in (written.only or {}).items()},
+            title=context.title(("settings", name), written.title, name),
+            about=context.text(("settings", name, "about"), written.about),
         )
         for name, written in spec.settings.items()
     }
     effects = {
         name: Effect(
-            name,
-            written.level,
-            context.title(("effects", name), written.title, name),
-            context.text(("effects", name, "about"), written.about),
+            name=name,
+            level=written.level,
+            title=context.title(("effects", name), written.title, name),
+            about=context.text(("effects", name, "about"), written.about),
         )
         for name, written in spec.effects.items()
     }
     modes = {
         name: Mode(
-            name,
-            tuple(written.bit_rates_kbps),
-            written.default_kbps,
-            context.title(("bus", "modes", name), written.title, name),
-            context.text(("bus", "modes", name, "about"), written.about),
+            name=name,
+            bit_rates_kbps=tuple(written.bit_rates_kbps),
+            default_kbps=written.default_kbps,
+            title=context.title(("bus", "modes", name), written.title, name),
+            about=context.text(("bus", "modes", name, "about"), written.about),
         )
         for name, written in spec.bus.modes.items()
     }
@@ -97,32 +86,32 @@ def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition
         for form in messages.forms(name)
     ]
     return Edition(
-        spec.family,
-        spec.edition,
-        spec.date or "",
-        tuple(spec.languages),
-        context.title((), spec.title, spec.family),
-        context.text(("about",), spec.about),
-        context.text(("manual",), spec.manual),
-        digest,
-        spec.byte_order,
-        Bus(
-            spec.bus.host,
-            spec.bus.dlc,
-            spec.bus.max_nodes,
-            spec.bus.reply_within_ms,
-            tuple(modes.values()),
-            spec.bus.manual or "",
+        family=spec.family,
+        name=spec.edition,
+        date=spec.date or "",
+        languages=tuple(spec.languages),
+        title=context.title((), spec.title, spec.family),
+        about=context.text(("about",), spec.about),
+        manual=context.text(("manual",), spec.manual),
+        hash=digest,
+        order=spec.byte_order,
+        bus=Bus(
+            host=spec.bus.host,
+            dlc=spec.bus.dlc,
+            max_nodes=spec.bus.max_nodes,
+            reply_within_ms=spec.bus.reply_within_ms,
+            modes=tuple(modes.values()),
+            manual=spec.bus.manual or "",
         ),
-        tuple(parameters.values()),
-        tuple(settings.values()),
-        tuple(effects.values()),
-        tuple(addresses.values()),
-        tuple({**types, **layouts.bare_types}.values()),
-        messages.layouts,
-        tuple(_table(context, name, written) for name, written in spec.tables.items()),
-        with_claims(keyed_by_constants(commands)),
-        tuple(_erratum(context, i, written) for i, written in enumerate(spec.errata)),
+        parameters=tuple(parameters.values()),
+        settings=tuple(settings.values()),
+        effects=tuple(effects.values()),
+        addresses=tuple(addresses.values()),
+        types=tuple({**types, **layouts.bare_types}.values()),
+        layouts=messages.layouts,
+        tables=tuple(_table(context, name, written) for name, written in spec.tables.items()),
+        commands=with_claims(keyed_by_constants(commands)),
+        errata=tuple(_erratum(context, i, written) for i, written in enumerate(spec.errata)),
     )
 
 
@@ -138,7 +127,7 @@ def _command(
     tables: Mapping[str, schema.Table],
 ) -> Command:
     path: DocumentPath = ("commands", form.command)
-    request, reply = messages.of(form)
+    request, replies = messages.of(form)
     title = context.title(path, written.title, form.command)
     only = layouts.only(path, written.only)
     does = _named(context, (*path, "effects"), "effect", written.effects, effects)
@@ -147,12 +136,12 @@ def _command(
         entry = tables[written.table].entries[form.entry]
         at: DocumentPath = ("tables", written.table, "entries", form.entry)
         of = Entry(
-            written.table,
-            form.entry,
-            context.title(at, entry.title, form.entry),
-            context.text((*at, "about"), entry.about),
-            entry.manual or tables[written.table].manual or "",
-            at,
+            table=written.table,
+            name=form.entry,
+            title=context.title(at, entry.title, form.entry),
+            about=context.text((*at, "about"), entry.about),
+            manual=entry.manual or tables[written.table].manual or "",
+            path=at,
         )
         title = {language: f"{text}: {of.title[language]}" for language, text in title.items()}
         asked = written.request.layout if isinstance(written.request, schema.MessageSpec) else written.request
@@ -160,34 +149,31 @@ def _command(
             does += _named(context, (*at, "effects"), "effect", entry.effects, effects)
         only |= layouts.only(at, entry.only)
     return Command(
-        form.name,
-        form.command,
-        of,
-        messages.code_of(form),
-        messages.address_of(form.command),
-        _mode(context, path, written, modes),
-        only,
-        request,
-        reply.message,
-        reply.form,
-        reply.of,
-        reply.from_each,
-        written.implemented,
-        tuple(does),
-        tuple(_named(context, (*path, "limited_by"), "setting", written.limited_by, settings)),
-        tuple(_named(context, (*path, "not_limited_by"), "setting", written.not_limited_by, settings)),
-        title,
-        context.text((*path, "about"), written.about),
-        tuple(context.text((*path, "notes", i), note) for i, note in enumerate(written.notes)),
-        written.manual or "",
-        path,
+        name=form.name,
+        group=form.command,
+        entry=of,
+        code=messages.code_of(form),
+        address=messages.address_of(form.command),
+        mode=_mode(context, path, written, modes),
+        only=only,
+        request=request,
+        replies=replies,
+        implemented=written.implemented,
+        effects=tuple(does),
+        limited_by=tuple(_named(context, (*path, "limited_by"), "setting", written.limited_by, settings)),
+        not_limited_by=tuple(_named(context, (*path, "not_limited_by"), "setting", written.not_limited_by, settings)),
+        title=title,
+        about=context.text((*path, "about"), written.about),
+        notes=tuple(context.text((*path, "notes", i), note) for i, note in enumerate(written.notes)),
+        manual=written.manual or "",
+        path=path,
     )
 
 
 def _table(context: Context, name: str, written: schema.Table) -> Table:
     path: DocumentPath = ("tables", name)
     title, about = context.title(path, written.title, name), context.text((*path, "about"), written.about)
-    return Table(name, title, about, written.manual or "", path)
+    return Table(name=name, title=title, about=about, manual=written.manual or "", path=path)
 
 
 def _named(context: Context, path: DocumentPath, kind: str, names: Sequence[str], known: Mapping[str, T]) -> list[T]:
@@ -204,7 +190,7 @@ def _mode(context: Context, path: DocumentPath, written: schema.Command, modes: 
 
 def _address(context: Context, number: int, name: str, written: schema.Address) -> Address:
     path: DocumentPath = ("addresses", name)
-    lost = IdRule(LAST_ID + 1 + number, 1, None, True)
+    lost = IdRule(base=LAST_ID + 1 + number, node_step=1, nodes=None, extended=True)
     """An id that no other address has, in place of one that could not be read."""
     request, reply = written.request or written.id, written.reply or written.id
     if request is None or reply is None:
@@ -224,13 +210,13 @@ def _address(context: Context, number: int, name: str, written: schema.Address) 
     if max(_highest(asked), _highest(answered)) > SHORT_ID:
         asked, answered = (dataclasses.replace(rule, extended=True) for rule in (asked, answered))
     return Address(
-        name,
-        asked,
-        answered,
-        context.title(path, written.title, name),
-        context.text((*path, "about"), written.about),
-        written.manual or "",
-        path,
+        name=name,
+        request=asked,
+        reply=answered,
+        title=context.title(path, written.title, name),
+        about=context.text((*path, "about"), written.about),
+        manual=written.manual or "",
+        path=path,
     )
 
 
@@ -250,7 +236,7 @@ def _id_rule(
         return lost
     nodes = written.nodes if id_.node_step is not None else None
     limit = LAST_ID if written.extended else SHORT_ID
-    rule = IdRule(id_.base, id_.node_step or 1, nodes, written.extended)
+    rule = IdRule(base=id_.base, node_step=id_.node_step or 1, nodes=nodes, extended=written.extended)
     highest = _highest(rule)
     if highest > limit:
         longer = "" if written.extended or highest > LAST_ID else "; with `extended: true` there are 29 bits"
@@ -272,10 +258,10 @@ def _erratum(context: Context, index: int, written: schema.ErratumSpec) -> Errat
                 (*path, "where", i), "unknown-reference", text, suggestions.place(where, context.document.data)
             )
     return Erratum(
-        written.id,
-        tuple(written.where),
-        written.manual,
-        context.text((*path, "printed"), written.printed),
-        context.text((*path, "used"), written.used),
-        context.text((*path, "why"), written.why),
+        id=written.id,
+        where=tuple(written.where),
+        manual=written.manual,
+        printed=context.text((*path, "printed"), written.printed),
+        used=context.text((*path, "used"), written.used),
+        why=context.text((*path, "why"), written.why),
     )

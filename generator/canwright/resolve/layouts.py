@@ -9,7 +9,20 @@ from collections.abc import Mapping, Sequence
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import aliases, edition as schema
 from ..language.notation import At, frame_bits
-from ..model.edition import Element, Field, Layout, Order, Parameter, Segment, Space, Text, Type, Variant
+from ..model.layout import (
+    ConstantRole,
+    Element,
+    Field,
+    FieldRole,
+    Layout,
+    NodeRole,
+    ReservedRole,
+    Segment,
+    Space,
+    ValueRole,
+    Variant,
+)
+from ..model.types import Order, Parameter, Text, Type
 from .context import Context
 from .types import bare_type
 
@@ -85,17 +98,27 @@ class LayoutResolver:
             )
         parameter = next(iter(conditions), None)
         variants = self._variants(resolved, parameter)
-        return Layout(name, resolved, parameter, variants, shared, title, about, manual, path)
+        return Layout(
+            name=name,
+            fields=resolved,
+            parameter=parameter,
+            variants=variants,
+            shared=shared,
+            title=title,
+            about=about,
+            manual=manual,
+            path=path,
+        )
 
     def _variants(self, fields: tuple[Field, ...], parameter: str | None) -> tuple[Variant, ...]:
         if parameter is None or parameter not in self._parameters:
-            return (Variant((), fields),)
+            return (Variant(values=(), fields=fields),)
         groups: dict[tuple[str, ...], tuple[list[str], tuple[Field, ...]]] = {}
         for value in self._parameters[parameter].values:
             present = tuple(f for f in fields if not f.only or value.name in f.only)
             names, _ = groups.setdefault(tuple(f.name for f in present), ([], present))
             names.append(value.name)
-        return tuple(Variant(tuple(names), present) for names, present in groups.values())
+        return tuple(Variant(values=tuple(names), fields=present) for names, present in groups.values())
 
     def _field(self, path: DocumentPath, name: str, written: schema.FieldSpec, manual: str) -> Field:
         type_ = self._type(path, written)
@@ -116,28 +139,35 @@ class LayoutResolver:
         if not any(title.values()):
             title = self._context.title(path, None, name)
         return Field(
-            name,
-            type_,
-            start.space,
-            tuple(elements),
-            written.array is not None,
-            tuple(v for values in self.only(path, written.only).values() for v in values),
-            self._fixed(path, written) if written.raw is not None or written.type in self._types else None,
-            written.reserved is None,
-            written.holds == "node",
-            title,
-            self._context.text((*path, "about"), written.about),
-            written.manual or manual,
-            path,
+            name=name,
+            type=type_,
+            space=start.space,
+            elements=tuple(elements),
+            is_array=written.array is not None,
+            only=tuple(v for values in self.only(path, written.only).values() for v in values),
+            role=self._role(path, written),
+            title=title,
+            about=self._context.text((*path, "about"), written.about),
+            manual=written.manual or manual,
+            path=path,
         )
 
-    def _fixed(self, path: DocumentPath, written: schema.FieldSpec) -> int | None:
-        """What is always sent in a field, if anything."""
-        if written.constant is not None and written.reserved is not None:
+    def _role(self, path: DocumentPath, written: schema.FieldSpec) -> FieldRole:
+        """The role of a field. One without a readable format is a value: no constant can be checked against it."""
+        given = [key for key in ("constant", "reserved", "holds") if getattr(written, key) is not None]
+        if len(given) > 1:
             hint = "keep `constant` where a reader insists on the value, `reserved` where it ignores it"
-            text = f"`{path[-1]}` is both `constant` and `reserved`"
-            self._context.report((*path, "reserved"), "field-type", text, hint, key=True)
-        return written.reserved if written.constant is None else written.constant
+            if "holds" in given:
+                hint = f"leave `{given[0]}` out where the field varies with the node, or leave `holds` out"
+            text = f"`{path[-1]}` is both `{given[0]}` and `{given[1]}`"
+            self._context.report((*path, given[1]), "field-type", text, hint, key=True)
+        if written.holds is not None:
+            return NodeRole()
+        if written.raw is None and written.type not in self._types:
+            return ValueRole()
+        if written.constant is not None:
+            return ConstantRole(written.constant)
+        return ValueRole() if written.reserved is None else ReservedRole(written.reserved)
 
     def _type(self, path: DocumentPath, written: schema.FieldSpec) -> Type:
         if (written.type is None) == (written.raw is None):

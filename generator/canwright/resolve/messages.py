@@ -7,17 +7,22 @@ from collections.abc import Collection, Mapping
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import edition as schema, suggestions
-from ..model.edition import (
+from ..model.layout import Layout
+from ..model.message import (
     Address,
     Direction,
+    EchoReply,
     Key,
-    Layout,
+    KeyRole,
     Message,
-    ReplyForm,
+    OtherReply,
+    OwnReply,
+    Reply,
+    SharedReply,
 )
+from .command_forms import Form
 from .context import Context
 from .layouts import LayoutResolver, segments_at
-from .reply_forms import Form, Reply
 
 ENTRY = "entry"
 """In place of a layout's name: the layout of the table's entry."""
@@ -45,7 +50,7 @@ class MessageResolver:
         self._addresses = addresses
         self._pending: list[str] = []
         self._lacks_selector = False
-        self._done: dict[tuple[str, str | None], tuple[Message | None, Reply]] = {}
+        self._done: dict[tuple[str, str | None], tuple[Message | None, tuple[Reply, ...]]] = {}
         self._shared = {
             name: layouts.shared(("layouts", name), name, written, ("layouts", name, "fields"))
             for name, written in spec.layouts.items()
@@ -75,8 +80,8 @@ class MessageResolver:
         self._context.find(("commands", command, "address"), "address", name, self._addresses)
         return name
 
-    def of(self, form: Form) -> tuple[Message | None, Reply]:
-        """Request and reply of a command."""
+    def of(self, form: Form) -> tuple[Message | None, tuple[Reply, ...]]:
+        """Request and replies of a command."""
         key = (form.command, form.entry)
         if key not in self._done:
             self._pending.append(form.command)
@@ -84,7 +89,7 @@ class MessageResolver:
             self._pending.pop()
         return self._done[key]
 
-    def _resolve(self, form: Form) -> tuple[Message | None, Reply]:
+    def _resolve(self, form: Form) -> tuple[Message | None, tuple[Reply, ...]]:
         written = self._spec.commands[form.command]
         echo = written.reply == "echo"
         request = None
@@ -94,9 +99,9 @@ class MessageResolver:
         if written.request != "none":
             name = form.name if echo else f"{form.name}_request"
             request = self._message(form, Direction.REQUEST, name, written.request or {})
-        return request, self._reply(form, request)
+        return request, self._replies(form, request)
 
-    def _reply(self, form: Form, request: Message | None) -> Reply:
+    def _replies(self, form: Form, request: Message | None) -> tuple[Reply, ...]:
         command = form.command
         path: DocumentPath = ("commands", command, "reply")
         written = self._spec.commands[command].reply
@@ -105,23 +110,23 @@ class MessageResolver:
             self._context.report(
                 path[:-1], "missing-reply", f"`{command}` does not say what it replies", hint, key=True
             )
-            return Reply(None, ReplyForm.NONE)
+            return ()
         if written == "none":
             if request is None and self._spec.commands[command].request == "none":
                 text = f"`{command}` has neither a request nor a reply"
                 hint = "leave `request` out where the code is all that is sent, or say what nodes send"
                 self._context.report((*path[:-1], "request"), "missing-reply", text, hint)
-            return Reply(None, ReplyForm.NONE)
+            return ()
         if written == "echo":
             return self._echo(form, request)
         if isinstance(written, schema.MessageSpec) and written.of is not None:
             return self._other(path, form, written, written.of)
         message = self._message(form, Direction.REPLY, f"{form.name}_reply", written)
-        shared = ReplyForm.LAYOUT if message.layout.shared else ReplyForm.OWN
+        reply = SharedReply if message.layout.shared else OwnReply
         from_each = tuple(written.from_each or ()) if isinstance(written, schema.MessageSpec) else ()
-        return Reply(message, shared, None, from_each)
+        return (reply(message=message, from_each=from_each),)
 
-    def _echo(self, form: Form, request: Message | None) -> Reply:
+    def _echo(self, form: Form, request: Message | None) -> tuple[Reply, ...]:
         if request is None:
             path: DocumentPath = ("commands", form.command, "reply")
             self._context.report(
@@ -130,9 +135,9 @@ class MessageResolver:
                 f"`{form.command}` has no request that could come back",
                 "say what it replies, or `none`",
             )
-            return Reply(None, ReplyForm.NONE)
+            return ()
         reply = self._message(form, Direction.REPLY, form.name, {})
-        return Reply(dataclasses.replace(reply, layout=request.layout, dlc=request.dlc), ReplyForm.ECHO)
+        return (EchoReply(message=dataclasses.replace(reply, layout=request.layout, dlc=request.dlc)),)
 
     def _without_effect(
         self, path: DocumentPath, written: schema.MessageSpec, keys: Collection[str], what: str, hint: str
@@ -140,13 +145,13 @@ class MessageResolver:
         for key in (key for key in sorted(keys) if getattr(written, key) is not None):
             self._context.report((*path, key), "no-effect", f"`{key}` says nothing of {what}", hint, key=True)
 
-    def _other(self, path: DocumentPath, form: Form, written: schema.MessageSpec, of: str) -> Reply:
+    def _other(self, path: DocumentPath, form: Form, written: schema.MessageSpec, of: str) -> tuple[Reply, ...]:
         others = set(schema.keys(schema.MessageSpec)) - OF_REPLIES
         hint = "leave it out, or leave `of` out and lay the reply out here"
         self._without_effect(path, written, others, "the reply of another command", hint)
         hint = f"`{of}` is a layout: write reply: {of}" if of in self._shared else ""
         if self._context.find((*path, "of"), "command", of, self._spec.commands, hint) is None:
-            return Reply(None, ReplyForm.NONE)
+            return ()
         if of in self._pending:
             in_turn = of != self._pending[-1]
             text = (
@@ -154,16 +159,16 @@ class MessageResolver:
             )
             hint = "give one of them a reply" if in_turn else "say what it replies"
             self._context.report((*path, "of"), "circular-reference", text, hint)
-            return Reply(None, ReplyForm.NONE)
+            return ()
         if len(self._pending) > LONGEST_CHAIN:
             text = f"this is the end of a chain of {LONGEST_CHAIN} commands that take their reply from the next"
             self._context.report((*path, "of"), "circular-reference", text, "name the command that has the reply")
-            return Reply(None, ReplyForm.NONE)
+            return ()
         other = self._other_form((*path, "of"), form, of)
         if other is None:
-            return Reply(None, ReplyForm.NONE)
-        _, reply = self.of(other)
-        return Reply(reply.message, ReplyForm.OTHER, other.name, tuple(written.from_each or ()))
+            return ()
+        from_each = tuple(written.from_each or ())
+        return tuple(OtherReply(message=r.message, from_each=from_each, of=other.name) for r in self.of(other)[1])
 
     def _other_form(self, path: DocumentPath, form: Form, of: str) -> Form | None:
         """The form of the command `of` that has the reply: that of the same entry, where it has a table."""
@@ -216,18 +221,18 @@ class MessageResolver:
             for key in keys:
                 self._fits(further, key.width, (*path, "accept", i))
         return Message(
-            f"{form.name}_{direction.value}",
-            form.name,
-            direction,
-            address.name,
-            address.rule(direction),
-            (*keys, *form.keys),
-            tuple(spec.accept or ()),
-            (),
-            self._dlc(path, spec, of_entry),
-            bool(spec.remote),
-            layout,
-            path,
+            name=f"{form.name}_{direction.value}",
+            command=form.name,
+            direction=direction,
+            address=address.name,
+            id=address.rule(direction),
+            keys=(*keys, *form.keys),
+            accept=tuple(spec.accept or ()),
+            claims=(),
+            dlc=self._dlc(path, spec, of_entry),
+            remote=bool(spec.remote),
+            layout=layout,
+            path=path,
         )
 
     def _dlc(self, path: DocumentPath, spec: schema.MessageSpec, of_entry: int | None) -> int:
@@ -273,13 +278,21 @@ class MessageResolver:
                 self._context.report(path, "no-selector", text, "selector: {at: 0, raw: u8}", about=("selector",))
             self._lacks_selector = True
             return ()
-        return (self._key("code", selector, code, path),)
+        return (self._key("code", KeyRole.CODE, selector, code, path),)
 
-    def _key(self, name: str, selector: schema.Selector, value: int, path: DocumentPath) -> Key:
+    def _key(self, name: str, role: KeyRole, selector: schema.Selector, value: int, path: DocumentPath) -> Key:
         order = selector.byte_order or self._spec.byte_order
         _, width = selector.raw
         self._fits(value, width, path)
-        return Key(name, selector.at.space, order, width, segments_at(selector.at, width, order), value)
+        return Key(
+            name=name,
+            role=role,
+            space=selector.at.space,
+            order=order,
+            width=width,
+            segments=segments_at(selector.at, width, order),
+            value=value,
+        )
 
     def _fits(self, value: int, width: int, path: DocumentPath) -> None:
         if value >= 1 << width:
@@ -301,7 +314,7 @@ class MessageResolver:
                 self._context.report((*path, "index"), "too-many-values", text, "give the table's `index` as a list")
             places = ((*path, "index", i) if isinstance(entry.index, list) else (*path, "index") for i in range(9))
             keys = (
-                self._key("index" if i == 0 else f"index_{i + 1}", selector, value, place)
+                self._key("index" if i == 0 else f"index_{i + 1}", KeyRole.INDEX, selector, value, place)
                 for i, (selector, value, place) in enumerate(zip(selectors, values, places, strict=False))
             )
             entries[name] = Form(

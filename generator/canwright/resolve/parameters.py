@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import edition as schema
-from ..model.edition import Parameter, ParameterValue
+from ..model.types import Parameter, ParameterValue
 from .context import Context
 
 
@@ -23,25 +23,30 @@ def resolve_parameters(context: Context, written: Mapping[str, schema.ParameterS
         if isinstance(spec.values, list):
             values = tuple(
                 ParameterValue(
-                    str(n),
-                    n if isinstance(n, int) else None,
-                    context.title(path, None, str(n)),
-                    context.text(path, None),
+                    name=str(n),
+                    number=n if isinstance(n, int) else None,
+                    title=context.title(path, None, str(n)),
+                    about=context.text(path, None),
                 )
                 for n in spec.values
             )
         elif spec.values is not None:
             values = tuple(
-                ParameterValue(n, None, context.title(at, v.title, n), context.text((*at, "about"), v.about))
+                ParameterValue(
+                    name=n,
+                    number=None,
+                    title=context.title(at, v.title, n),
+                    about=context.text((*at, "about"), v.about),
+                )
                 for n, v in spec.values.items()
                 for at in [(*path, "values", n)]
             )
         result[name] = Parameter(
-            name,
-            values,
-            spec.number.min if spec.number else None,
-            spec.number.max if spec.number else None,
-            context.title(path, spec.title, name),
-            context.text((*path, "about"), spec.about),
+            name=name,
+            values=values,
+            minimum=spec.number.min if spec.number else None,
+            maximum=spec.number.max if spec.number else None,
+            title=context.title(path, spec.title, name),
+            about=context.text((*path, "about"), spec.about),
         )
     return result

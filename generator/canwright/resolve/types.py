@@ -12,19 +12,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..document.document import Document, read_document
 from ..language import edition as schema, suggestions
 from ..language.notation import Multiple
-from ..model.edition import (
-    IDENTITY,
-    Bound,
-    Dependent,
-    Encoding,
-    Linear,
-    Member,
-    Order,
-    Parameter,
-    Range,
-    Type,
-    Unit,
-)
+from ..model.types import IDENTITY, Bound, Dependent, Encoding, Linear, Member, Order, Parameter, Range, Type, Unit
 from ..templating import resources
 from .context import Context
 
@@ -36,7 +24,10 @@ def read_units() -> tuple[Document, dict[str, Unit]]:
     document, _ = read_document(resources.UNITS)
     if not isinstance(document.data, dict):
         raise TypeError(f"{document.name} is not a mapping of units")
-    units = {name: Unit(name, e["symbol"], e["dbc"], e["quantity"], e["title"]) for name, e in document.data.items()}
+    units = {
+        name: Unit(name=name, symbol=e["symbol"], dbc=e["dbc"], quantity=e["quantity"], title=e["title"])
+        for name, e in document.data.items()
+    }
     return document, units
 
 
@@ -56,20 +47,20 @@ def bare_type(context: Context, raw: tuple[Encoding, int], order: Order, path: D
     empty = context.text(path, None)
     always = Dependent.always
     return Type(
-        f"{letter}{width}",
-        width,
-        encoding,
-        order,
-        None,
-        always(IDENTITY),
-        always(None),
-        (),
-        (),
-        None,
-        empty,
-        empty,
-        empty,
-        path,
+        name=f"{letter}{width}",
+        width=width,
+        encoding=encoding,
+        order=order,
+        unit=None,
+        linear=always(IDENTITY),
+        raw_range=always(None),
+        enum=(),
+        flags=(),
+        plausible=None,
+        title=empty,
+        about=empty,
+        differs=empty,
+        path=path,
     )
 
 
@@ -85,20 +76,20 @@ class _TypeResolver:
         encoding, width = spec.raw
         linear = self._linear(spec)
         return Type(
-            name,
-            width,
-            encoding,
-            spec.byte_order or self.order,
-            self._unit(spec.unit),
-            linear,
-            self._raw_range(spec, linear),
-            tuple(self._member(("enum", n), n, m) for n, m in (spec.enum or {}).items()),
-            tuple(self._member(("flags", n), n, f) for n, f in (spec.flags or {}).items()),
-            self._plausible(spec, linear),
-            self.context.title(self.path, spec.title, name),
-            self.context.text((*self.path, "about"), spec.about),
-            self.context.text((*self.path, "differs"), spec.differs),
-            self.path,
+            name=name,
+            width=width,
+            encoding=encoding,
+            order=spec.byte_order or self.order,
+            unit=self._unit(spec.unit),
+            linear=linear,
+            raw_range=self._raw_range(spec, linear),
+            enum=tuple(self._member(("enum", n), n, m) for n, m in (spec.enum or {}).items()),
+            flags=tuple(self._member(("flags", n), n, f) for n, f in (spec.flags or {}).items()),
+            plausible=self._plausible(spec, linear),
+            title=self.context.title(self.path, spec.title, name),
+            about=self.context.text((*self.path, "about"), spec.about),
+            differs=self.context.text((*self.path, "differs"), spec.differs),
+            path=self.path,
         )
 
     def _unit(self, name: str | None) -> Unit | None:
@@ -110,10 +101,15 @@ class _TypeResolver:
     def _member(self, at: DocumentPath, name: str, written: int | schema.Member | schema.Flag) -> Member:
         path = (*self.path, *at)
         if isinstance(written, int):
-            return Member(name, written, self.context.title(path, None, name), self.context.text(path, None))
+            return Member(
+                name=name,
+                value=written,
+                title=self.context.title(path, None, name),
+                about=self.context.text(path, None),
+            )
         value = written.value if isinstance(written, schema.Member) else written.bit
         title = self.context.title(path, written.title, name)
-        return Member(name, value, title, self.context.text((*path, "about"), written.about))
+        return Member(name=name, value=value, title=title, about=self.context.text((*path, "about"), written.about))
 
     def _linear(self, spec: schema.Type) -> Dependent[Linear]:
         scale = self._multiples("scale", 1 if spec.scale is None else spec.scale)
@@ -130,7 +126,9 @@ class _TypeResolver:
         if by is None:
             return Dependent.always(self._line(scale.constant, offset.constant))
         names = scale.cases if scale.parameter else offset.cases
-        return Dependent(by, None, {n: self._line(scale.at({by: n}), offset.at({by: n})) for n in names})
+        return Dependent(
+            parameter=by, constant=None, cases={n: self._line(scale.at({by: n}), offset.at({by: n})) for n in names}
+        )
 
     def _line(self, scale: Multiple | None, offset: Multiple | None) -> Linear | None:
         """The two as one; None also where they do not belong together, or some of it is wrong already."""
@@ -151,7 +149,7 @@ class _TypeResolver:
             cases = self._cases(key, written.by, written.by_value)
             for name, case in cases.items():
                 self._need_number((key, name), case.parameter if case else None)
-            return Dependent(written.by, None, cases)
+            return Dependent(parameter=written.by, constant=None, cases=cases)
         if isinstance(written, Multiple):
             self._need_number((key,), written.parameter)
         return Dependent.always(_number(written) if isinstance(written, int) else _none_or(written))
@@ -232,7 +230,7 @@ class _TypeResolver:
         if not all(self._is_like_scale(limits, line) for limits, line in cases.values()):
             return raw
         found = {name: _raw_of(*pair) for name, pair in cases.items()}
-        return Dependent.always(found[""]) if by is None else Dependent(by, None, found)
+        return Dependent.always(found[""]) if by is None else Dependent(parameter=by, constant=None, cases=found)
 
     def _is_like_scale(self, limits: Range | None, line: Linear | None) -> bool:
         """Whether a range is in multiples of the parameter that the scale is; a finding where it is not."""
@@ -264,7 +262,7 @@ class _TypeResolver:
             cases = self._cases(key, written.by, written.by_value)
             for name, case in cases.items():
                 self._need_numbers((key, name), case)
-            return Dependent(written.by, None, cases)
+            return Dependent(parameter=written.by, constant=None, cases=cases)
         self._need_numbers((key,), written)
         return Dependent.always(written)
 

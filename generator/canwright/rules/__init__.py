@@ -88,7 +88,12 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule("unknown-node", "The nodes that reply are nodes of their address.", unknown_node.check, phase=Phase.WHOLE),
     Rule("node-field", "The field that holds the node is one bare number, and always there.", node_field.check),
-    Rule("name-collision", "No two names become one in C or Python.", name_collision.check, phase=Phase.CODES),
+    Rule(
+        "name-collision",
+        "No two names become one in a target, as in C or Python.",
+        name_collision.check,
+        phase=Phase.CODES,
+    ),
     Rule(
         "frame-contradiction",
         "Golden frames mean what the spec says.",
@@ -117,7 +122,7 @@ RULES: tuple[Rule, ...] = (
     Rule("missing-manual", "Every command names its section of the manual.", missing_manual.check, WARNING),
     Rule("differing-quantity", "One quantity has one unit and scale, or a reason.", differing_quantity.check, WARNING),
     Rule("unused", "What a spec defines is used.", unused.check, WARNING, Phase.COVERAGE),
-    Rule("long-name", "A name is short enough for a DBC file.", long_name.check, WARNING),
+    Rule("long-name", "A name is short enough for every target, as for a DBC file.", long_name.check, WARNING),
 )
 
 EVERY: dict[str, Rule] = {rule.id: rule for rule in (*READING, *RULES)}

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ..language.edition import EditionSpec
-from ..model.edition import Direction, Edition, Message, Space
+from ..model.edition import Edition
+from ..model.layout import Space
+from ..model.message import Direction, Message
 from . import bit_patterns, can_ids
 from .duplicate_code import sends_the_same
 from .rule import Finding, Found, Subject

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..model.edition import Field, Message, Order, Segment, Space
+from ..model.layout import MAX_DATA_BYTES, Field, Segment, Space
+from ..model.message import KeyRole, Message
+from ..model.types import Order
 from .rule import Finding, Found, Subject
 
 
@@ -20,11 +22,13 @@ def check(subject: Subject) -> Found:
             last = max(s.byte * 8 + s.low + s.width for s in key.segments)
             if last <= limit[key.space]:
                 continue
-            is_code, address = key.name == "code", subject.spec.addresses[message.address]
+            is_code, address = key.role is KeyRole.CODE, subject.spec.addresses[message.address]
             if is_code and not (address.selector or address.reply_selector) and last > MOST[key.space]:
                 if "selector" not in seen:
                     yield Finding(
-                        ("selector", "at"), "no frame reaches to this selector", "`at` counts bytes, from 0 to 7"
+                        ("selector", "at"),
+                        "no frame reaches to this selector",
+                        f"`at` counts bytes, from 0 to {MAX_DATA_BYTES - 1}",
                     )
                 seen.add("selector")
             else:
@@ -41,8 +45,7 @@ def check(subject: Subject) -> Found:
                 yield Finding((*message.path, "remote" if message.remote else "dlc"), text, hint)
 
 
-MOST_BYTES = 8
-MOST = {Space.DATA: 8 * MOST_BYTES, Space.ID: 29}
+MOST = {Space.DATA: 8 * MAX_DATA_BYTES, Space.ID: 29}
 """The bits that a frame can have."""
 
 
@@ -64,8 +67,8 @@ def _beyond(message: Message, field: Field, limit: int) -> Finding:
     there = f"has bytes 0 to {message.dlc - 1}" if message.dlc else "has no data"
     there = "is a remote one, without data" if message.remote else there
     hint = "check `at`, the type and `dlc`"
-    if MOST_BYTES <= first < MOST_BYTES * 8:
-        hint = f"`at` counts bytes, from 0 to {MOST_BYTES - 1}: bit {first} is in byte {first // 8}"
+    if MAX_DATA_BYTES <= first < MAX_DATA_BYTES * 8:
+        hint = f"`at` counts bytes, from 0 to {MAX_DATA_BYTES - 1}: bit {first} is in byte {first // 8}"
     elif (
         field.type.order is Order.BIG and field.elements[0].segments[-1].low + field.elements[0].segments[-1].width < 8
     ):

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from ..model import formatting
-from ..model.edition import Edition, Encoding, Range, Type
+from ..model.edition import Edition
+from ..model.layout import ReservedRole
+from ..model.types import Encoding, Range, Type
 from .rule import Finding, Found, Subject
 
 
@@ -60,19 +62,20 @@ def _plausible(edition: Edition) -> Found:
 
 
 def _constants(edition: Edition) -> Found:
-    fields = {f.path: f for m in edition.all_messages() for f in m.layout.fields if f.constant is not None}
+    fields = {f.path: f for m in edition.all_messages() for f in m.layout.fields if f.fixed is not None}
     for field in fields.values():
         low, high = field.type.raw_limits
-        key, what = ("constant", "the constant") if field.checked else ("reserved", "what is reserved")
-        if field.constant is not None and not low <= field.constant <= high:
-            text = f"{field.constant} is not within {low}..{high}, all that {field.type.width} bits hold"
+        is_reserved = isinstance(field.role, ReservedRole)
+        key, what = ("reserved", "what is reserved") if is_reserved else ("constant", "the constant")
+        if field.fixed is not None and not low <= field.fixed <= high:
+            text = f"{field.fixed} is not within {low}..{high}, all that {field.type.width} bits hold"
             yield Finding((*field.path, key), text, f"check {what}, and sign and width of the field")
-        elif field.type.enum and field.constant not in (values := {m.value: m.name for m in field.type.enum}):
+        elif field.type.enum and field.fixed not in (values := {m.value: m.name for m in field.type.enum}):
             there = ", ".join(f"{value} is {name}" for value, name in values.items())
-            text = f"no name of `{field.type.name}` has the value {field.constant}"
+            text = f"no name of `{field.type.name}` has the value {field.fixed}"
             yield Finding((*field.path, key), text, f"{there}; or write `raw` in place of `type`")
-        elif field.constant is not None and not field.type.enum and (limits := _forbidding(field.type, field.constant)):
-            text = f"{field.constant} is not within {formatting.span(limits)}, the raw range of `{field.type.name}`"
+        elif field.fixed is not None and not field.type.enum and (limits := _forbidding(field.type, field.fixed)):
+            text = f"{field.fixed} is not within {formatting.span(limits)}, the raw range of `{field.type.name}`"
             yield Finding((*field.path, key), text, f"check {what}, or write `raw` in place of `type`")
 
 

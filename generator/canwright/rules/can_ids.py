@@ -5,7 +5,8 @@ from __future__ import annotations
 from itertools import islice
 from math import gcd
 
-from ..model.edition import IdRule, Message, Space
+from ..model.layout import Space
+from ..model.message import IdRule, Message
 from .bit_patterns import Known
 
 ALL_BITS = (1 << 29) - 1

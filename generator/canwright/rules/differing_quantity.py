@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..model import formatting
-from ..model.edition import Type
+from ..model.types import Type
 from .rule import Finding, Found, Subject
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..model.edition import Command, Direction, Edition
+from ..model.edition import Edition
+from ..model.message import Command, Direction
 from .rule import Finding, Found, Subject
 
 

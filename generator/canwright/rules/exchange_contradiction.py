@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.golden_frames import CheckedFrame, Exchange, Refusal
+from ..language.golden_frames import CheckedFrame, Exchange
+from ..model.refusal import Refusal
 from ..semantics.decoder import CanFrame
 from ..semantics.receiver import Receiver, Refused
 from .golden_entries import Problem, judged, named

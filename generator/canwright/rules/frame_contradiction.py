@@ -9,7 +9,10 @@ from fractions import Fraction
 from ..diagnostics.diagnostic import nearest
 from ..language.golden_frames import Frame
 from ..model import formatting
-from ..model.edition import Assignment, Direction, Edition, Field, Message, Order, Space
+from ..model.edition import Edition
+from ..model.layout import Field, ReservedRole, Space
+from ..model.message import Direction, Message
+from ..model.types import Assignment, Order
 from ..semantics.decoder import CanFrame, Raw, Value, difference, held, node_of, raw_of, raws, value_of, wrong_constants
 from ..semantics.encoder import Sender, Senders
 from ..semantics.receiver import Read, Receiver, Refused
@@ -52,7 +55,7 @@ class _Judge:
             text = f"the fields depend on `{message.layout.parameter}`, which is not given"
             return [((), text, f"add parameters: {{{message.layout.parameter}: …}}")]
         wrong = [
-            (("data",), f"`{f.name}` should hold {f.constant}", "check `data`")
+            (("data",), f"`{f.name}` should hold {f.fixed}", "check `data`")
             for f in wrong_constants(variant.fields, can)
         ]
         found = raws(variant, can)
@@ -100,11 +103,11 @@ def _sent(
             place = formatting.place(key.space, key.segments)
             yield ("data",), f"a sender writes 0x{key.value:02X} in {place}", hint
     for field in fields.values():
-        there = not field.checked and (field.space is Space.ID or not can.remote)
-        if there and (raw := raw_of(field, can)) != field.constant:
+        there = isinstance(field.role, ReservedRole) and (field.space is Space.ID or not can.remote)
+        if there and (raw := raw_of(field, can)) != field.fixed:
             part = "id" if field.space is Space.ID else "data"
             told = f"check `reserved` in the spec; {hint}"
-            yield (part,), f"`{field.name}` is sent as {_hex(field.constant)}, and here is {_hex(raw)}", told
+            yield (part,), f"`{field.name}` is sent as {_hex(field.fixed)}, and here is {_hex(raw)}", told
     if can.remote:
         if can.data:
             yield ("data",), "a remote frame has no data", 'data: ""'
@@ -190,7 +193,7 @@ def _values(
 def _no_field(name: str, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> tuple[str, str]:
     """That a name is none of a field with a value, and what to do."""
     if name in fields:
-        return f"`{name}` always holds {fields[name].constant}", "take it out: constants are left out here"
+        return f"`{name}` always holds {fields[name].fixed}", "take it out: constants are left out here"
     return f"there is no field `{name}`", nearest(name, found) or "take it out"
 
 

@@ -10,7 +10,10 @@ from ..diagnostics.diagnostic import DocumentPath, nearest
 from ..language.golden_frames import CheckedFrame, Exchange, Frame, RefusedFrame, Sourced
 from ..language.notation import LAST_ID, SHORT_ID
 from ..model import formatting
-from ..model.edition import Assignment, Edition, Field, Message, Parameter, Variant
+from ..model.edition import Edition
+from ..model.layout import Field, Variant
+from ..model.message import Message
+from ..model.types import Assignment, Parameter
 from ..semantics.decoder import CanFrame, Raw, raw_of, value_of
 from ..semantics.parameters import number
 from .rule import Finding, Found
@@ -63,7 +66,7 @@ def _parameters(edition: Edition, known: Mapping[str, Parameter], given: Mapping
 
 def told(message: Message, node: int | None, variant: Variant, frame: CanFrame, assignment: Assignment) -> str:
     """A frame in words: `the request of dim, node 1: level 10 %`."""
-    fields = [f"{f.name} {_field(f, raw_of(f, frame), assignment)}" for f in variant.fields if f.constant is None]
+    fields = [f"{f.name} {_field(f, raw_of(f, frame), assignment)}" for f in variant.fields if f.fixed is None]
     return named(message, node) + (f": {', '.join(fields)}" if fields else "")
 
 

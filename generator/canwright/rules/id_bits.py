@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from functools import reduce
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..model.edition import IdRule, Message, Segment, Space
+from ..model.layout import Segment, Space
+from ..model.message import IdRule, KeyRole, Message
 from . import can_ids
 from .rule import Finding, Found, Subject
 
@@ -28,7 +29,7 @@ def _in_id(subject: Subject, message: Message) -> Iterator[tuple[str, DocumentPa
     address = subject.spec.addresses[message.address]
     for key in message.keys:
         if key.space is Space.ID:
-            of_edition = key.name == "code" and not (address.selector or address.reply_selector)
+            of_edition = key.role is KeyRole.CODE and not (address.selector or address.reply_selector)
             yield "the selector", ("selector", "at") if of_edition else message.path, key.segments
     for field in message.layout.fields:
         for element in field.elements if field.space is Space.ID else ():

@@ -6,7 +6,9 @@ from collections.abc import Collection, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.edition import EditionSpec
-from ..model.edition import Address, Direction, Edition, Message, Space
+from ..model.edition import Edition
+from ..model.layout import Space
+from ..model.message import Address, Direction, Message
 from ..semantics.decoder import by_rule, node, open_bits
 from . import bit_patterns, can_ids
 from .rule import Finding, Found, Subject

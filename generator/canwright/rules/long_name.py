@@ -1,11 +1,14 @@
-"""A name is short enough for a DBC file to hold it whole."""
+"""No target has to change a name."""
 
 from __future__ import annotations
 
-from ..targets import dbc
+from ..diagnostics.diagnostic import Severity
+from ..targets.registry import targets
 from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
-    for path, text, hint in dbc.long_names(subject.edition):
-        yield Finding(path, text, hint, key=True)
+    for target in targets():
+        for problem in target.problems(subject.edition):
+            if problem.severity is Severity.WARNING:
+                yield Finding(problem.path, problem.message, problem.hint, key=True)

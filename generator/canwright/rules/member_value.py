@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import aliases
 from ..model import formatting
-from ..model.edition import Member, Range, Type
+from ..model.types import Member, Range, Type
 from .rule import Finding, Found, Subject
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model.edition import Encoding
+from ..model.types import Encoding
 from .rule import Finding, Found, Subject
 
 _OF_NUMBERS = ("unit", "scale", "offset", "range", "plausible", "raw_range")

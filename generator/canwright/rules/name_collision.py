@@ -1,12 +1,14 @@
-"""No two names become one in a target, nor a word that its language keeps for itself."""
+"""No two names become one in a target, nor a word that its language reserves."""
 
 from __future__ import annotations
 
-from ..targets import c, python
+from ..diagnostics.diagnostic import Severity
+from ..targets.registry import targets
 from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
-    for problems in (c.problems, python.problems):
-        for path, text, hint in problems(subject.edition):
-            yield Finding(path, text, hint, key=True)
+    for target in targets():
+        for problem in target.problems(subject.edition):
+            if problem.severity is Severity.ERROR:
+                yield Finding(problem.path, problem.message, problem.hint, key=True)

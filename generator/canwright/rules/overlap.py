@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.edition import EditionSpec
-from ..model.edition import Direction, Key, Message, Order, Space, Variant
-from ..model.layout import bits_of
+from ..model.layout import Space, Variant, bits_of
+from ..model.message import Direction, Key, KeyRole, Message
+from ..model.types import Order
 from .rule import Finding, Found, Subject
 
 HIGHEST = "; `at` is the highest bit of what is big-endian"
@@ -32,11 +33,11 @@ def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Found:
     for key in message.keys:
         bits, others = bits_of(key.segments), taken[key.space]
         clash = next(filter(others.__contains__, bits), None)
-        if clash is not None and key.is_index:
+        if clash is not None and key.role is KeyRole.INDEX:
             text = f"the table's index shares {_where(key.space, clash)} with {others[clash]}"
             at = _place_of(spec, message, key)
             yield Finding(at, text, "move one of them")
-        others.update(dict.fromkeys(bits, INDEX if key.is_index else "the selector"))
+        others.update(dict.fromkeys(bits, INDEX if key.role is KeyRole.INDEX else "the selector"))
     for field in variant.fields:
         others = taken[field.space]
         for element in field.elements:
@@ -54,7 +55,7 @@ def _place_of(spec: EditionSpec, message: Message, key: Key) -> DocumentPath:
     """Where it is said which bits a key of a table is in."""
     table = spec.commands[str(message.path[1])].table or ""
     path: DocumentPath = ("tables", table, "index")
-    number = int(key.name.removeprefix("index").removeprefix("_") or 1) - 1
+    number = next(i for i, k in enumerate(k for k in message.keys if k.role is KeyRole.INDEX) if k is key)
     return (*path, number, "at") if isinstance(spec.tables[table].index, list) else (*path, "at")
 
 

@@ -6,9 +6,12 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from ..diagnostics.diagnostic import DocumentPath, nearest
-from ..language.golden_frames import Refusal, RefusedFrame, RefusedValues, Value
+from ..language.golden_frames import RefusedFrame, RefusedValues, Value
 from ..model import formatting
-from ..model.edition import Direction, Edition, Field, Message
+from ..model.edition import Edition
+from ..model.layout import Field
+from ..model.message import Direction, Message
+from ..model.refusal import Refusal
 from ..semantics.decoder import CanFrame
 from ..semantics.encoder import SPECIAL, Sender, Senders
 from ..semantics.receiver import Receiver, Refused
@@ -77,7 +80,7 @@ def _amiss(sender: Sender, message: Message, entry: RefusedValues) -> Iterator[P
     """What keeps an entry from being asked at all: fields that are not there, or are of another shape."""
     fields = sender.fields(message)
     if fields is None:
-        fields = {f.name: f for f in message.layout.fields if f.constant is None}
+        fields = {f.name: f for f in message.layout.fields if f.fixed is None}
     written = [("raw", name) for name in entry.raw] + [("values", name) for name in entry.values]
     unknown = [path for path in written if path[1] not in fields]
     for path in unknown:

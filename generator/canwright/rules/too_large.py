@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from ..language.edition import EditionSpec
-from ..model.edition import Edition, Message
+from ..model.edition import Edition
+from ..model.message import Message
 from .rule import Finding, Found, Subject
 
 MOST_COMMANDS = 5000

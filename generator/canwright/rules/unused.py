@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ..language.edition import EditionSpec, MessageSpec
-from ..model.edition import Edition, Message
+from ..model.edition import Edition
+from ..model.message import Message
 from .rule import Finding, Found, Subject
 
 

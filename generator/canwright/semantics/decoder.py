@@ -15,7 +15,9 @@ from typing import NamedTuple
 
 from ..language import notation
 from ..model import formatting
-from ..model.edition import Assignment, Encoding, Field, IdRule, Key, Linear, Message, Segment, Space, Type, Variant
+from ..model.layout import Field, Segment, Space, Variant
+from ..model.message import BitRun, IdRule, Key, Message
+from ..model.types import Assignment, Encoding, Linear, Type
 
 Raw = int | list[int]
 Value = Fraction | str | list[str] | None
@@ -103,9 +105,9 @@ def node_of(message: Message, frame: CanFrame) -> int | None:
     return node(message.id, frame.id & ~message.id_mask)
 
 
-def held(key: Key, frame: CanFrame) -> int:
-    """What the bits of a key hold in a frame."""
-    return _bits(key.segments, key.space, frame)
+def held(bits: BitRun, frame: CanFrame) -> int:
+    """The unsigned integer that some bits hold in a frame."""
+    return _bits(bits.segments, bits.space, frame)
 
 
 def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:
@@ -119,7 +121,7 @@ def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:
 
 def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
     """The raw integer of each field, constants left out."""
-    return {f.name: raw_of(f, frame) for f in variant.fields if f.constant is None}
+    return {f.name: raw_of(f, frame) for f in variant.fields if f.fixed is None}
 
 
 def raw_of(field: Field, frame: CanFrame) -> Raw:

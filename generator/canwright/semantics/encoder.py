@@ -10,9 +10,12 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 from ..language import notation
-from ..language.golden_frames import Refusal, Value
+from ..language.golden_frames import Value
 from ..model import formatting
-from ..model.edition import Bound, Encoding, Field, Message, Range, Type
+from ..model.layout import Field
+from ..model.message import Message
+from ..model.refusal import Refusal
+from ..model.types import Bound, Encoding, Range, Type
 from .decoder import Raw, data_bits, linear_of, value_of
 from .receiver import Refused
 
@@ -48,7 +51,7 @@ class Sender:
         known = self._fields.get(id(message))
         if known is None:
             variant = message.layout.variant(self.assignment)
-            fields = None if variant is None else {f.name: f for f in variant.fields if f.constant is None}
+            fields = None if variant is None else {f.name: f for f in variant.fields if f.fixed is None}
             known = self._fields[id(message)] = (message, fields)
         return known[1]
 

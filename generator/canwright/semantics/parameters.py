@@ -6,7 +6,8 @@ from fractions import Fraction
 
 from ..language import notation
 from ..model import formatting
-from ..model.edition import Edition, Parameter
+from ..model.edition import Edition
+from ..model.types import Parameter
 
 
 def number(edition: Edition, parameter: Parameter, text: str) -> Fraction:

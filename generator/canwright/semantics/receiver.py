@@ -8,9 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from ..language.golden_frames import Refusal
 from ..model import formatting
-from ..model.edition import Assignment, Direction, Edition, Key, Message, ReplyForm, Variant
+from ..model.edition import Edition
+from ..model.layout import Variant
+from ..model.message import Direction, Key, Message
+from ..model.refusal import Refusal
+from ..model.types import Assignment
 from .decoder import CanFrame, by_rule, data_bits, difference, held, node, node_of, open_bits, wrong_constants
 
 
@@ -70,7 +73,7 @@ class Receiver:
         there = variant.fields if variant else (field for field in layout.fields if not field.only)
         wrong = wrong_constants(there, frame)
         if wrong:
-            return Refused(Refusal.WRONG_CONSTANT, f"`{wrong[0].name}` should hold {wrong[0].constant}", wrong[0].name)
+            return Refused(Refusal.WRONG_CONSTANT, f"`{wrong[0].name}` should hold {wrong[0].fixed}", wrong[0].name)
         if variant is None:
             text = f"the fields of {read.message.name} depend on `{layout.parameter}`, which is not given"
             return Refused(Refusal.MISSING_PARAMETER, text)
@@ -89,7 +92,7 @@ class Receiver:
         if wrong:
             return _no_answer(wrong.text)
         source = node_of(expected, reply)
-        asked, told = sent.message.node_key, expected.node_key
+        asked, told = sent.message.node_bits, expected.node_bits
         to, bits = sent.node, -1
         if asked and not command.from_each:
             to, bits = held(asked, request), (1 << asked.width) - 1
@@ -98,7 +101,7 @@ class Receiver:
             return _no_answer(f"it comes from node {source}, not {_listed(nodes)}")
         if told and not _is_from(nodes, held(told, reply), bits & (1 << told.width) - 1):
             return _no_answer(f"`{told.name}` holds node {held(told, reply)}, not {_listed(nodes)}")
-        if command.reply_form is ReplyForm.ECHO and request.data != reply.data:
+        if command.is_echoed and request.data != reply.data:
             return _no_answer(f"the reply of {command.name} is an echo, and this differs")
         return Read(expected, source)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from canwright.targets import Described
+from canwright.targets.base import Described
 
 from ..adapter import Adapter
 from . import c, dbc, docs, python

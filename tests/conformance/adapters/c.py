@@ -9,9 +9,13 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
 
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Command, Direction, Edition, Encoding, Field, Message
-from canwright.targets import Described, c as target
+from canwright.model.edition import Edition
+from canwright.model.layout import Field
+from canwright.model.message import Command, Direction, Message
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding
+from canwright.targets import c as target
+from canwright.targets.base import Described
 
 from ...compilers import build
 from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
@@ -65,7 +69,7 @@ class CAdapter:
         raw: dict[str, Raw] = {}
         values: dict[str, Value] = {}
         items = [words[i : i + 3] for i in range(0, len(words), 3)]
-        for field in (f for f in variant.fields if f.constant is None):
+        for field in (f for f in variant.fields if f.fixed is None):
             mine = [(int(number), value) for name, number, value in items if name == field.name]
             raw[field.name] = [number for number, _ in mine] if field.is_array else mine[0][0]
             if any(value == f"?{Refusal.MISSING_PARAMETER.value}" for _, value in mine):

@@ -7,7 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-from canwright.model.edition import Direction, Edition, Encoding, Field, Layout, Message, Type
+from canwright.model.edition import Edition
+from canwright.model.layout import Field, Layout
+from canwright.model.message import Direction, Message
+from canwright.model.types import Encoding, Type
 from canwright.targets.c.names import layouts, member
 
 from .c_signatures import Function, functions
@@ -83,7 +86,7 @@ class _Harness:
         return {"name": layout.name, "c": f"{self._prefix}{layout.name}", "member": member(layout.name)}
 
     def _layout(self, layout: Layout) -> dict[str, Any]:
-        fields = [self._field(field) for field in layout.fields if field.constant is None]
+        fields = [self._field(field) for field in layout.fields if field.fixed is None]
         return {**self._names(layout), "fields": fields}
 
     def _field(self, field: Field) -> dict[str, Any]:
@@ -131,4 +134,4 @@ class _Harness:
 
 
 def _has_members(layout: Layout) -> bool:
-    return any(field.constant is None for field in layout.fields)
+    return any(field.fixed is None for field in layout.fields)

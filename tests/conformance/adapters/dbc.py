@@ -13,10 +13,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Assignment, Direction, Message, Space
+from canwright.model.layout import ReservedRole, Space
+from canwright.model.message import Direction, Message
+from canwright.model.refusal import Refusal
+from canwright.model.types import Assignment
 from canwright.semantics.decoder import CanFrame as ModelFrame, has_id, is_message, node, raw_of, wrong_constants
-from canwright.targets import Described, dbc
+from canwright.targets import dbc
+from canwright.targets.base import Described
 from canwright.targets.dbc.frames import Traffic, obstacle
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
@@ -115,8 +118,8 @@ class DbcAdapter:
     @staticmethod
     def _reserved_in_id(message: Message, frame: CanFrame) -> bool:
         """Whether reserved bits in the id are not those that are sent."""
-        reserved = (f for f in message.layout.fields if f.space is Space.ID and not f.checked)
-        return any(raw_of(f, ModelFrame(**vars(frame))) != f.constant for f in reserved)
+        reserved = (f for f in message.layout.fields if f.space is Space.ID and isinstance(f.role, ReservedRole))
+        return any(raw_of(f, ModelFrame(**vars(frame))) != f.fixed for f in reserved)
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters

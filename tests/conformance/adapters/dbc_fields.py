@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cantools.database.can import Message, Signal
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Encoding, Field
+from canwright.model.layout import Field
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding
 
 from ..adapter import Cannot, ExactValue, Refused, Value
 
@@ -116,7 +117,7 @@ def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
     for element in field.elements:
         name = f"{prefix}{field.name}" + ("" if element.index is None else f"_{element.index}")
         signals = {signal.name: signal for signal in message.signals if signal.name.startswith(name)}
-        if not field.type.flags or field.constant is not None:
+        if not field.type.flags or field.fixed is not None:
             places = _whole(signals.get(name))
         else:
             places = _flags(name, field, signals)

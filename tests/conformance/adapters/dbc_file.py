@@ -10,8 +10,11 @@ from typing import Any
 import cantools
 from cantools.database import Database, DecodeError, EncodeError
 from cantools.database.can import Message as CanMessage, Signal
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Command, Direction, Edition, Encoding, Field, Message, Space
+from canwright.model.edition import Edition
+from canwright.model.layout import Field, Space
+from canwright.model.message import Command, Direction, Message
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding
 from canwright.semantics.decoder import is_message
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
@@ -57,7 +60,7 @@ class DbcFile:
                 read = [place.raw(numbers) for place in places]
                 if field.demanded is not None and read != [field.demanded] * len(read):
                     raise Cannot("constants")
-                if field.constant is None:
+                if field.fixed is None:
                     raw[field.name] = read if field.is_array else read[0]
                     values[field.name] = values_of(places, shown)
         return Decoded(command.name, _node(message, found), raw, values)
@@ -92,10 +95,10 @@ class DbcFile:
         prefix = _prefix(message, code)
         data |= {signal.name: 0 for signal in found.signals if signal.name == f"{prefix}reserved"}
         for field in message.layout.fields:
-            value = [field.constant] * len(field.elements) if field.constant is not None else given.get(field.name)
+            value = [field.fixed] * len(field.elements) if field.fixed is not None else given.get(field.name)
             parts: Sequence[Any] = value if isinstance(value, list) and not field.type.flags else [value]
             for place, part in zip(cells(found, prefix, field), parts, strict=False):
-                put = place.put_raw if field.constant is not None or not scaled else place.put_value
+                put = place.put_raw if field.fixed is not None or not scaled else place.put_value
                 refused = None if part is None else put(data, part, parameters)
                 if refused:
                     return refused

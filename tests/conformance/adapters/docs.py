@@ -9,9 +9,10 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction
-from canwright.targets import Described, docs as target
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
+from canwright.targets import docs as target
+from canwright.targets.base import Described
 
 from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
 from .docs_tables import FieldRow, MessagePage, Scale, message, plain, tables

@@ -11,9 +11,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from canwright.language.golden_frames import Refusal
-from canwright.model.edition import Direction, Edition, Space
-from canwright.targets import Described, python as target
+from canwright.model.edition import Edition
+from canwright.model.layout import ReservedRole, Space
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
+from canwright.targets import python as target
+from canwright.targets.base import Described
 from canwright.targets.python.text import attribute, class_name
 
 from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
@@ -82,7 +85,7 @@ class PythonAdapter:
     def _reserved(self, message: Any, direction: Direction) -> int:
         """The bits of the id that a reader ignores."""
         ours = [m for m in self._edition.messages(direction) if m.command == message.COMMAND]
-        ignored = [f for m in ours for f in m.layout.fields if f.space is Space.ID and not f.checked]
+        ignored = [f for m in ours for f in m.layout.fields if f.space is Space.ID and isinstance(f.role, ReservedRole)]
         return sum(1 << bit for f in ignored for element in f.elements for bit in element.bits)
 
     def _field_names(self) -> set[str]:

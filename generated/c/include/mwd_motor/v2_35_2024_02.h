@@ -4232,28 +4232,34 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_decode_request(
         mwd_motor_v2_35_2024_02_move_to_angle_request_unpack(&request->as.move_to_angle_request, frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed_request, frame);
+        mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed_request,
+            frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE:
         mwd_motor_v2_35_2024_02_turn_to_angle_request_unpack(&request->as.turn_to_angle_request, frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed_request, frame);
+        mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed_request,
+            frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE:
         mwd_motor_v2_35_2024_02_move_by_angle_request_unpack(&request->as.move_by_angle_request, frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-        mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed_request, frame);
+        mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed_request,
+            frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_TORQUE_LIMIT:
-        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_unpack(&request->as.control_parameters_torque_limit, frame);
+        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_unpack(&request->as.control_parameters_torque_limit,
+            frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ACCELERATION_LIMIT:
-        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_unpack(&request->as.control_parameters_acceleration_limit, frame);
+        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_unpack(&request->as.control_parameters_acceleration_limit,
+            frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_LIMIT:
-        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_unpack(&request->as.control_parameters_speed_limit, frame);
+        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_unpack(&request->as.control_parameters_speed_limit,
+            frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM:
         mwd_motor_v2_35_2024_02_write_encoder_offset_rom_unpack(&request->as.write_encoder_offset_rom, frame);
@@ -4451,15 +4457,18 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_decode_reply(
         return mwd_motor_v2_35_2024_02_motion_feedback_unpack(&reply->as.motion_feedback, frame, parameters);
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_TORQUE_LIMIT:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_TORQUE_LIMIT:
-        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_unpack(&reply->as.control_parameters_torque_limit, frame);
+        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_unpack(&reply->as.control_parameters_torque_limit,
+            frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_ACCELERATION_LIMIT:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ACCELERATION_LIMIT:
-        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_unpack(&reply->as.control_parameters_acceleration_limit, frame);
+        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_unpack(&reply->as.control_parameters_acceleration_limit,
+            frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_SPEED_LIMIT:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_LIMIT:
-        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_unpack(&reply->as.control_parameters_speed_limit, frame);
+        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_unpack(&reply->as.control_parameters_speed_limit,
+            frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER:
         mwd_motor_v2_35_2024_02_read_encoder_reply_unpack(&reply->as.read_encoder_reply, frame);
@@ -4468,7 +4477,8 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_decode_reply(
         mwd_motor_v2_35_2024_02_write_encoder_offset_rom_unpack(&reply->as.write_encoder_offset_rom, frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
-        mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom_reply, frame);
+        mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom_reply,
+            frame);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE:
         mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle_reply, frame);

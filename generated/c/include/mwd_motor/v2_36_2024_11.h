@@ -4789,19 +4789,22 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_request(
         mwd_motor_v2_36_2024_11_move_to_angle_request_unpack(&request->as.move_to_angle_request, frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed_request, frame);
+        mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed_request,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE:
         mwd_motor_v2_36_2024_11_turn_to_angle_request_unpack(&request->as.turn_to_angle_request, frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed_request, frame);
+        mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed_request,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE:
         mwd_motor_v2_36_2024_11_move_by_angle_request_unpack(&request->as.move_by_angle_request, frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed_request, frame);
+        mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed_request,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID:
@@ -4809,7 +4812,8 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_request(
         mwd_motor_v2_36_2024_11_pid_gains_unpack(&request->as.pid_gains, frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT:
-        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&request->as.control_parameters_max_torque_current, frame);
+        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&request->as.control_parameters_max_torque_current,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED:
         mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&request->as.control_parameters_max_speed, frame);
@@ -4818,10 +4822,12 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_request(
         mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&request->as.control_parameters_max_angle, frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_RAMP:
-        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&request->as.control_parameters_current_ramp, frame);
+        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&request->as.control_parameters_current_ramp,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP:
-        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&request->as.control_parameters_speed_ramp, frame);
+        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&request->as.control_parameters_speed_ramp,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE:
         mwd_motor_v2_36_2024_11_set_angle_unpack(&request->as.set_angle, frame);
@@ -5055,7 +5061,8 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_reply(
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT:
-        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&reply->as.control_parameters_max_torque_current, frame);
+        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&reply->as.control_parameters_max_torque_current,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_SPEED:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED:
@@ -5067,7 +5074,8 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_reply(
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_CURRENT_RAMP:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_RAMP:
-        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&reply->as.control_parameters_current_ramp, frame);
+        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&reply->as.control_parameters_current_ramp,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_SPEED_RAMP:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP:
@@ -5077,7 +5085,8 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_reply(
         mwd_motor_v2_36_2024_11_read_encoder_reply_unpack(&reply->as.read_encoder_reply, frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
-        mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom_reply, frame);
+        mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom_reply,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE:
         mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle_reply, frame);

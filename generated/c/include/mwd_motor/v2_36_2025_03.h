@@ -5320,7 +5320,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_dri
     mwd_motor_v2_36_2025_03_read_stored_setting_driver_id_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u, 0x0Au);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u,
+        0x0Au);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -5380,7 +5381,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_bus
     mwd_motor_v2_36_2025_03_read_stored_setting_bus_type_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u, 0x0Bu);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u,
+        0x0Bu);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -5441,7 +5443,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_rs4
     mwd_motor_v2_36_2025_03_read_stored_setting_rs485_baud_rate_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u, 0x0Cu);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u,
+        0x0Cu);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -5501,7 +5504,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_can
     mwd_motor_v2_36_2025_03_read_stored_setting_can_baud_rate_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u, 0x0Du);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u,
+        0x0Du);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -5563,7 +5567,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max
     mwd_motor_v2_36_2025_03_read_stored_setting_max_power_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u, 0xB0u);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u,
+        0xB0u);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -5623,7 +5628,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max
     mwd_motor_v2_36_2025_03_read_stored_setting_max_speed_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u, 0xB2u);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u,
+        0xB2u);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -5683,7 +5689,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max
     mwd_motor_v2_36_2025_03_read_stored_setting_max_angle_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u, 0xB4u);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u,
+        0xB4u);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -5743,7 +5750,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_cur
     mwd_motor_v2_36_2025_03_read_stored_setting_current_ramp_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u, 0xBAu);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u,
+        0xBAu);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -5803,7 +5811,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_spe
     mwd_motor_v2_36_2025_03_read_stored_setting_speed_ramp_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u, 0xBCu);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x40u, 0x05u,
+        0xBCu);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6038,7 +6047,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_dr
     mwd_motor_v2_36_2025_03_stage_stored_setting_driver_id_request_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u, 0x0Au);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0x0Au);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6071,7 +6081,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_dr
     mwd_motor_v2_36_2025_03_stage_stored_setting_driver_id_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u, 0x0Au);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0x0Au);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6126,7 +6137,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_bu
     mwd_motor_v2_36_2025_03_stage_stored_setting_bus_type_request_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u, 0x0Bu);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0x0Bu);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6159,7 +6171,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_bu
     mwd_motor_v2_36_2025_03_stage_stored_setting_bus_type_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u, 0x0Bu);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0x0Bu);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6215,7 +6228,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_rs
     mwd_motor_v2_36_2025_03_stage_stored_setting_rs485_baud_rate_request_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u, 0x0Cu);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0x0Cu);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6249,7 +6263,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_rs
     mwd_motor_v2_36_2025_03_stage_stored_setting_rs485_baud_rate_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u, 0x0Cu);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0x0Cu);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6304,7 +6319,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ca
     mwd_motor_v2_36_2025_03_stage_stored_setting_can_baud_rate_request_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u, 0x0Du);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0x0Du);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6337,7 +6353,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ca
     mwd_motor_v2_36_2025_03_stage_stored_setting_can_baud_rate_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u, 0x0Du);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0x0Du);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6392,7 +6409,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
     mwd_motor_v2_36_2025_03_stage_stored_setting_max_power_request_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u, 0xB0u);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0xB0u);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6427,7 +6445,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
     mwd_motor_v2_36_2025_03_stage_stored_setting_max_power_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u, 0xB0u);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0xB0u);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6480,7 +6499,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
     mwd_motor_v2_36_2025_03_stage_stored_setting_max_speed_request_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u, 0xB2u);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0xB2u);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6513,7 +6533,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
     mwd_motor_v2_36_2025_03_stage_stored_setting_max_speed_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u, 0xB2u);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0xB2u);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6566,7 +6587,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
     mwd_motor_v2_36_2025_03_stage_stored_setting_max_angle_request_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u, 0xB4u);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0xB4u);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6599,7 +6621,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
     mwd_motor_v2_36_2025_03_stage_stored_setting_max_angle_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u, 0xB4u);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0xB4u);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6652,7 +6675,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_cu
     mwd_motor_v2_36_2025_03_stage_stored_setting_current_ramp_request_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u, 0xBAu);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0xBAu);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6685,7 +6709,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_cu
     mwd_motor_v2_36_2025_03_stage_stored_setting_current_ramp_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u, 0xBAu);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0xBAu);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6738,7 +6763,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_sp
     mwd_motor_v2_36_2025_03_stage_stored_setting_speed_ramp_request_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u, 0xBCu);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_request_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0xBCu);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -6771,7 +6797,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_sp
     mwd_motor_v2_36_2025_03_stage_stored_setting_speed_ramp_reply_t *message, uint32_t *node,
     const canwright_frame_t *frame)
 {
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u, 0xBCu);
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_motor_reply_3_match(node, frame, 8u, 0x42u, 0x05u,
+        0xBCu);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -7804,19 +7831,22 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_request(
         mwd_motor_v2_36_2025_03_move_to_angle_request_unpack(&request->as.move_to_angle_request, frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed_request, frame);
+        mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed_request,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE:
         mwd_motor_v2_36_2025_03_turn_to_angle_request_unpack(&request->as.turn_to_angle_request, frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed_request, frame);
+        mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed_request,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE:
         mwd_motor_v2_36_2025_03_move_by_angle_request_unpack(&request->as.move_by_angle_request, frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed_request, frame);
+        mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed_request,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID:
@@ -7827,19 +7857,23 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_request(
         mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.pid_gains, frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT:
-        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&request->as.control_parameters_max_torque_current, frame);
+        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&request->as.control_parameters_max_torque_current,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED:
         mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&request->as.control_parameters_max_speed, frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_UPPER_ANGLE:
-        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&request->as.control_parameters_upper_angle, frame);
+        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&request->as.control_parameters_upper_angle,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_LOWER_ANGLE:
-        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&request->as.control_parameters_lower_angle, frame);
+        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&request->as.control_parameters_lower_angle,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP:
-        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&request->as.control_parameters_speed_ramp, frame);
+        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&request->as.control_parameters_speed_ramp,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_DRIVER_ID:
         mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&request->as.stored_settings_driver_id, frame);
@@ -7848,10 +7882,12 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_request(
         mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&request->as.stored_settings_bus_type, frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_RS485_BAUD_RATE:
-        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&request->as.stored_settings_rs485_baud_rate, frame);
+        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&request->as.stored_settings_rs485_baud_rate,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CAN_BAUD_RATE:
-        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&request->as.stored_settings_can_baud_rate, frame);
+        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&request->as.stored_settings_can_baud_rate,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_POWER:
         mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&request->as.stored_settings_max_power, frame);
@@ -8226,7 +8262,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_reply(
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT:
-        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&reply->as.control_parameters_max_torque_current, frame);
+        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&reply->as.control_parameters_max_torque_current,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_MAX_SPEED:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED:
@@ -8234,11 +8271,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_reply(
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_UPPER_ANGLE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_UPPER_ANGLE:
-        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&reply->as.control_parameters_upper_angle, frame);
+        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&reply->as.control_parameters_upper_angle,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_LOWER_ANGLE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_LOWER_ANGLE:
-        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&reply->as.control_parameters_lower_angle, frame);
+        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&reply->as.control_parameters_lower_angle,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_SPEED_RAMP:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP:
@@ -8251,7 +8290,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_reply(
         mwd_motor_v2_36_2025_03_calibrate_encoder_reply_unpack(&reply->as.calibrate_encoder_reply, frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
-        mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom_reply, frame);
+        mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom_reply,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE:
         mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle_reply, frame);
@@ -8276,7 +8316,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_reply(
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_RS485_BAUD_RATE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_RS485_BAUD_RATE:
-        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&reply->as.stored_settings_rs485_baud_rate, frame);
+        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&reply->as.stored_settings_rs485_baud_rate,
+            frame);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CAN_BAUD_RATE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CAN_BAUD_RATE:

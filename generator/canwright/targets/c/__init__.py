@@ -3,50 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
-from ...language.golden_frames import Refusal
-from ...model.edition import Assignment
+from ...model.types import Assignment
 from ...templating.environment import environment
-from .. import Described, Output
+from ..base import Described, Output
 from .bits import operand
 from .examples import example
-from .problems import between as between, problems as problems
-from .text import call, code, comment, defines, function, in_comment, paragraph
+from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import edition_view
+
+RUNTIME = Path(__file__).parent / "runtime"
+"""Headers that are the same for every protocol: what editions of a family share."""
 
 SHARED = ("canwright.h", "canwright_float.h")
 FILTERS: dict[str, Callable[..., object]] = {
-    "code": code,
+    "arguments": arguments,
     "comment": comment,
     "defines": defines,
+    "fold": fold,
     "operand": operand,
     "paragraph": paragraph,
     "safe_text": in_comment,
 }
-REFUSALS = {
-    Refusal.UNKNOWN_ID: "No message of this direction has this id, or none of this format.",
-    Refusal.UNKNOWN_CODE: "The id is known, the code is not.",
-    Refusal.WRONG_LENGTH: "The message has another DLC.",
-    Refusal.WRONG_CONSTANT: "A field that always holds one value holds another.",
-    Refusal.MISSING_PARAMETER: "The answer depends on a parameter that is not known.",
-    Refusal.NO_SCALE: "There is a raw integer, and no way to a value.",
-    Refusal.OUT_OF_RANGE: "Beyond the range, the bits or the names of the type; or a field that is not there is set.",
-    Refusal.NOT_FINITE: "NaN or infinity.",
-    Refusal.UNKNOWN_NODE: "The address has no such node.",
-    Refusal.NOT_ANSWER: "The reply does not belong to the request.",
-}
-
-
-class StatusView(NamedTuple):
-    """A status, its word and what it means."""
-
-    name: str
-    word: str
-    doc: str
-
-
-STATUSES = tuple(StatusView(f"CANWRIGHT_{refusal.name}", refusal.value, REFUSALS[refusal]) for refusal in Refusal)
 
 
 class FamilyView(NamedTuple):
@@ -63,23 +43,24 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     The parameters stay open: a program decides on them.
     """
     env = environment("c", FILTERS)
-    env.globals.update(call=call, function=function, tab="    ")
     views = [(one, edition_view(one.edition)) for one in described]
     shown = [(view, example(one, view)) for one, view in views]
     families: list[FamilyView] = []
     for family in dict.fromkeys(view.family for _, view in views):
         editions = [view for _, view in views if view.family == family]
         for file in SHARED:
-            text = env.get_template(f"{file}.j2").render(headers=[v.header for v in editions], refusals=STATUSES)
-            yield Output(f"include/{family}/{file}", text)
+            lines = "".join(f"/* {view.header} */\n" for view in editions)
+            yield Output(f"include/{family}/{file}", lines + (RUNTIME / file).read_text("utf-8"))
         for view in editions:
-            yield Output(f"include/{family}/{view.file}.h", env.get_template("edition.h.j2").render(e=view))
-            yield Output(f"include/{family}/{view.file}_float.h", env.get_template("edition_float.h.j2").render(e=view))
+            yield Output(f"include/{family}/{view.file}.h", fold(env.get_template("edition.h.j2").render(e=view)))
+            yield Output(
+                f"include/{family}/{view.file}_float.h", fold(env.get_template("edition_float.h.j2").render(e=view))
+            )
         examples = tuple(x.file for v, x in shown if v.family == family and x.exchanges)
         families.append(FamilyView(family, tuple(v.file for v in editions), examples))
     for view, x in shown:
         if x.exchanges:
-            yield Output(f"examples/{x.file}.c", env.get_template("examples/example.c.j2").render(e=view, x=x))
+            yield Output(f"examples/{x.file}.c", fold(env.get_template("examples/example.c.j2").render(e=view, x=x)))
     has_examples = any(x.exchanges for _, x in shown)
     env.globals.update(headers=[view.header for _, view in views], families=families, has_examples=has_examples)
     for file in ("CMakeLists.txt", *(["examples/CMakeLists.txt"] * has_examples), "README.md") if shown else ():

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
 
-from ...model.edition import Encoding, Field, Key, Segment, Space
+from ...model.layout import Field, Segment, Space
+from ...model.message import BitRun, Key
+from ...model.types import Encoding
 from .numbers import Integer, integer, smallest, working
 
 
@@ -21,19 +24,19 @@ def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") 
     return f"({kind.name})({read})"
 
 
-def key_value(key: Key, frame: str = "frame") -> str:
+def key_value(key: BitRun, frame: str = "frame") -> str:
     """What a frame holds where a key stands."""
     return _read(key.space, key.segments, key.width, frame)
 
 
-def constant_holds(field: Field, frame: str = "frame") -> list[str]:
-    """Conditions that hold when a frame carries the constant of a field."""
-    value = (field.constant or 0) & ((1 << field.type.width) - 1)
+def constant_differs(field: Field, frame: str = "frame") -> str:
+    """The condition for a frame that has another value where a constant field is."""
+    value = (field.fixed or 0) & ((1 << field.type.width) - 1)
     kind = _shown(field.type.width, field.elements[0].segments)
-    return [
-        f"{operand(_read(field.space, e.segments, field.type.width, frame))} == {kind.bits(value)}"
+    return " || ".join(
+        f"{operand(_read(field.space, e.segments, field.type.width, frame))} != {kind.bits(value)}"
         for e in field.elements
-    ]
+    )
 
 
 def labels(key: Key, values: Iterable[int]) -> list[str]:
@@ -46,51 +49,63 @@ def key_bytes(keys: Sequence[Key]) -> set[int]:
     return {s.byte for key in keys if key.space is Space.DATA for s in key.segments}
 
 
-def piece(number: str, kind: Integer, s: Segment) -> str:
+class Write(NamedTuple):
+    """A value for a data byte, or for bits of the id, which are 0 before, where `byte` is None."""
+
+    byte: int | None
+    value: str
+
+
+def write_key(key: Key, name: str) -> list[Write]:
+    """Writes the value of a key, a variable, into bits that are 0."""
+    return [_write_key(key, name, s) for s in key.segments]
+
+
+def _write_key(key: Key, name: str, s: Segment) -> Write:
+    bits = _piece_of(name, working(key.width), s)
+    if key.space is Space.ID:
+        return Write(None, bits)
+    if s.width == 8:
+        return Write(s.byte, f"(uint8_t)({name} >> {s.raw_low})" if s.raw_low else f"(uint8_t){name}")
+    return Write(s.byte, f"(uint8_t)(frame->data[{s.byte}] | {bits})")
+
+
+def write_fields(fields: Sequence[Field], members: Mapping[str, str], shared: Iterable[int]) -> Iterator[Write]:
+    """Writes fields into a frame whose data bytes are 0, except for the key in those that are `shared` with one."""
+    terms: dict[int, list[str]] = {}
+    fixed: dict[int, int] = {}
+    for field in fields:
+        for number, element in enumerate(field.elements):
+            for s in element.segments:
+                if field.space is Space.ID:
+                    yield Write(None, _id_bits(field, members, number, s))
+                elif field.fixed is not None:
+                    fixed[s.byte] = fixed.get(s.byte, 0) | _piece(field.fixed, s)
+                else:
+                    terms.setdefault(s.byte, []).append(_write(field, _member(field, members, number), s))
+    for byte in sorted({*terms, *fixed}):
+        before = [f"frame->data[{byte}]"] if byte in shared else []
+        constant = [f"0x{fixed[byte]:02X}u"] if byte in fixed else []
+        yield Write(byte, _as_byte([*before, *terms.get(byte, []), *constant]))
+
+
+def _id_bits(field: Field, members: Mapping[str, str], number: int, s: Segment) -> str:
+    if field.fixed is not None:
+        return f"0x{_piece(field.fixed, s):X}u"
+    return _write(field, _member(field, members, number), s)
+
+
+def _member(field: Field, members: Mapping[str, str], number: int) -> str:
+    return f"message->{members[field.name]}" + (f"[{number}]" if field.is_array else "")
+
+
+def _piece_of(number: str, kind: Integer, s: Segment) -> str:
     """The bits of a number that a segment holds, as 32 bits, where it holds them."""
     shifted = f"({number} >> {s.raw_low})" if s.raw_low else number
     masked = f"({shifted} & 0x{(1 << s.width) - 1:X}u)"
     if kind.width == 64:
         masked = f"(uint32_t){masked}"
     return f"({masked} << {s.low})" if s.low else masked
-
-
-def write_bytes(fields: Sequence[Field], members: dict[str, str], shared: Iterable[int]) -> Iterator[str]:
-    """Statements that put fields into data bytes that are 0, but for the key in those that are `shared` with one."""
-    parts: dict[int, list[str]] = {}
-    fixed: dict[int, int] = {}
-    for field in fields:
-        if field.space is not Space.DATA:
-            continue
-        for number, element in enumerate(field.elements):
-            for s in element.segments:
-                if field.constant is not None:
-                    fixed[s.byte] = fixed.get(s.byte, 0) | _piece(field.constant, s)
-                else:
-                    parts.setdefault(s.byte, []).append(_write(field, _member(field, members, number), s))
-    for index in sorted({*parts, *fixed}):
-        terms = parts.get(index, []) + ([f"0x{fixed[index]:02X}u"] if index in fixed else [])
-        if index in shared:
-            terms.insert(0, f"frame->data[{index}]")
-        yield f"frame->data[{index}] = {_as_byte(terms)};"
-
-
-def write_id(fields: Sequence[Field], members: dict[str, str]) -> list[str]:
-    """What fields put into the id."""
-    terms = []
-    for field in fields:
-        if field.space is Space.ID:
-            for number, element in enumerate(field.elements):
-                for s in element.segments:
-                    if field.constant is not None:
-                        terms.append(f"0x{_piece(field.constant, s):X}u")
-                    else:
-                        terms.append(_write(field, _member(field, members, number), s))
-    return terms
-
-
-def _member(field: Field, members: dict[str, str], number: int) -> str:
-    return f"message->{members[field.name]}" + (f"[{number}]" if field.is_array else "")
 
 
 def _piece(value: int, s: Segment) -> int:
@@ -104,7 +119,7 @@ def _write(field: Field, member: str, s: Segment) -> str:
             return f"(uint8_t)({_as(kind.unsigned, kind, member)} >> {s.raw_low})"
         return _as(smallest(8, False), kind, member)
     wide = working(field.type.width)
-    return piece(_as(wide, kind, member), wide, s)
+    return _piece_of(_as(wide, kind, member), wide, s)
 
 
 def _as(wanted: Integer, kind: Integer, expression: str) -> str:

@@ -2,39 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple, TypeVar
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
-from ...model.edition import Dependent, Edition, Parameter
+from ...model.edition import Edition
+from ...model.types import Dependent, Parameter
 from .names import Names, member
 from .text import english
 
-T = TypeVar("T")
 ENUM_MAX = 0x7FFF
 
 
-class Branch(NamedTuple):
-    """Statements under some cases."""
-
-    labels: tuple[str, ...]
-    lines: tuple[str, ...]
-
-
-class Choice(NamedTuple):
-    """Statements, or a `switch` over `subject` between several and those of `otherwise`."""
-
-    subject: str | None
-    branches: tuple[Branch, ...]
-    otherwise: tuple[str, ...]
+class Alternative(Protocol):
+    """What a choice is between."""
 
     @property
-    def is_constant(self) -> bool:
-        return self.subject is None
+    def uses_parameters(self) -> bool: ...
+
+
+T = TypeVar("T")
+A = TypeVar("A", bound=Alternative)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case(Generic[T]):
+    """What applies under some labels of a `switch`."""
+
+    labels: tuple[str, ...]
+    value: T
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice(Generic[A]):
+    """A value for each case of a `switch` over `subject` and one for all others, which is the only one without a subject."""
+
+    subject: str | None
+    cases: tuple[Case[A], ...]
+    otherwise: A
+
+    @property
+    def alternatives(self) -> list[A]:
+        return [*(case.value for case in self.cases), self.otherwise]
 
     @property
     def uses_parameters(self) -> bool:
-        lines = [line for branch in self.branches for line in branch.lines] + list(self.otherwise)
-        return self.subject is not None or any("parameters->" in line for line in lines)
+        return self.subject is not None or self.otherwise.uses_parameters
 
 
 class EnumeratorView(NamedTuple):
@@ -53,26 +66,26 @@ class ParameterView(NamedTuple):
     enumerators: tuple[EnumeratorView, ...]
 
 
-def always(lines: Sequence[str]) -> Choice:
-    return Choice(None, (), tuple(lines))
-
-
-def choose(
-    names: Names, found: Dependent[T], lines: Callable[[T | None], Sequence[str]], unknown: Sequence[str]
-) -> Choice:
-    """The statements of what is found: by the value of its parameter, and `unknown` when that is not given."""
+def choose(names: Names, found: Dependent[T], view: Callable[[T | None], A], unknown: A) -> Choice[A]:
+    """The view of what is found, by the value of its parameter; `unknown` when that is not given."""
     if found.parameter is None:
-        return always(lines(found.constant))
-    grouped: dict[tuple[str, ...], list[str]] = {}
+        return Choice(subject=None, cases=(), otherwise=view(found.constant))
+    grouped: dict[A, list[str]] = {}
     for values, value in found.distinct():
-        grouped.setdefault(tuple(lines(value)), []).extend(values)
-    grouped.pop(tuple(unknown), None)
+        grouped.setdefault(view(value), []).extend(values)
+    grouped.pop(unknown, None)
     if not grouped:
-        return always(unknown)
-    branches = (
-        Branch(tuple(names.upper(found.parameter, v) for v in values), body) for body, values in grouped.items()
+        return Choice(subject=None, cases=(), otherwise=unknown)
+    cases = (
+        Case(labels=tuple(names.upper(found.parameter, v) for v in values), value=value)
+        for value, values in grouped.items()
     )
-    return Choice(f"parameters->{member(found.parameter)}", tuple(branches), tuple(unknown))
+    return Choice(subject=parameter_access(found.parameter), cases=tuple(cases), otherwise=unknown)
+
+
+def parameter_access(parameter: str) -> str:
+    """The value of a parameter as C reads it."""
+    return f"parameters->{member(parameter)}"
 
 
 def parameters(names: Names, edition: Edition) -> list[ParameterView]:

@@ -11,35 +11,55 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...model.edition import Edition, Encoding, Linear, Type
-from .choices import Choice, choose
-from .multiples import Thousandths, ratio, unless_above_zero
-from .names import Names, Problem
+from ...model.edition import Edition
+from ...model.types import Encoding, Linear, Type
+from ..base import NameProblem
+from .choices import Choice, choose, parameter_access
+from .names import Names
 from .numbers import INT64, UINT64, Integer, common, integer
-from .validity import constant_limits, has_constant_limits
+from .ratios import RatioMilli
+from .validity import Condition, constant_limits, has_constant_limits
 
-NO_SCALE = ("return CANWRIGHT_NO_SCALE;",)
-MISSING_PARAMETER = ("return CANWRIGHT_MISSING_PARAMETER;",)
 DOUBLE_LIMIT = 10**300
 EXACT = 1 << 53
 """Up to here a double holds every integer."""
 
 
+class Formula(NamedTuple):
+    """One number computed from another, or the `status` that says why there is none."""
+
+    status: str = ""
+    number: str = ""
+    ratio: str = ""
+    """The parameter that is a factor of the scale, which has to be above 0."""
+    out_of_range: str = ""
+    """The condition under which the number is rejected."""
+    share: str = ""
+    """Arguments for `canwright_share64`, which computes `steps` and rejects what is out of range."""
+
+    @property
+    def uses_parameters(self) -> bool:
+        return bool(self.ratio)
+
+
+NO_SCALE = Formula(status="NO_SCALE")
+MISSING_PARAMETER = Formula(status="MISSING_PARAMETER")
+
+
 class ConversionView(NamedTuple):
     """A pair of functions between the raw integer and a number of type `kind`.
 
-    `to` is the body of the one: it returns a status where it can fail, else the number. `from_` is the body of the
-    other: where there is a `check`, up to `nearest`, which is checked for what only a parameter can tell. With doubles it
-    goes up to `steps`, and `found` makes `nearest`, of type `wide`, of that.
+    `to` returns a status where it can fail, else the number. `from_` gives the raw integer, of type `wide`; with doubles
+    it gives `steps`, which `nearest_call` rounds. `check` is what only a parameter decides about the raw integer.
     """
 
     kind: str
-    to: Choice
+    to: Choice[Formula]
     to_fails: bool
-    from_: Choice
-    found: str
+    from_: Choice[Formula]
     wide: str
-    check: Choice | None
+    check: Choice[Condition] | None
+    nearest_call: str = ""
 
     @property
     def to_parameters(self) -> bool:
@@ -48,6 +68,10 @@ class ConversionView(NamedTuple):
     @property
     def from_parameters(self) -> bool:
         return self.from_.uses_parameters or (self.check is not None and self.check.uses_parameters)
+
+    @property
+    def has_shares(self) -> bool:
+        return any(formula.share for formula in self.from_.alternatives)
 
 
 def nearest(number: Fraction) -> int:
@@ -96,7 +120,7 @@ class _Milli(NamedTuple):
         return max(least, kind.limits[0]), min(most, kind.limits[1])
 
 
-def milli(names: Names, type_: Type, valid: Choice | None) -> ConversionView | None:
+def milli(names: Names, type_: Type, valid: Choice[Condition] | None) -> ConversionView | None:
     """Conversions to thousandths of the unit; None where there is no scale, or 64 bits are too few."""
     known = [_Milli.of(linear) for _, linear in type_.linear.distinct() if linear is not None and not linear.times]
     if type_.encoding is Encoding.FLOAT or not type_.is_number or type_.is_plain or not (known or type_.times):
@@ -123,43 +147,45 @@ def _milli_kind(type_: Type, known: Sequence[_Milli], ends: tuple[int, int]) -> 
     return kind if common(*itertools.chain.from_iterable(m.steps_to(end) for m, end in spans)) else None
 
 
-def _milli(names: Names, type_: Type, kind: Integer, ends: tuple[int, int], valid: Choice | None) -> ConversionView:
-    guard = [] if ends == integer(type_).limits else _unless_between(integer(type_), "raw", *ends)
-    fails = bool(guard) or type_.linear.parameter is not None or bool(type_.times)
-    check = None if has_constant_limits(type_) else valid
+def _milli(
+    names: Names, type_: Type, kind: Integer, ends: tuple[int, int], valid: Choice[Condition] | None
+) -> ConversionView:
+    beyond = _beyond(integer(type_), "raw", *ends)
+    fails = bool(beyond) or type_.linear.parameter is not None or bool(type_.times)
 
-    def to(linear: Linear | None) -> list[str]:
+    def to(linear: Linear | None) -> Formula:
         if linear is None:
-            return list(NO_SCALE)
+            return NO_SCALE
         if linear.times is not None:
             number = _of_number(linear).number(_cast(INT64, integer(type_), "raw"))
         else:
             number = _to_milli(_Milli.of(linear), kind, integer(type_), ends)
-        guards = [*guard, *unless_above_zero(linear)]
-        return [*guards, f"*milli = {number};", "return CANWRIGHT_OK;"] if fails else [f"return {number};"]
+        return Formula(number=number, ratio=_ratio(linear), out_of_range=beyond)
 
-    def from_(linear: Linear | None) -> list[str]:
+    def from_(linear: Linear | None) -> Formula:
         if linear is None:
-            return list(NO_SCALE)
+            return NO_SCALE
         if linear.times is None:
-            return _from_milli(_Milli.of(linear), kind, type_, bool(check))
-        braced = type_.linear.parameter is not None
-        steps = _of_number(linear).steps(constant_limits(type_), integer(type_), checked=bool(check), braced=braced)
-        return [*unless_above_zero(linear), *steps]
+            return _from_milli(_Milli.of(linear), kind, type_)
+        share = _of_number(linear).share_arguments(constant_limits(type_))
+        return Formula(number=f"({integer(type_).name})steps", ratio=_ratio(linear), share=share)
 
     return ConversionView(
-        kind.name,
-        choose(names, type_.linear, to, MISSING_PARAMETER),
-        fails,
-        choose(names, type_.linear, from_, MISSING_PARAMETER),
-        "",
-        integer(type_).name,
-        check,
+        kind=kind.name,
+        to=choose(names, type_.linear, to, MISSING_PARAMETER),
+        to_fails=fails,
+        from_=choose(names, type_.linear, from_, MISSING_PARAMETER),
+        wide=integer(type_).name,
+        check=None if has_constant_limits(type_) else valid,
     )
 
 
-def _of_number(linear: Linear) -> Thousandths:
-    return Thousandths(linear, *_Milli.of(linear))
+def _ratio(linear: Linear) -> str:
+    return "" if linear.times is None else parameter_access(linear.times)
+
+
+def _of_number(linear: Linear) -> RatioMilli:
+    return RatioMilli(linear, *_Milli.of(linear))
 
 
 def _to_milli(m: _Milli, kind: Integer, raw: Integer, ends: tuple[int, int]) -> str:
@@ -169,15 +195,14 @@ def _to_milli(m: _Milli, kind: Integer, raw: Integer, ends: tuple[int, int]) -> 
     return _quotient(product + _added(wide, m.addend), wide, m.divisor, kind)
 
 
-def _from_milli(m: _Milli, kind: Integer, type_: Type, checked: bool) -> list[str]:
+def _from_milli(m: _Milli, kind: Integer, type_: Type) -> Formula:
     low, high = m.span(*constant_limits(type_), kind)
     wide = common(*itertools.chain.from_iterable(m.steps_to(end) for end in (low, high))) or INT64
     source = _cast(wide, kind, "milli")
     factor, divisor, addend = (m.factor, m.divisor, -m.addend) if m.factor > 0 else (-m.factor, -m.divisor, m.addend)
     product = source if divisor == 1 else f"{source} * {wide.literal(divisor)}"
     quotient = _quotient(product + _added(wide, addend), wide, factor, integer(type_))
-    done = [f"nearest = {quotient};", "break;"] if checked else [f"*raw = {quotient};", "return CANWRIGHT_OK;"]
-    return [*_unless_between(kind, "milli", low, high), *done]
+    return Formula(number=quotient, out_of_range=_beyond(kind, "milli", low, high))
 
 
 def _quotient(dividend: str, wide: Integer, divisor: int, kind: Integer) -> str:
@@ -196,47 +221,40 @@ def _cast(wide: Integer, kind: Integer, name: str) -> str:
     return name if wide == kind else f"({wide.name}){name}"
 
 
-def _unless_between(kind: Integer, name: str, low: int, high: int) -> list[str]:
+def _beyond(kind: Integer, name: str, low: int, high: int) -> str:
+    """The condition for a number of type `kind` that is not from `low` to `high`; empty where the type rules it out."""
     least, most = kind.limits
     ends = [f"{name} < {kind.literal(low)}"] if low > least else []
     ends += [f"{name} > {kind.literal(high)}"] if high < most else []
-    return [f"if ({' || '.join(ends)}) {{", "    return CANWRIGHT_OUT_OF_RANGE;", "}"] if ends else []
+    return " || ".join(ends)
 
 
-def double(names: Names, type_: Type, valid: Choice | None) -> ConversionView | None:
+def double(names: Names, type_: Type, valid: Choice[Condition] | None) -> ConversionView | None:
     """Conversions to the unit; None where there is no scale."""
     if not type_.is_number or not any(linear for _, linear in type_.linear.distinct()):
         return None
     kind, is_float = integer(type_), type_.encoding is Encoding.FLOAT
     wide = kind if is_float else UINT64 if kind == UINT64 else INT64
-    fails = type_.linear.parameter is not None or bool(type_.times)
 
-    def to(linear: Linear | None) -> list[str]:
-        if linear is None:
-            return list(NO_SCALE)
-        number = _value(linear, type_)
-        if not fails:
-            return [f"return {number};"]
-        return [*unless_above_zero(linear), f"*value = {number};", "return CANWRIGHT_OK;"]
+    def to(linear: Linear | None) -> Formula:
+        return Formula(number=_value(linear, type_), ratio=_ratio(linear)) if linear else NO_SCALE
 
-    def from_(linear: Linear | None) -> list[str]:
-        if linear is None:
-            return list(NO_SCALE)
-        return [*unless_above_zero(linear), f"steps = {_steps(linear)};", "break;"]
+    def from_(linear: Linear | None) -> Formula:
+        return Formula(number=_steps(linear), ratio=_ratio(linear)) if linear else NO_SCALE
 
     if is_float:
-        found = f"canwright_bits{type_.width}(&nearest, value, steps)"
+        nearest_call = f"canwright_bits{type_.width}(&nearest, value, steps)"
     else:
         ends = ", ".join(wide.literal(end) for end in constant_limits(type_))
-        found = f"canwright_nearest{'_unsigned' if wide == UINT64 else ''}(&nearest, value, steps, {ends})"
+        nearest_call = f"canwright_nearest{'_unsigned' if wide == UINT64 else ''}(&nearest, value, steps, {ends})"
     return ConversionView(
-        "double",
-        choose(names, type_.linear, to, MISSING_PARAMETER),
-        fails,
-        choose(names, type_.linear, from_, MISSING_PARAMETER),
-        found,
-        wide.name,
-        valid if is_float or not has_constant_limits(type_) else None,
+        kind="double",
+        to=choose(names, type_.linear, to, MISSING_PARAMETER),
+        to_fails=type_.linear.parameter is not None or bool(type_.times),
+        from_=choose(names, type_.linear, from_, MISSING_PARAMETER),
+        wide=wide.name,
+        check=valid if is_float or not has_constant_limits(type_) else None,
+        nearest_call=nearest_call,
     )
 
 
@@ -246,7 +264,7 @@ def _multiple(linear: Linear) -> str:
     dividend = "(double)raw" + (f" * {_literal(factor)}" if factor != 1 else "")
     if addend:
         dividend += f" {'+' if addend > 0 else '-'} {_literal(abs(addend))}"
-    return f"canwright_multiple({ratio(linear)}, {dividend}, {_literal(divisor)})"
+    return f"canwright_multiple({_ratio(linear)}, {dividend}, {_literal(divisor)})"
 
 
 def _value(linear: Linear, type_: Type) -> str:
@@ -279,7 +297,7 @@ def _is_wide(type_: Type, factor: int, divisor: int) -> bool:
 def _steps(linear: Linear) -> str:
     """What `_value` does, backwards."""
     scale, offset = linear.scale, linear.offset
-    start = "value" if linear.times is None else f"canwright_share(value, {ratio(linear)})"
+    start = "value" if linear.times is None else f"canwright_share(value, {_ratio(linear)})"
     start = f"({start} - {_literal(offset)})" if offset else start
     above = f" * {_literal(scale.denominator)}" if scale.denominator != 1 else ""
     return start + above + (f" / {_literal(scale.numerator)}" if scale.numerator != 1 else "")
@@ -290,7 +308,7 @@ def _literal(number: Fraction | int) -> str:
     return f"({literal})" if number < 0 else literal
 
 
-def problems(edition: Edition) -> Iterator[Problem]:
+def problems(edition: Edition) -> Iterator[NameProblem]:
     """Scales that no double holds."""
     for type_ in edition.types:
         for _, linear in type_.linear.distinct():
@@ -298,4 +316,5 @@ def problems(edition: Edition) -> Iterator[Problem]:
                 continue
             parts = (Fraction(linear.scale.numerator), Fraction(linear.scale.denominator), linear.offset)
             if any(abs(part) > DOUBLE_LIMIT for part in parts):
-                yield (*type_.path, "scale"), "scale or offset are beyond what a double holds", "check the numbers"
+                text = "scale or offset are beyond what a double holds"
+                yield NameProblem((*type_.path, "scale"), text, "check the numbers")

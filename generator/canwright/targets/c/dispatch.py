@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from ...model.edition import Command, Direction, Edition, Message, ReplyForm
+from ...model.edition import Edition
+from ...model.message import Command, Direction, Message
 from ...semantics.decoder import by_rule
 from . import bits
-from .forms import address_mask
-from .messages import Forms, RuleView, frame_id
+from .messages import Messages, RuleView, frame_id
 from .names import Names
+from .patterns import address_mask
 
 
 class Refuse(NamedTuple):
@@ -60,17 +61,19 @@ class AnswerView(NamedTuple):
 
     commands: tuple[str, ...]
     conditions: tuple[str, ...]
+    uses_from: bool
+    """True when the conditions get the node that answers."""
 
 
-def entries(names: Names, edition: Edition, forms: Forms, direction: Direction) -> list[Entry]:
+def entries(names: Names, edition: Edition, views: Messages, direction: Direction) -> list[Entry]:
     """Where the search for a message of any frame starts: one entry for each id rule."""
     found = (message for message in edition.messages(direction) if message.claims or not message.keys)
     return [
         Entry(
-            forms.rule(edition.address(messages[0].address), direction),
+            views.rule(edition.address(messages[0].address), direction),
             frame_id(messages[0]),
             " && ".join(_other_length(dlc) for dlc in dict.fromkeys(m.dlc for m in messages if not m.remote)),
-            _Tree(names, forms, messages, address_mask(edition, messages[0].address, direction)).from_key(messages, 0),
+            _Tree(names, views, messages, address_mask(edition, messages[0].address, direction)).from_key(messages, 0),
         )
         for messages in by_rule(found)
     ]
@@ -83,8 +86,8 @@ def _other_length(dlc: int) -> str:
 class _Tree:
     """The search among messages that have one id rule; `id_mask` are the bits of the id that some of them fills."""
 
-    def __init__(self, names: Names, forms: Forms, messages: Sequence[Message], id_mask: int) -> None:
-        self._names, self._forms, self._id_mask = names, forms, id_mask
+    def __init__(self, names: Names, views: Messages, messages: Sequence[Message], id_mask: int) -> None:
+        self._names, self._views, self._id_mask = names, views, id_mask
         self._any_length = messages[0].remote or len({m.dlc for m in messages}) == 1
 
     def from_key(self, messages: Sequence[Message], depth: int, rest: Node = NOWHERE) -> Node:
@@ -127,48 +130,49 @@ class _Tree:
         refusals = (
             (f"(frame->id & 0x{unused:X}u) != 0u" if unused else "", "UNKNOWN_ID"),
             ("" if self._any_length or any_length else _other_length(message.dlc), "WRONG_LENGTH"),
-            (self._forms.message(message).other_constant, "WRONG_CONSTANT"),
+            (self._views.message(message).other_constant, "WRONG_CONSTANT"),
         )
         command = self._names.upper("command", message.command)
         return Found(command, tuple((condition, status) for condition, status in refusals if condition))
 
 
-def answers(names: Names, edition: Edition, forms: Forms) -> list[AnswerView]:
+def answers(names: Names, edition: Edition, views: Messages) -> list[AnswerView]:
     """For every command with a request and a reply, what makes a frame its answer."""
-    grouped: dict[tuple[str, ...], list[str]] = {}
+    grouped: dict[tuple[tuple[str, ...], bool], list[str]] = {}
     for command in edition.commands:
         if command.request is not None and command.reply is not None:
-            conditions = tuple(_answer(forms, command, command.request, command.reply))
-            grouped.setdefault(conditions, []).append(names.upper("command", command.name))
-    return [AnswerView(tuple(commands), conditions) for conditions, commands in grouped.items()]
+            conditions = tuple(_answer(views, command, command.request, command.reply))
+            uses_from = views.message(command.reply).pattern.rule.has_nodes
+            grouped.setdefault((conditions, uses_from), []).append(names.upper("command", command.name))
+    return [AnswerView(tuple(commands), *answer) for answer, commands in grouped.items()]
 
 
-def _answer(forms: Forms, command: Command, request: Message, reply: Message) -> Iterator[str]:
-    message = forms.message(reply)
-    rule = message.form.rule
-    if command.reply_form is not ReplyForm.ECHO:
+def _answer(views: Messages, command: Command, request: Message, reply: Message) -> Iterator[str]:
+    message = views.message(reply)
+    rule = message.pattern.rule
+    if not command.is_echoed:
         node = "&from, " if rule.has_nodes else ""
         calls = [
-            f"{message.form.name}_match({node}{', '.join(('reply', f'{message.dlc}u', *codes))}) == CANWRIGHT_OK"
+            f"{message.pattern.name}_match({node}{', '.join(('reply', f'{message.dlc}u', *codes))}) == CANWRIGHT_OK"
             for codes in _answering_codes(request, reply, message.codes)
         ]
         yield f"({' || '.join(calls)})" if len(calls) > 1 else calls[0]
     elif rule.has_nodes:
         yield f"{rule.node_function}(&from, {frame_id(reply, 'reply')}) == CANWRIGHT_OK"
     else:
-        yield f"{bits.operand(frame_id(reply, 'reply') + rule.mask)} == {rule.id_macro}"
+        yield f"{rule.masked(frame_id(reply, 'reply'))} == {rule.id_macro}"
     if rule.has_nodes and command.from_each:
         yield _one_of("from", command.from_each)
-    elif rule.has_nodes and request.id.nodes is not None and request.node_key is None:
+    elif rule.has_nodes and request.id.nodes is not None and request.node_bits is None:
         yield "from == to"
     yield from _held_nodes(command, request, reply)
-    if command.reply_form is ReplyForm.ECHO:
+    if command.is_echoed:
         yield "canwright_same_data(request, reply)"
 
 
 def _held_nodes(command: Command, request: Message, reply: Message) -> Iterator[str]:
     """Conditions on the node where a field of the request or of the reply holds it, as many bits as both have."""
-    asked, told = request.node_key, reply.node_key
+    asked, told = request.node_bits, reply.node_bits
     if told is not None and command.from_each:
         nodes = sorted({node & (1 << told.width) - 1 for node in command.from_each})
         yield _one_of(bits.operand(bits.key_value(told, "reply")), nodes)

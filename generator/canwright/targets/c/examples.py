@@ -8,12 +8,14 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...language.golden_frames import Frame
-from ...model.edition import Command, Direction, Encoding, Field, Message, ReplyForm, Type
-from .. import Described
+from ...model.layout import Field
+from ...model.message import Command, Direction, Message
+from ...model.types import Encoding, Type
+from ..base import Described
 from .names import Names, member
 from .numbers import integer
+from .types import TypeView
 from .validity import constant_limits
-from .values import TypeView
 from .view import EditionView, FrameView
 
 COMMANDS = 4
@@ -135,7 +137,7 @@ class _Example:
         """Node, and raw integers of request and reply, from golden frames that hold for what is known."""
         for request in self._frames_of(command, Direction.REQUEST):
             for reply in self._frames_of(command, Direction.REPLY):
-                echoes = command.reply_form is not ReplyForm.ECHO or request.data == reply.data
+                echoes = not command.is_echoed or request.data == reply.data
                 if echoes and (request.node == reply.node or (command.reply and command.reply.id.nodes is None)):
                     return request.node or 0, request.raw, reply.raw
         return None
@@ -163,7 +165,7 @@ class _Example:
 
     def _side(self, message: Message, raw: Raw) -> SideView:
         variant = message.layout.variant(self._known)
-        fields = [f for f in variant.fields if f.constant is None] if variant else []
+        fields = [f for f in variant.fields if f.fixed is None] if variant else []
         values = [f".{member(f.name)} = {_initializer(f, raw.get(f.name, 0))}" for f in fields]
         return SideView(self._frames[self._names.lower(message.name)], tuple(values), tuple(self._shown(fields)))
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Generic, NamedTuple, TypeVar
 
-from ...model.edition import Edition, Encoding, Field, Layout, Variant
+from ...model.edition import Edition
+from ...model.layout import Field, Layout, Variant
+from ...model.types import Encoding
 from . import bits
-from .choices import Branch, Choice
-from .facts import errata, field_facts
+from .choices import Case, parameter_access
+from .comments import errata, field_facts
 from .names import Names, member
 from .text import english
-from .values import TypeView
+from .types import TypeView
 
+T = TypeVar("T")
 Types = Mapping[str, TypeView]
 """The types that fields use, by their name in C."""
 
@@ -23,14 +27,39 @@ class MemberView(NamedTuple):
     doc: str
 
 
-class Body(NamedTuple):
-    """Statements that always run, then those that the layout's parameter decides."""
+@dataclass(frozen=True, kw_only=True)
+class Body(Generic[T]):
+    """Steps that every variant of a layout has, and those that a `switch` over `subject` decides."""
 
-    lines: tuple[str, ...]
-    choice: Choice | None
+    always: tuple[T, ...]
+    subject: str | None
+    cases: tuple[Case[tuple[T, ...]], ...]
+
+    @property
+    def steps(self) -> list[T]:
+        return [*self.always, *(step for case in self.cases for step in case.value)]
 
 
-class LayoutView(NamedTuple):
+class FieldCheck(NamedTuple):
+    """A condition under which a field is rejected, and the status; for each of the `elements` of an array."""
+
+    field: str
+    condition: str
+    status: str
+    elements: int
+    uses_parameters: bool
+
+
+class FieldRead(NamedTuple):
+    """A value for a member; or, for a constant field, the condition under which the frame is rejected."""
+
+    member: str = ""
+    value: str = ""
+    constant_differs: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LayoutView:
     """A struct and its functions. Without members there is no struct, without fields there are no functions.
 
     Where a parameter decides which fields there are, `depends` is true, and packing and unpacking return a status.
@@ -42,11 +71,21 @@ class LayoutView(NamedTuple):
     members: tuple[MemberView, ...]
     has_fields: bool
     depends: bool
-    check: Body | None
-    check_parameters: bool
-    check_index: bool
-    pack: Body
-    unpack: Body
+    check: Body[FieldCheck]
+    pack: Body[bits.Write]
+    unpack: Body[FieldRead]
+
+    @property
+    def has_check(self) -> bool:
+        return bool(self.check.steps) or self.depends
+
+    @property
+    def check_parameters(self) -> bool:
+        return self.depends or any(check.uses_parameters for check in self.check.steps)
+
+    @property
+    def has_arrays(self) -> bool:
+        return any(check.elements for check in self.check.steps)
 
     @property
     def takes_parameters(self) -> bool:
@@ -56,20 +95,18 @@ class LayoutView(NamedTuple):
 
 def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) -> LayoutView:
     shared = {byte for message in edition.of_layout(layout) for byte in bits.key_bytes(message.keys)}
-    check = _check(names, layout, types)
+    members = {f.name: member(f.name) for f in layout.fields}
     facts = errata(edition, layout.path) if layout.shared else []
     return LayoutView(
-        names.lower(layout.name),
-        english(layout.title) + (f" ({layout.manual})" if layout.manual else ""),
-        tuple(text for text in (english(layout.about), *facts) if text),
-        tuple(_member(names, layout, f, types) for f in layout.fields if f.constant is None),
-        bool(layout.fields),
-        layout.parameter is not None,
-        check,
-        check is not None and _mentions(check, "parameters->", ", parameters)"),
-        check is not None and _mentions(check, "[i]"),
-        _by_variant(names, layout, lambda variant: _packed(layout, variant, shared)),
-        _by_variant(names, layout, lambda variant: list(_unpacked(layout, variant))),
+        name=names.lower(layout.name),
+        title=english(layout.title) + (f" ({layout.manual})" if layout.manual else ""),
+        doc=tuple(text for text in (english(layout.about), *facts) if text),
+        members=tuple(_member(names, layout, f, types) for f in layout.fields if f.fixed is None),
+        has_fields=bool(layout.fields),
+        depends=layout.parameter is not None,
+        check=_body(names, layout, lambda variant: _checks(names, layout, variant, types)),
+        pack=_body(names, layout, lambda variant: bits.write_fields(variant.fields, members, shared)),
+        unpack=_body(names, layout, lambda variant: _reads(layout, variant)),
     )
 
 
@@ -79,82 +116,55 @@ def _member(names: Names, layout: Layout, field: Field, types: Types) -> MemberV
     return MemberView(type_.kind, member(field.name) + length, field_facts(field, layout.parameter, type_.facts))
 
 
-def _by_variant(names: Names, layout: Layout, lines: Callable[[Variant], list[str]]) -> Body:
-    """What every variant has comes first, and a choice has the rest."""
-    made = [lines(variant) for variant in layout.variants]
+def _body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]]) -> Body[T]:
+    """Steps that every variant has come first."""
+    made = [tuple(steps(variant)) for variant in layout.variants]
     if layout.parameter is None:
-        return Body(tuple(made[0]), None)
-    always = [line for line in made[0] if all(line in other for other in made)]
-    branches = tuple(
-        Branch(
-            tuple(names.upper(layout.parameter, value) for value in variant.values),
-            (*(line for line in every if line not in always), "break;"),
+        return Body(always=made[0], subject=None, cases=())
+    always = tuple(step for step in made[0] if all(step in other for other in made))
+    cases = (
+        Case(
+            labels=tuple(names.upper(layout.parameter, value) for value in variant.values),
+            value=tuple(step for step in every if step not in always),
         )
         for variant, every in zip(layout.variants, made, strict=True)
     )
-    subject = f"parameters->{member(layout.parameter)}"
-    return Body(tuple(always), Choice(subject, branches, ("return CANWRIGHT_MISSING_PARAMETER;",)))
+    return Body(always=always, subject=parameter_access(layout.parameter), cases=tuple(cases))
 
 
-def _packed(layout: Layout, variant: Variant, shared: set[int]) -> list[str]:
-    members = {f.name: member(f.name) for f in layout.fields}
-    lines = [f"frame->id |= {term};" for term in bits.write_id(variant.fields, members)]
-    return lines + list(bits.write_bytes(variant.fields, members, shared))
-
-
-def _unpacked(layout: Layout, variant: Variant) -> Iterator[str]:
+def _reads(layout: Layout, variant: Variant) -> Iterator[FieldRead]:
     for field in layout.fields:
         if field.demanded is not None and field.only and field in variant.fields:
-            other = " || ".join(c.replace(" == ", " != ") for c in bits.constant_holds(field))
-            yield f"if ({other}) {{\n    return CANWRIGHT_WRONG_CONSTANT;\n}}"
-        elif field.constant is None:
+            yield FieldRead(constant_differs=bits.constant_differs(field))
+        elif field.fixed is None:
             for number, element in enumerate(field.elements):
-                raw = bits.read_field(field, element.segments) if field in variant.fields else "0"
-                yield f"message->{member(field.name)}{f'[{number}]' if field.is_array else ''} = {raw};"
+                value = bits.read_field(field, element.segments) if field in variant.fields else "0"
+                yield FieldRead(member=member(field.name) + (f"[{number}]" if field.is_array else ""), value=value)
 
 
-def _check(names: Names, layout: Layout, types: Types) -> Body | None:
-    body = _by_variant(names, layout, lambda variant: list(_checked(names, layout, variant, types)))
-    return body if body.lines or body.choice else None
-
-
-def _checked(names: Names, layout: Layout, variant: Variant, types: Types) -> Iterator[str]:
-    """One statement a field and reason. A field that is not there must be 0, or it would be lost without a word."""
+def _checks(names: Names, layout: Layout, variant: Variant, types: Types) -> Iterator[FieldCheck]:
+    """One check for each field and reason. A field that a variant does not have must be 0, since its value is not sent."""
     for field in layout.fields:
-        if field.constant is not None:
+        if field.fixed is not None:
             continue
         item = f"message->{member(field.name)}" + ("[i]" if field.is_array else "")
         if field not in variant.fields:
-            yield _refusal(names, field, f"{item} != 0", "OUT_OF_RANGE")
+            yield _check(names, field, f"{item} != 0", "OUT_OF_RANGE")
             continue
         if field.type.encoding is Encoding.FLOAT:
-            yield _refusal(names, field, f"!canwright_is_finite{field.type.width}({item})", "NOT_FINITE")
+            yield _check(names, field, f"!canwright_is_finite{field.type.width}({item})", "NOT_FINITE")
         type_ = types[names.lower(field.type.name)]
         if type_.valid is not None:
-            arguments = f"{item}, parameters" if type_.valid.uses_parameters else item
-            yield _refusal(names, field, f"!{type_.name}_valid({arguments})", "OUT_OF_RANGE")
+            known = type_.valid.uses_parameters
+            call = f"{type_.name}_valid({item}{', parameters' if known else ''})"
+            yield _check(names, field, f"!{call}", "OUT_OF_RANGE", uses_parameters=known)
 
 
-def _refusal(names: Names, field: Field, condition: str, status: str) -> str:
-    lines = [
-        f"if ({condition}) {{",
-        f"    *field = {names.upper('field', field.name)};",
-        f"    return CANWRIGHT_{status};",
-        "}",
-    ]
-    if field.is_array:
-        count = len(field.elements)
-        lines = [f"for (i = 0u; i < {count}u; i++) {{", *(f"    {line}" for line in lines), "}"]
-    return "\n".join(lines)
-
-
-def _mentions(body: Body, *texts: str) -> bool:
-    lines: list[str] = list(body.lines)
-    if body.choice:
-        lines += [body.choice.subject or "", *(line for branch in body.choice.branches for line in branch.lines)]
-    return any(text in line for line in lines for text in texts)
+def _check(names: Names, field: Field, condition: str, status: str, *, uses_parameters: bool = False) -> FieldCheck:
+    elements = len(field.elements) if field.is_array else 0
+    return FieldCheck(names.upper("field", field.name), condition, status, elements, uses_parameters)
 
 
 def fields_named(layouts: Sequence[Layout]) -> list[str]:
     """The names of all fields that are members of some struct, in order, each once."""
-    return list(dict.fromkeys(f.name for layout in layouts for f in layout.fields if f.constant is None))
+    return list(dict.fromkeys(f.name for layout in layouts for f in layout.fields if f.fixed is None))

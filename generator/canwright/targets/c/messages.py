@@ -1,17 +1,18 @@
-"""Addresses and messages: ids, and the forms of frames, which are what tells one message from another."""
+"""Addresses and messages: ids, and the patterns of frames that identify a message."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ...model.edition import Address, Direction, Edition, IdRule, Key, Message, Space
+from ...model.edition import Edition
+from ...model.message import Address, Direction, IdRule, Key, Message
 from . import bits
-from .forms import Form, address_mask, form_of, named_forms
 from .names import Names
 from .numbers import working
+from .patterns import Pattern, address_mask, named_patterns, pattern_of
 from .text import english
-from .values import MacroView
+from .types import MacroView
 
 EXTENDED = 1 << 31
 
@@ -25,16 +26,22 @@ class RuleView(NamedTuple):
     node_function: str
     base: str
     mask: str
-    times: str
-    """What a node is multiplied with, as C writes it; empty where it is 1."""
-    over: str
-    """What the id less its base is divided by, as C writes it."""
-    beside: str
-    """The bits or the rest that are 0 in the id of a node, as C writes it."""
+    """The bits of the id that belong to the address; empty when all do."""
     has_nodes: bool
-    refused: str
-    besides: str
-    """That more goes into the id, where it does."""
+    node_unknown: str
+    """The condition for a `node` that the address does not have."""
+    node_offset: str
+    """What `node` adds to the id."""
+    has_step: bool
+    """True when the ids of consecutive nodes are not consecutive."""
+    offset_node: str
+    """The node from the `offset` of an id."""
+    offset_rest: str
+    """What is left of `offset` beside the node; it has to be 0."""
+
+    def masked(self, id_: str) -> str:
+        """The bits of an id that belong to the address."""
+        return f"({id_} & {self.mask})" if self.mask else id_
 
 
 class CodeView(NamedTuple):
@@ -43,17 +50,18 @@ class CodeView(NamedTuple):
     kind: str
     name: str
     read: str
-    lines: tuple[str, ...]
+    writes: tuple[bits.Write, ...]
 
 
-class FormView(NamedTuple):
-    """A form of frames: `match` tells whether a frame has it, `stamp` gives it to a frame."""
+class PatternView(NamedTuple):
+    """A pattern of frames: `match` checks whether a frame has it, `stamp` gives it to a frame."""
 
     name: str
     rule: RuleView
     remote: bool
     frame_id: str
-    other_id: str
+    unused_bits_set: str
+    """The condition for bits of the id that only other messages of the address use; empty when there are none."""
     codes: tuple[CodeView, ...]
 
     @property
@@ -62,7 +70,7 @@ class FormView(NamedTuple):
 
     @property
     def same_codes(self) -> str:
-        """A condition that holds when a frame has the codes."""
+        """The condition for a frame that has the codes."""
         return " && ".join(f"{code.read} == {code.name}" for code in self.codes)
 
 
@@ -70,7 +78,7 @@ class AddressView(NamedTuple):
     heading: str
     doc: str
     rules: tuple[RuleView, ...]
-    forms: tuple[FormView, ...]
+    patterns: tuple[PatternView, ...]
     nodes: tuple[MacroView, ...]
 
 
@@ -80,66 +88,67 @@ class MessageView(NamedTuple):
     name: str
     struct: str
     direction: str
-    form: FormView
+    pattern: PatternView
     dlc: int
     codes: tuple[tuple[str, ...], ...]
     other_constant: str
 
 
-class Forms:
-    """The messages of an edition, and their forms."""
+class Messages:
+    """The messages of an edition, and their patterns."""
 
     def __init__(self, names: Names, edition: Edition) -> None:
         self._names, self._edition = names, edition
-        by_form: dict[Form, list[Message]] = {}
+        by_pattern: dict[Pattern, list[Message]] = {}
         for message in edition.all_messages():
-            by_form.setdefault(form_of(message), []).append(message)
-        self._at: dict[str, list[FormView]] = {}
+            by_pattern.setdefault(pattern_of(message), []).append(message)
+        self._at: dict[str, list[PatternView]] = {}
         self._messages: dict[str, MessageView] = {}
-        for form, parts in named_forms(by_form).items():
-            view = self._view(form, parts, by_form[form][0])
-            self._at.setdefault(form.address, []).append(view)
-            self._messages |= {message.name: self._message(message, view) for message in by_form[form]}
+        for pattern, parts in named_patterns(by_pattern).items():
+            view = self._view(pattern, parts, by_pattern[pattern][0])
+            self._at.setdefault(pattern.address, []).append(view)
+            self._messages |= {message.name: self._message(message, view) for message in by_pattern[pattern]}
 
-    def at(self, address: Address) -> tuple[FormView, ...]:
+    def at(self, address: Address) -> tuple[PatternView, ...]:
         return tuple(self._at.get(address.name, ()))
 
     def message(self, message: Message) -> MessageView:
         return self._messages[message.name]
 
-    def _message(self, message: Message, form: FormView) -> MessageView:
-        return MessageView(
-            self._names.lower(message.name),
-            self._names.lower(message.name, "t"),
-            message.direction.value,
-            form,
-            message.dlc,
-            tuple(_codes(message)),
-            _constant_mismatch(message),
-        )
-
     def rule(self, address: Address, direction: Direction) -> RuleView:
         return rule_view(self._names, self._edition, address, direction)
 
-    def _view(self, form: Form, name: tuple[str, ...], message: Message) -> FormView:
-        mask = address_mask(self._edition, form.address, form.direction) & ~form.id_mask
-        return FormView(
-            self._names.lower(*name),
-            self.rule(self._edition.address(form.address), form.direction),
-            form.remote,
-            frame_id(message),
-            f"(frame->id & 0x{mask:X}u) != 0u" if mask else "",
-            tuple(_code(key, i) for i, key in enumerate(message.keys)),
+    def _message(self, message: Message, pattern: PatternView) -> MessageView:
+        constants = [f for f in message.layout.fields if f.demanded is not None and not f.only]
+        return MessageView(
+            name=self._names.lower(message.name),
+            struct=self._names.lower(message.name, "t"),
+            direction=message.direction.value,
+            pattern=pattern,
+            dlc=message.dlc,
+            codes=tuple(_codes(message)),
+            other_constant=" || ".join(bits.constant_differs(f) for f in constants),
+        )
+
+    def _view(self, pattern: Pattern, name: tuple[str, ...], message: Message) -> PatternView:
+        mask = address_mask(self._edition, pattern.address, pattern.direction) & ~pattern.id_mask
+        return PatternView(
+            name=self._names.lower(*name),
+            rule=self.rule(self._edition.address(pattern.address), pattern.direction),
+            remote=pattern.remote,
+            frame_id=frame_id(message),
+            unused_bits_set=f"(frame->id & 0x{mask:X}u) != 0u" if mask else "",
+            codes=tuple(_code(key, i) for i, key in enumerate(message.keys)),
         )
 
 
-def addresses(names: Names, edition: Edition, forms: Forms) -> list[AddressView]:
+def addresses(names: Names, edition: Edition, messages: Messages) -> list[AddressView]:
     """The addresses that messages use, each with the directions that they use."""
     found = []
     for address in edition.addresses:
-        used = forms.at(address)
+        used = messages.at(address)
         nodes = address.request.nodes or address.reply.nodes
-        rules = dict.fromkeys(form.rule for form in used)
+        rules = dict.fromkeys(pattern.rule for pattern in used)
         ends = (("node_min", nodes[0], "First node."), ("node_max", nodes[-1], "Last node.")) if nodes else ()
         heading = english(address.title) + (f" ({address.manual})" if address.manual else "")
         if used:
@@ -152,39 +161,36 @@ def rule_view(names: Names, edition: Edition, address: Address, direction: Direc
     rule = address.rule(direction)
     mask = address_mask(edition, address.name, direction)
     base = names.lower(address.name, direction.value)
+    node_offset, offset_node, offset_rest = _step(rule.node_step)
     return RuleView(
-        direction.value,
-        names.upper(address.name, direction.value, "id"),
-        f"{base}_id",
-        f"{base}_node",
-        f"0x{rule.base | (EXTENDED if rule.extended else 0):X}u",
-        f" & 0x{0xFFFFFFFF & ~mask:08X}u" if mask else "",
-        *_step(rule.node_step),
-        rule.nodes is not None,
-        _refused_nodes(rule),
-        ", less the bits of code and fields" if mask else "",
+        direction=direction.value,
+        id_macro=names.upper(address.name, direction.value, "id"),
+        id_function=f"{base}_id",
+        node_function=f"{base}_node",
+        base=f"0x{rule.base | (EXTENDED if rule.extended else 0):X}u",
+        mask=f"0x{0xFFFFFFFF & ~mask:08X}u" if mask else "",
+        has_nodes=rule.nodes is not None,
+        node_unknown=_node_unknown(rule),
+        node_offset=node_offset,
+        has_step=rule.node_step != 1,
+        offset_node=offset_node,
+        offset_rest=offset_rest,
     )
 
 
 def _step(step: int) -> tuple[str, str, str]:
-    """How C multiplies a node with the step from one to the next, divides by it, and finds what is beside it."""
+    """Of nodes whose ids are `step` apart: the offset of a node, the node of an offset, and the rest of that offset."""
     if step == 1:
-        return "", "", ""
+        return "node", "offset", "0u"
     if step.bit_count() > 1:
-        return f" * {step}u", f" / {step}u", f" % {step}u"
+        return f"(node * {step}u)", f"offset / {step}u", f"(offset % {step}u)"
     shift = step.bit_length() - 1
-    return f" << {shift}", f" >> {shift}", f" & 0x{step - 1:X}u"
+    return f"(node << {shift})", f"offset >> {shift}", f"(offset & 0x{step - 1:X}u)"
 
 
 def frame_id(message: Message, frame: str = "frame") -> str:
-    """The id of a frame as far as the address tells it."""
+    """The id of a frame without the flag of remote frames."""
     return f"({frame}->id ^ CANWRIGHT_REMOTE)" if message.remote else f"{frame}->id"
-
-
-def _constant_mismatch(message: Message) -> str:
-    """A condition that holds when a constant of this message is another value; empty when it has none."""
-    constants = [f for f in message.layout.fields if f.demanded is not None and not f.only]
-    return " || ".join(c.replace(" == ", " != ") for f in constants for c in bits.constant_holds(f))
 
 
 def _codes(message: Message) -> Iterator[tuple[str, ...]]:
@@ -199,21 +205,16 @@ def _codes(message: Message) -> Iterator[tuple[str, ...]]:
 
 def _code(key: Key, index: int) -> CodeView:
     name = "code" if index == 0 else f"code_{index + 1}"
-    kind = working(key.width)
-    lines = []
-    for s in key.segments:
-        if key.space is Space.ID:
-            lines.append(f"frame->id |= {bits.piece(name, kind, s)};")
-        elif s.width == 8:
-            value = f"({name} >> {s.raw_low})" if s.raw_low else name
-            lines.append(f"frame->data[{s.byte}] = (uint8_t){value};")
-        else:
-            lines.append(f"frame->data[{s.byte}] = (uint8_t)(frame->data[{s.byte}] | {bits.piece(name, kind, s)});")
-    return CodeView(kind.name, name, bits.operand(bits.key_value(key)), tuple(lines))
+    return CodeView(
+        kind=working(key.width).name,
+        name=name,
+        read=bits.operand(bits.key_value(key)),
+        writes=tuple(bits.write_key(key, name)),
+    )
 
 
-def _refused_nodes(rule: IdRule) -> str:
-    """The condition under which `node` is none of the address; one that an unsigned number cannot meet is left out."""
+def _node_unknown(rule: IdRule) -> str:
+    """The condition for a `node` that the address does not have; what an unsigned number cannot be is left out."""
     if rule.nodes is None:
         return ""
     low = [f"node < {rule.nodes[0]}u"] if rule.nodes[0] else []

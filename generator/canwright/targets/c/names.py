@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...diagnostics.diagnostic import DocumentPath
-from ...model.edition import Edition, Layout, Parameter, Type
-from .forms import form_of, named_forms
-
-Problem = tuple[DocumentPath, str, str]
-"""Where, what is wrong, and what to do about it."""
+from ...model.edition import Edition
+from ...model.layout import Layout
+from ...model.types import Parameter, Type
+from ..base import NameProblem
+from .patterns import named_patterns, pattern_of
 
 C_WORDS = (
     "alignas alignof auto bool break case char const constexpr continue default do double else enum extern false float "
@@ -34,7 +34,7 @@ TYPE_ENDINGS = ("_valid", "_name", "_to_milli", "_from_milli", "_to_double", "_f
 LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack")
 MESSAGE_ENDINGS = ("_encode", "_decode")
 ADDRESS_ENDINGS = ("_request_id", "_request_node", "_reply_id", "_reply_node")
-FORM_ENDINGS = ("_match", "_stamp")
+PATTERN_ENDINGS = ("_match", "_stamp")
 ADDRESS_MACROS = ("_REQUEST_ID", "_REPLY_ID", "_NODE_MIN", "_NODE_MAX")
 EDITION_NAMES = (
     *("parameters_t", "field_t", "field_name", "command_t", "command_name", "command_effects", "command_available"),
@@ -65,23 +65,23 @@ def layouts(edition: Edition) -> list[Layout]:
     """The layouts that messages use; the shared ones first, in spec order."""
     used = [message.layout for message in edition.all_messages()]
     shared = [layout for layout in edition.layouts if edition.of_layout(layout)]
-    return list({id(layout): layout for layout in (*shared, *used)}.values())
+    return list(dict.fromkeys((*shared, *used)))
 
 
-def problems(edition: Edition) -> Iterator[Problem]:
+def problems(edition: Edition) -> Iterator[NameProblem]:
     """Different things of this edition that would have one name in C."""
     owners: dict[str, str] = {}
     for name, what, path in defined(edition):
         other = owners.setdefault(name, what)
         if other != what:
-            yield path, f"{what} and {other} would both be `{name}` in C", "rename one of them"
+            yield NameProblem(path, f"{what} and {other} would both be `{name}` in C", "rename one of them")
     for layout in layouts(edition):
         fields: dict[str, str] = {}
         for field in layout.fields:
             other = fields.setdefault(member(field.name), field.name)
             if other != field.name:
                 text = f"the fields `{field.name}` and `{other}` would both be `{member(other)}` in C"
-                yield field.path, text, "rename one of them"
+                yield NameProblem(field.path, text, "rename one of them")
 
 
 def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
@@ -95,9 +95,9 @@ def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
         what = f"the address `{address.name}`"
         yield from ((names.lower(address.name) + e, what, address.path) for e in ADDRESS_ENDINGS)
         yield from ((names.upper(address.name) + e, what, address.path) for e in ADDRESS_MACROS)
-    for form, parts in named_forms(map(form_of, edition.all_messages())).items():
-        what, path = f"the address `{form.address}`", edition.address(form.address).path
-        yield from ((names.lower(*parts) + e, what, path) for e in FORM_ENDINGS)
+    for pattern, parts in named_patterns(map(pattern_of, edition.all_messages())).items():
+        what, path = f"the address `{pattern.address}`", edition.address(pattern.address).path
+        yield from ((names.lower(*parts) + e, what, path) for e in PATTERN_ENDINGS)
     for type_ in edition.types:
         yield from ((name, f"the type `{type_.name}`", type_.path) for name in _type(names, type_))
     for effect in edition.effects:

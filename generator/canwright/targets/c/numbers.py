@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from typing import NamedTuple
 
-from ...model.edition import Encoding, Type
+from ...model.types import Encoding, Type
 
 
 class Integer(NamedTuple):

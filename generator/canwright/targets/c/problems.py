@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ...model.edition import Edition
+from ..base import NameProblem
 from . import conversions, names, validity
-from .names import Problem
 
 
-def problems(edition: Edition) -> Iterator[Problem]:
+def problems(edition: Edition) -> Iterator[NameProblem]:
     """Everything about one edition."""
     yield from names.problems(edition)
     yield from validity.problems(edition)

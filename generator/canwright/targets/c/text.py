@@ -1,4 +1,4 @@
-"""C as text: comments that no text of a spec can leave, statements, heads of functions."""
+"""C as text: comments that no text of a spec can leave, macros, and long lines folded."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from ...diagnostics.unicode_safety import visible
-from ...model.edition import Text
+from ...model.types import Text
 
 WIDTH = 118
 
@@ -70,14 +70,19 @@ def paragraph(text: str) -> str:
     return "\n".join(f" * {line}" for line in _wrapped(in_comment(text), WIDTH - 3))
 
 
-def code(statements: str | Sequence[str], indent: int = 4) -> str:
-    """Statements, indented; lines that are too long go on behind an operator or a comma."""
-    lines = [line for s in ([statements] if isinstance(statements, str) else statements) for line in s.split("\n")]
-    return "\n".join(part for line in lines for part in _folded(" " * indent + line))
+def fold(source: str) -> str:
+    """C source with long lines of code folded: heads of functions after the parenthesis, all after a comma or before an
+    operator. Comments and directives stay as they are."""
+    return "\n".join(part for line in source.split("\n") for part in _folded(line))
+
+
+def arguments(names: Sequence[str]) -> str:
+    """Arguments of a call or of the head of a function; empty ones are left out."""
+    return ", ".join(filter(None, names))
 
 
 def defines(macros: Sequence[Defined]) -> str:
-    """Macros one below the other, aligned, each with its comment where that fits, and an empty line."""
+    """Macros one below the other, aligned, each with its comment where that fits."""
     names = max((len(m.name) for m in macros), default=0)
     values = max((len(m.value) for m in macros), default=0)
     plain = [f"#define {m.name:{names}} {m.value}" for m in macros]
@@ -87,32 +92,24 @@ def defines(macros: Sequence[Defined]) -> str:
     else:
         pairs = zip(macros, plain, strict=True)
         lines = [line for m, one in pairs for line in ([comment(m.doc)] if m.doc else []) + [one]]
-    return "\n".join([*lines, ""])
+    return "\n".join(lines)
 
 
-def call(function: str, arguments: Sequence[str]) -> str:
-    """A statement that calls a function; arguments that are empty are left out."""
-    return f"{function}({', '.join(filter(None, arguments))});"
-
-
-def function(returns: str, name: str, arguments: Sequence[str]) -> str:
-    """The head of a function; arguments that are empty are left out."""
-    listed = ", ".join(filter(None, arguments)) or "void"
-    gap = "" if returns.endswith("*") else " "
-    head = f"static inline {returns}{gap}{name}({listed})"
-    return head if len(head) <= WIDTH else "\n".join(_folded(f"static inline {returns}{gap}{name}(\x00{listed})"))
+_NO_CODE = ("#", "/*", "* ", "*/")
+_FOLD = re.compile(r"(?<=,) | (?=(?:&&|\|\||\|) )")
 
 
 def _folded(line: str) -> list[str]:
-    """A line of code, cut where it is too long: at a mark that has to be cut, before an operator, behind a comma."""
-    if len(line) <= WIDTH and "\x00" not in line:
+    code = line.lstrip(" ")
+    if len(line) <= WIDTH or code.startswith(_NO_CODE):
         return [line]
-    margin = " " * (len(line) - len(line.lstrip()) + 4)
-    parts = re.split(r"\x00|(?<=,) | (?=(?:&&|\|\||\|) )", line)
-    separators = re.findall(r"\x00|(?<=,) | (?=(?:&&|\|\||\|) )", line)
-    lines = [parts[0]]
-    for separator, part in zip(separators, parts[1:], strict=True):
-        if separator == "\x00" or len(lines[-1]) + 1 + len(part) > WIDTH:
+    margin = " " * (len(line) - len(code) + 4)
+    first, *parts = _FOLD.split(line)
+    separators = _FOLD.findall(line)
+    head, parenthesis, rest = first.partition("(")
+    lines = [head + parenthesis, margin + rest] if line == code and parenthesis else [first]
+    for separator, part in zip(separators, parts, strict=True):
+        if len(lines[-1]) + 1 + len(part) > WIDTH:
             lines.append(margin + part)
         else:
             lines[-1] += separator + part

@@ -6,11 +6,14 @@ import math
 import struct
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
-from ...model.edition import Bound, Dependent, Edition, Encoding, Linear, Member, Range, Type
-from .choices import Choice, choose
-from .names import Names, Problem, member
+from ...model.edition import Edition
+from ...model.types import Bound, Dependent, Encoding, Linear, Member, Range, Type
+from ..base import NameProblem
+from .choices import Choice, choose, parameter_access
+from .names import Names
 from .numbers import INT64, UINT64, Integer, integer
 
 RATIO_LIMIT = 1 << 30
@@ -20,28 +23,47 @@ FORMATS = {32: (">f", ">I"), 64: (">d", ">Q")}
 GREATEST = {32: float.fromhex("0x1.fffffep+127"), 64: float.fromhex("0x1.fffffffffffffp+1023")}
 
 
-def valid(names: Names, type_: Type) -> Choice | None:
-    """The body of a function that tells whether a raw integer may be sent; None when every one may."""
+class Condition(NamedTuple):
+    """A condition on a raw integer."""
+
+    expression: str
+    uses_parameters: bool
+
+
+ALWAYS = Condition("true", uses_parameters=False)
+
+
+def valid(names: Names, type_: Type) -> Choice[Condition] | None:
+    """Which raw integers may be sent; None when every one may."""
     found = _float_ranges(type_) if type_.encoding is Encoding.FLOAT else type_.raw_range
-    everything = ("return true;",)
-    choice = choose(names, found, lambda r: _returned(conditions(type_, r)), _returned(conditions(type_, None)))
-    return None if choice.is_constant and choice.otherwise == everything else choice
+    choice = choose(names, found, lambda limits: _condition(type_, limits), _condition(type_, None))
+    return None if choice.subject is None and choice.otherwise == ALWAYS else choice
 
 
-def conditions(type_: Type, limits: Range | None) -> list[str]:
-    """Conditions that all hold for a raw integer that may be sent. What the C type implies is left out."""
+def _condition(type_: Type, limits: Range | None) -> Condition:
+    """The condition for a raw integer that may be sent. What the C type implies is left out."""
+    every = _float_conditions(type_, limits) if type_.encoding is Encoding.FLOAT else _conditions(type_, limits)
+    if not every:
+        return ALWAYS
+    terms = [f"({' || '.join(some)})" if len(some) > 1 and len(every) > 1 else " || ".join(some) for some in every]
+    return Condition(" && ".join(terms), uses_parameters=limits is not None and not limits.is_constant)
+
+
+Alternatives = tuple[str, ...]
+"""Conditions of which one holds."""
+
+
+def _conditions(type_: Type, limits: Range | None) -> list[Alternatives]:
     kind = integer(type_)
-    if type_.encoding is Encoding.FLOAT:
-        return _float_conditions(type_, limits)
-    result = []
+    result: list[Alternatives] = []
     if type_.enum:
         result.append(_among(kind, type_.enum))
     elif type_.flags:
         others = ((1 << kind.width) - 1) & ~sum(1 << m.value for m in type_.flags)
         source = f"({kind.unsigned.name})raw" if kind.signed else "raw"
-        result += [f"({source} & {kind.bits(others)}) == 0u"] if others else []
+        result += [(f"({source} & {kind.bits(others)}) == 0u",)] if others else []
     if type_.is_number or limits is not None:
-        result += _between(kind, *_whole_limits(type_, limits))
+        result += [(end,) for end in _between(kind, *_whole_limits(type_, limits))]
     for bound, is_low in ((limits.low, True), (limits.high, False)) if limits else ():
         if bound.parameter is not None:
             result.append(_dependent(kind, bound, is_low))
@@ -58,13 +80,13 @@ def has_constant_limits(type_: Type) -> bool:
     return type_.raw_range.parameter is None and not _depends_on_number(type_)
 
 
-def problems(edition: Edition) -> Iterator[Problem]:
+def problems(edition: Edition) -> Iterator[NameProblem]:
     """Ranges that cannot be checked with 64-bit integers."""
     for type_ in edition.types:
         path: DocumentPath = (*type_.path, "raw_range")
         two = {type_.linear.parameter, type_.raw_range.parameter} - {None}
         if type_.encoding is Encoding.FLOAT and (_depends_on_number(type_) or len(two) > 1):
-            yield (
+            yield NameProblem(
                 path,
                 "C has no check for a range of floats that depends on this",
                 "let it depend on the scale's choice",
@@ -73,22 +95,13 @@ def problems(edition: Edition) -> Iterator[Problem]:
         for _, limits in type_.raw_range.distinct():
             for bound in (limits.low, limits.high) if limits else ():
                 if bound.parameter is not None and max(map(abs, _factors(bound))) >= RATIO_LIMIT:
-                    yield path, "these factors are too large for a check with 64-bit integers in C", "use smaller ones"
+                    text = "these factors are too large for a check with 64-bit integers in C"
+                    yield NameProblem(path, text, "use smaller ones")
 
 
 def _depends_on_number(type_: Type) -> bool:
     ranges = [limits for _, limits in type_.raw_range.distinct() if limits is not None]
     return any(not limits.is_constant for limits in ranges)
-
-
-def _returned(every: Sequence[str]) -> list[str]:
-    if not every:
-        return ["return true;"]
-    return [f"return {every[0]};"] if len(every) == 1 else [f"return {' && '.join(map(_grouped, every))};"]
-
-
-def _grouped(condition: str) -> str:
-    return f"({condition})" if " || " in condition else condition
 
 
 def _whole_limits(type_: Type, limits: Range | None) -> tuple[int, int]:
@@ -106,8 +119,8 @@ def _between(kind: Integer, low: int, high: int) -> list[str]:
     return result + ([f"raw <= {kind.literal(high)}"] if high < most else [])
 
 
-def _among(kind: Integer, members: Sequence[Member]) -> str:
-    """That a raw integer has a name, by runs of neighbours."""
+def _among(kind: Integer, members: Sequence[Member]) -> Alternatives:
+    """That a raw integer has a name, by runs of consecutive values."""
     runs: list[list[int]] = []
     for value in sorted(m.value for m in members):
         if runs and value == runs[-1][-1] + 1:
@@ -117,8 +130,13 @@ def _among(kind: Integer, members: Sequence[Member]) -> str:
     terms = []
     for run in runs:
         ends = _between(kind, run[0], run[-1])
-        terms.append(f"raw == {kind.literal(run[0])}" if len(run) == 1 else " && ".join(ends) or "true")
-    return " || ".join(f"({term})" if "&&" in term and len(terms) > 1 else term for term in terms)
+        if len(run) == 1:
+            terms.append(f"raw == {kind.literal(run[0])}")
+        elif len(ends) > 1 and len(runs) > 1:
+            terms.append(f"({' && '.join(ends)})")
+        else:
+            terms.append(" && ".join(ends) or "true")
+    return tuple(terms)
 
 
 def _factors(bound: Bound) -> tuple[int, int, int]:
@@ -127,8 +145,8 @@ def _factors(bound: Bound) -> tuple[int, int, int]:
     return int(bound.coefficient * divisor), int(bound.constant * divisor), divisor
 
 
-def _dependent(kind: Integer, bound: Bound, is_low: bool) -> str:
-    ratio = f"parameters->{member(bound.parameter or '')}"
+def _dependent(kind: Integer, bound: Bound, is_low: bool) -> Alternatives:
+    ratio = parameter_access(bound.parameter or "")
     function, sign = ("canwright_ceiling", ">=") if is_low else ("canwright_floor", "<=")
     limit = f"{function}({ratio}, {', '.join(INT64.literal(n) for n in _factors(bound))})"
     if kind != UINT64:
@@ -137,7 +155,7 @@ def _dependent(kind: Integer, bound: Bound, is_low: bool) -> str:
         within = f"(raw > (uint64_t)INT64_MAX || (int64_t)raw >= {limit})"
     else:
         within = f"(raw <= (uint64_t)INT64_MAX && (int64_t)raw <= {limit})"
-    return f"{ratio}.denominator == 0u || {within}"
+    return f"{ratio}.denominator == 0u", within
 
 
 def _float_ranges(type_: Type) -> Dependent[Range]:
@@ -146,7 +164,11 @@ def _float_ranges(type_: Type) -> Dependent[Range]:
     if by is None:
         return Dependent.always(_raw(type_.raw_range.constant, type_.linear.constant))
     cases = type_.linear.cases or type_.raw_range.cases
-    return Dependent(by, None, {n: _raw(type_.raw_range.at({by: n}), type_.linear.at({by: n})) for n in cases})
+    return Dependent(
+        parameter=by,
+        constant=None,
+        cases={n: _raw(type_.raw_range.at({by: n}), type_.linear.at({by: n})) for n in cases},
+    )
 
 
 def _raw(limits: Range | None, linear: Linear | None) -> Range | None:
@@ -156,14 +178,14 @@ def _raw(limits: Range | None, linear: Linear | None) -> Range | None:
     return Range(Bound(min(ends)), Bound(max(ends)))
 
 
-def _float_conditions(type_: Type, limits: Range | None) -> list[str]:
+def _float_conditions(type_: Type, limits: Range | None) -> list[Alternatives]:
     if limits is None:
         return []
     kind = integer(type_)
     order = f"canwright_order{type_.width}(raw)"
     low = _order(type_.width, limits.low.constant, up=True)
     high = _order(type_.width, limits.high.constant, up=False)
-    return [f"{order} >= {kind.bits(low)}", f"{order} <= {kind.bits(high)}"]
+    return [(f"{order} >= {kind.bits(low)}",), (f"{order} <= {kind.bits(high)}",)]
 
 
 def _order(width: int, bound: Fraction, up: bool) -> int:

@@ -5,16 +5,19 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ...model import formatting
-from ...model.edition import Command, Direction, Edition, Level, ReplyForm
-from .. import header
-from .choices import ParameterView, parameters
+from ...model.edition import Edition
+from ...model.layout import Layout
+from ...model.message import Command, Direction, OtherReply
+from ...model.metadata import Level
+from ..base import header
+from .choices import ParameterView, parameter_access, parameters
+from .comments import errata
 from .dispatch import AnswerView, Entry, answers, entries
-from .facts import errata
 from .layouts import LayoutView, fields_named, layout_view
-from .messages import AddressView, Forms, MessageView, addresses
+from .messages import AddressView, Messages, MessageView, addresses
 from .names import Names, layouts, member
 from .text import english
-from .values import MacroView, TypeView, types
+from .types import MacroView, TypeView, types
 
 
 class FrameView(NamedTuple):
@@ -38,21 +41,21 @@ class FrameView(NamedTuple):
     @property
     def stamp(self) -> str:
         """The call that gives a frame its id, length and code."""
-        form = self.message.form
+        pattern = self.message.pattern
         arguments = [
             "frame",
-            *(["node"] if form.rule.has_nodes else []),
+            *(["node"] if pattern.rule.has_nodes else []),
             f"{self.message.dlc}u",
             *self.message.codes[0],
         ]
-        return f"{form.name}_stamp({', '.join(arguments)})"
+        return f"{pattern.name}_stamp({', '.join(arguments)})"
 
     @property
     def matches(self) -> list[str]:
         """Calls one of which tells that a frame is this message."""
-        form = self.message.form
-        start = [*(["node"] if form.rule.has_nodes else []), "frame", f"{self.message.dlc}u"]
-        return [f"{form.name}_match({', '.join([*start, *codes])})" for codes in self.message.codes]
+        pattern = self.message.pattern
+        start = [*(["node"] if pattern.rule.has_nodes else []), "frame", f"{self.message.dlc}u"]
+        return [f"{pattern.name}_match({', '.join([*start, *codes])})" for codes in self.message.codes]
 
     @property
     def is_match_only(self) -> bool:
@@ -141,15 +144,15 @@ class EditionView(NamedTuple):
 
     @property
     def answers_use_from(self) -> bool:
-        return any("&from" in condition for answer in self.answers for condition in answer.conditions)
+        return any(answer.uses_from for answer in self.answers)
 
 
 def edition_view(edition: Edition) -> EditionView:
     names = Names(edition)
     used = layouts(edition)
-    forms = Forms(names, edition)
+    messages = Messages(names, edition)
     types_ = {view.name: view for view in types(names, edition)}
-    views = {id(layout): layout_view(names, edition, layout, types_) for layout in used}
+    views = {layout: layout_view(names, edition, layout, types_) for layout in used}
     return EditionView(
         header(edition),
         edition.hash[:8],
@@ -160,16 +163,16 @@ def edition_view(edition: Edition) -> EditionView:
         english(edition.title),
         tuple(_edition_doc(edition)),
         tuple(parameters(names, edition)),
-        tuple(addresses(names, edition, forms)),
+        tuple(addresses(names, edition, messages)),
         tuple(types_.values()),
         tuple((names.upper("field", name), name) for name in fields_named(used)),
-        tuple(views[id(layout)] for layout in used if layout.shared),
-        tuple(_command(names, edition, forms, command, views) for command in edition.commands),
+        tuple(views[layout] for layout in used if layout.shared),
+        tuple(_command(names, edition, messages, command, views) for command in edition.commands),
         tuple(_effects(names, edition)),
         tuple(_masks(names, edition)),
         tuple(_only(names, edition)),
-        tuple(_direction(names, edition, forms, direction, views) for direction in Direction),
-        tuple(answers(names, edition, forms)),
+        tuple(_direction(names, edition, messages, direction, views) for direction in Direction),
+        tuple(answers(names, edition, messages)),
     )
 
 
@@ -180,7 +183,7 @@ def _edition_doc(edition: Edition) -> list[str]:
 
 
 def _command(
-    names: Names, edition: Edition, forms: Forms, command: Command, views: dict[int, LayoutView]
+    names: Names, edition: Edition, message_views: Messages, command: Command, views: dict[Layout, LayoutView]
 ) -> CommandView:
     messages = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
     code = None
@@ -188,11 +191,11 @@ def _command(
         code = MacroView(names.upper(command.name, "code"), f"0x{command.code:02X}u", "The code.")
     frames: list[FrameView] = []
     for message in messages:
-        own = not message.layout.shared and all(f.layout is not views[id(message.layout)] for f in frames)
+        own = not message.layout.shared and all(f.layout is not views[message.layout] for f in frames)
         of_its_own = message.name == message.layout.name
         what = f"The {message.direction.value}" if of_its_own else "Request and reply"
         title = f"{what} of {command.name}"
-        frames.append(FrameView(forms.message(message), views[id(message.layout)], own, of_its_own, title))
+        frames.append(FrameView(message_views.message(message), views[message.layout], own, of_its_own, title))
     return CommandView(
         command.name,
         names.upper("command", command.name),
@@ -226,9 +229,9 @@ def _reply_doc(command: Command) -> str:
     each = f", from each of the nodes {', '.join(map(str, nodes))} in this order" if nodes else ""
     if command.reply is None:
         return "There is no reply."
-    if command.reply_form is ReplyForm.ECHO:
+    if command.is_echoed:
         return f"The reply is the request, sent back{each}."
-    if command.reply_form is ReplyForm.OTHER:
+    if isinstance(command.replies[0], OtherReply):
         return f"The reply is that of {command.reply.command}{each}."
     return f"One reply{each}." if each else ""
 
@@ -259,7 +262,7 @@ def _only(names: Names, edition: Edition) -> list[OnlyView]:
     for command in edition.commands:
         if command.only:
             lacking = [
-                f"parameters->{member(name)} != {names.upper(name, value.name)}"
+                f"{parameter_access(name)} != {names.upper(name, value.name)}"
                 for name, values in command.only.items()
                 for value in edition.parameter(name).values
                 if value.name not in values
@@ -270,19 +273,19 @@ def _only(names: Names, edition: Edition) -> list[OnlyView]:
 
 
 def _direction(
-    names: Names, edition: Edition, forms: Forms, direction: Direction, views: dict[int, LayoutView]
+    names: Names, edition: Edition, messages: Messages, direction: Direction, views: dict[Layout, LayoutView]
 ) -> DirectionView:
-    grouped: dict[int, list[str]] = {}
-    order: dict[int, str] = {}
+    grouped: dict[Layout, list[str]] = {}
+    order: dict[Layout, str] = {}
     for message in edition.messages(direction):
-        view = views[id(message.layout)]
+        view = views[message.layout]
         if view.members or view.depends:
-            grouped.setdefault(id(message.layout), []).append(message.command)
-            order[id(message.layout)] = member(message.layout.name)
+            grouped.setdefault(message.layout, []).append(message.command)
+            order[message.layout] = member(message.layout.name)
     contents = [
         ContentView(
             tuple(names.upper("command", one) for one in commands), f"{', '.join(commands)}.", order[key], views[key]
         )
         for key, commands in grouped.items()
     ]
-    return DirectionView(direction.value, tuple(entries(names, edition, forms, direction)), tuple(contents))
+    return DirectionView(direction.value, tuple(entries(names, edition, messages, direction)), tuple(contents))

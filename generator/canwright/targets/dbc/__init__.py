@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ...model.edition import Assignment
+from ...model.types import Assignment
 from ...templating.environment import environment
-from .. import Described, Output
+from ..base import Described, Output
 from .files import files, traffics
 from .guide import Made, guide
-from .names import long_names as long_names
 from .text import text
 
 

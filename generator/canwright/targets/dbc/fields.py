@@ -8,19 +8,10 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...model import formatting
-from ...model.edition import (
-    IDENTITY,
-    Assignment,
-    Direction,
-    Element,
-    Encoding,
-    Field,
-    Level,
-    Linear,
-    Order,
-    Space,
-    Type,
-)
+from ...model.layout import Element, Field, ReservedRole, Space
+from ...model.message import Direction
+from ...model.metadata import Level
+from ...model.types import IDENTITY, Assignment, Encoding, Linear, Order, Type
 from .frames import Part
 from .selectors import runs, selector_bits
 from .text import in_ascii, number
@@ -127,10 +118,10 @@ class Fields:
         whole = title if is_told else f"{title}: {which}"
         reading = self._reading(type_)
         comment = f"{whole}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{reading.step}{about}"
-        if field.constant is not None:
-            numbers, _ = self._integers(type_, (field.constant, field.constant))
-            always = f"Always {field.constant}." if field.checked else f"Sent as {field.constant}."
-            yield _signal(place, f"{comment} {always}", numbers, start_value=field.constant)
+        if field.fixed is not None:
+            numbers, _ = self._integers(type_, (field.fixed, field.fixed))
+            always = f"Sent as {field.fixed}." if isinstance(field.role, ReservedRole) else f"Always {field.fixed}."
+            yield _signal(place, f"{comment} {always}", numbers, start_value=field.fixed)
         elif type_.flags:
             yield from self._flags(place, comment, type_)
         else:

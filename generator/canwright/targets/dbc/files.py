@@ -7,8 +7,10 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from ...language import notation
-from ...model.edition import Assignment, Direction, Edition, IdRule
-from .. import header
+from ...model.edition import Edition
+from ...model.message import Direction, IdRule
+from ...model.types import Assignment
+from ..base import header
 from .frames import Frame, Part, Scope, Traffic, partners
 from .selectors import joined_span
 from .signals import Signals

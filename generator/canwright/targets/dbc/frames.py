@@ -7,7 +7,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...model.edition import Address, Assignment, Command, Direction, Edition, Field, IdRule, Key, Message, Space
+from ...model.edition import Edition
+from ...model.layout import Field, Space
+from ...model.message import Address, Command, Direction, IdRule, Key, Message
+from ...model.types import Assignment
 
 MOST_NODES = 256
 """A DBC names every id, so the files list the first nodes of an address that has more."""
@@ -54,7 +57,7 @@ class Part:
     def id_bits(self) -> int:
         """What keys and constant fields put into the id."""
         placed = [(key.segments[0].low, value) for key, value in self._keys if key.space is Space.ID]
-        placed += [(f.elements[0].segments[0].low, f.constant or 0) for f in fields_in_id(self.message)]
+        placed += [(f.elements[0].segments[0].low, f.fixed or 0) for f in fields_in_id(self.message)]
         return sum(value << low for low, value in placed)
 
 
@@ -100,7 +103,7 @@ def obstacle(message: Message) -> str:
     """Why no DBC can say this message; empty when it can."""
     if message.remote:
         return "a remote frame has no data, and a DBC does not tell it from a data frame"
-    varying = [f.name for f in fields_in_id(message) if f.constant is None]
+    varying = [f.name for f in fields_in_id(message) if f.fixed is None]
     return f"the id carries {', '.join(varying)}, and a DBC has fixed ids only" if varying else ""
 
 

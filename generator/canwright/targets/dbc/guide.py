@@ -7,9 +7,11 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...language.golden_frames import Frame as GoldenFrame
-from ...model.edition import Direction, Edition, Parameter
+from ...model.edition import Edition
+from ...model.message import Direction
+from ...model.types import Parameter
 from ...semantics import parameters
-from .. import Described, header
+from ..base import Described, header
 from .fields import LETTER
 from .files import KIND, Traffics
 from .frames import MOST_NODES, Part, obstacle

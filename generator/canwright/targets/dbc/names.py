@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...diagnostics.diagnostic import DocumentPath
-from ...model.edition import Edition, Element, Field, Message, Space
+from ...diagnostics.diagnostic import DocumentPath, Severity
+from ...model.edition import Edition
+from ...model.layout import Element, Field, Space
+from ...model.message import Message
+from ..base import NameProblem
 from .fields import LETTER
 from .frames import Part
 from .text import NAME_LENGTH
 
-Problem = tuple[DocumentPath, str, str]
-"""Where, what is wrong, and what to do about it."""
 
-
-def long_names(edition: Edition) -> Iterator[Problem]:
+def long_names(edition: Edition) -> Iterator[NameProblem]:
     """Every field whose signal would have a longer name, each once."""
     seen: set[DocumentPath] = set()
     for message in edition.all_messages():
@@ -23,7 +23,7 @@ def long_names(edition: Edition) -> Iterator[Problem]:
             if field.space is Space.DATA and len(name) > NAME_LENGTH and field.path not in seen:
                 seen.add(field.path)
                 text = f"the signal `{name}` has {len(name)} characters, a DBC name has at most {NAME_LENGTH}"
-                yield field.path, text, "it is cut there; a shorter name would be whole"
+                yield NameProblem(field.path, text, "it is cut there; a shorter name would be whole", Severity.WARNING)
 
 
 def _signals(edition: Edition, message: Message, field: Field, element: Element) -> Iterator[str]:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable, Iterator
 
-from ...model.edition import Key, Space
-from ...model.layout import bits_of
+from ...model.layout import Space, bits_of
+from ...model.message import Key
 from .frames import Part
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
-from ...model.edition import Assignment, Direction, Key
+from ...model.message import Direction, Key
+from ...model.types import Assignment
 from .fields import LETTER, Fields, Place, bare
 from .frames import Part
 from .selectors import bits, joined_span, joined_value, runs

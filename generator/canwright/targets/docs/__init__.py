@@ -9,10 +9,11 @@ import jinja2
 import yaml
 
 from ...model import formatting
-from ...model.edition import Assignment, Edition
+from ...model.edition import Edition
+from ...model.types import Assignment
 from ...templating import resources
 from ...templating.environment import environment
-from .. import Described, Output, header
+from ..base import Described, Output, header
 from . import editions
 from .common import Common
 from .pages import Pages
@@ -47,8 +48,7 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
     )
     families = {d.edition.family for d in described}
     folders = {
-        id(d.edition): d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}"
-        for d in described
+        d.edition: d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}" for d in described
     }
     books = list(_books(described, folders))
     for book in books:
@@ -57,16 +57,16 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
         common = Common(item.edition, item.frames)
         for book in books:
             if book.language in item.edition.languages:
-                folder = f"{book.language}/{folders[id(item.edition)]}"
+                folder = f"{book.language}/{folders[item.edition]}"
                 yield from _edition(env, common, book, folder)
 
 
-def _books(described: Sequence[Described], folders: Mapping[int, str]) -> Iterator[_Book]:
+def _books(described: Sequence[Described], folders: Mapping[Edition, str]) -> Iterator[_Book]:
     says: Mapping[str, editions.Says] = _words("changes")
     for language, labels in _words("labels").items():
         here = editions.in_order(d.edition for d in described if language in d.edition.languages)
         if here:
-            listed = [(folders[id(edition)], edition) for edition in here]
+            listed = [(folders[edition], edition) for edition in here]
             view = {"lang": language, "labels": labels, "by_command": editions.by_command(listed)}
             yield _Book(language, labels, says.get(language, editions.ENGLISH), listed, view)
 

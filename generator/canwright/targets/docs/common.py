@@ -9,7 +9,11 @@ from ...compare import Change, compare
 from ...diagnostics.diagnostic import DocumentPath
 from ...language.golden_frames import GoldenFrames
 from ...model import formatting
-from ...model.edition import Command, Direction, Edition, Field, Layout, Message, Mode, Variant
+from ...model.edition import Edition
+from ...model.layout import Field, Layout, Variant
+from ...model.message import Command, Direction, Message
+from ...model.metadata import Mode
+from ..registry import own_targets
 from .examples import Worked, worked
 from .picture import Drawing, Drawings
 from .tables import Cells, field_cells, index, key_cells
@@ -67,16 +71,16 @@ class Common:
         for command in edition.commands:
             if command.entry:
                 self._of_entry.setdefault(command.entry.path, []).append(command)
-        self._fields: dict[int, Sequence[tuple[Field, Sequence[Cells]]]] = {}
-        """Those of a layout. Layouts are told by identity: many messages share one."""
-        self._since: dict[int, Sequence[Change]] = {}
+        self._fields: dict[Layout, Sequence[tuple[Field, Sequence[Cells]]]] = {}
+        """Those of a layout: many messages share one."""
+        self._since: dict[Edition, Sequence[Change]] = {}
         self.sheets = list(self._sheets())
 
     def since(self, old: Edition) -> Sequence[Change]:
         """What changed since an edition."""
-        if id(old) not in self._since:
-            self._since[id(old)] = compare(old, self.edition)
-        return self._since[id(old)]
+        if old not in self._since:
+            self._since[old] = compare(old, self.edition, own_targets())
+        return self._since[old]
 
     def _sheets(self) -> Iterator[Sheet]:
         commands = self.edition.commands
@@ -103,14 +107,14 @@ class Common:
         if message is None:
             return None
         layout = message.layout
-        if id(layout) not in self._fields:
-            self._fields[id(layout)] = [(field, field_cells(field)) for field in layout.fields]
+        if layout not in self._fields:
+            self._fields[layout] = [(field, field_cells(field)) for field in layout.fields]
         drawn = tuple(self._drawn(command, message))
         nodes = message.id.nodes
         return Side(
             message,
             tuple(map(key_cells, message.keys)),
-            self._fields[id(layout)],
+            self._fields[layout],
             code(formatting.id_rule(message.id)),
             code(f"{nodes[0]}..{nodes[-1]}") if nodes is not None else "",
             not message.keys and self._has_selector_beside(message),

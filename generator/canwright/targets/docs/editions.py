@@ -7,7 +7,8 @@ from typing import Literal, NamedTuple
 
 from ...compare import Category, Change, Impact
 from ...model import formatting
-from ...model.edition import Command, Direction, Edition
+from ...model.edition import Edition
+from ...model.message import Command, Direction, KeyRole
 from .tables import code_of, index as index_of
 from .text import code, markdown
 
@@ -169,7 +170,7 @@ def _entries(
             message = command.request or command.reply
             if command.entry is None or message is None:
                 continue
-            index = tuple(key.value for key in message.keys if key.is_index)
+            index = tuple(key.value for key in message.keys if key.role is KeyRole.INDEX)
             cells = rows.setdefault((command.entry.table, index, command.entry.name), ["—"] * len(editions))
             if cells[at] == "—":
                 cells[at] = f"[{index_of(message)}]({folder}/commands/{command.name}.md)"

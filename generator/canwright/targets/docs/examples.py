@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ...language.edition import Text
 from ...language.golden_frames import Frame, GoldenFrames, Value
 from ...model import formatting
-from ...model.edition import Message
+from ...model.message import Message
 from .text import code, markdown
 
 MOST = 4

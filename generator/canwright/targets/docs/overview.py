@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...model import formatting
-from ...model.edition import Command, Edition, Effect, Table
+from ...model.edition import Edition
+from ...model.message import Command, Table
+from ...model.metadata import Effect
 from . import tables
 from .tables import Labels
 from .text import code, markdown

@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ...model import formatting
-from ...model.edition import Command, Direction, Erratum
+from ...model.message import Command, Direction
+from ...model.metadata import Erratum
 from . import tables
 from .common import Common, Drawn, Side
 from .examples import Example, sources
@@ -83,10 +84,10 @@ class Pages:
         )
 
     def _rows_of_fields(self, command: Command, side: Side) -> Sequence[Row]:
-        """Worked out once for all commands that say the same of a layout; layouts are told by identity."""
+        """Worked out once for all commands that say the same of a layout."""
         layout = side.message.layout
         manual = command.entry.manual if command.entry else ""
-        key = (id(layout), command.manual, manual, *command.only.items())
+        key = (layout, command.manual, manual, *command.only.items())
         if key not in self._field_rows:
             rows = tables.field_rows(side.fields, layout, command, self._labels, self._language)
             self._field_rows[key] = tuple(rows)

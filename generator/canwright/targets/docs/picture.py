@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from ...model import formatting
-from ...model.edition import IdRule, Message, Segment, Space, Variant
+from ...model.layout import Segment, Space, Variant
+from ...model.message import IdRule, Message
 from .text import xml
 
 CELL, ROW, LEFT, TOP = 44, 34, 96, 26
@@ -55,13 +56,13 @@ class Drawings:
     """Draws frames with their fields: the id where keys or fields stand in it, and the data bytes."""
 
     def __init__(self) -> None:
-        self._fields: dict[tuple[int, int], tuple[_Run, ...]] = {}
-        """Those of a variant, below so many rows of the id. Variants are told by identity: many messages share one."""
+        self._fields: dict[tuple[Variant, int], tuple[_Run, ...]] = {}
+        """Those of a variant, below so many rows of the id. Many messages share one."""
 
     def drawing(self, message: Message, variant: Variant) -> Drawing:
         """The frame of a message under some parameter values."""
         id_rows = _id_rows(message, variant)
-        key = (id(variant), len(id_rows))
+        key = (variant, len(id_rows))
         if key not in self._fields:
             self._fields[key] = tuple(_fields(variant, len(id_rows)))
         return _drawn(id_rows, message.dlc, (*_keys(message, len(id_rows)), *self._fields[key]))

@@ -8,24 +8,13 @@ from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from ...model import formatting
-from ...model.edition import (
-    Assignment,
-    Command,
-    Encoding,
-    Field,
-    IdRule,
-    Key,
-    Layout,
-    Message,
-    Order,
-    ReplyForm,
-    Space,
-    Text,
-    Type,
-)
+from ...model.layout import Field, Layout, NodeRole, ReservedRole, Space
+from ...model.message import Command, EchoReply, IdRule, Key, KeyRole, Message, OtherReply, OwnReply, SharedReply
+from ...model.types import Assignment, Encoding, Order, Text, Type
 from .text import code, markdown
 
 Labels = Mapping[str, str]
+_FORM_LABELS = {EchoReply: "echo", OwnReply: "own", SharedReply: "layout", OtherReply: "other"}
 MOST_MEMBERS = 8
 """How many members are told in a row of a byte table; the page of types has them all, with their titles."""
 
@@ -60,7 +49,7 @@ def code_of(command: Command) -> str:
 
 def index(message: Message | None) -> str:
     """The bytes that tell the entry: `0x05 0x0A`."""
-    return " ".join(f"0x{key.value:02X}" for key in message.keys if key.is_index) if message else ""
+    return " ".join(f"0x{key.value:02X}" for key in message.keys if key.role is KeyRole.INDEX) if message else ""
 
 
 class Cells(NamedTuple):
@@ -96,7 +85,7 @@ def field_cells(field: Field) -> list[Cells]:
 def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels: Labels) -> Iterator[Row]:
     """The selector of a frame."""
     for i, (key, start) in enumerate(zip(message.keys, cells, strict=True)):
-        note = labels["selector_of_entry" if command.entry and key.is_index else "selector"]
+        note = labels["selector_of_entry" if command.entry and key.role is KeyRole.INDEX else "selector"]
         if i == 0 and message.accept:
             accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept)
             note += f"{labels['and']}{labels['accepted']} {accepted}"
@@ -112,7 +101,7 @@ def field_rows(
             numbers = _numbers(field, layout, command, labels)
             what = (
                 said(field, labels, language)
-                + (f"{labels['and']}{labels['holds_node']}" if field.holds_node else "")
+                + (f"{labels['and']}{labels['holds_node']}" if isinstance(field.role, NodeRole) else "")
                 + _section(field, layout, command, labels)
                 + _members(field.type, labels)
             )
@@ -151,8 +140,8 @@ def _section(field: Field, layout: Layout, command: Command, labels: Labels) -> 
 
 
 def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> tuple[str, str, str]:
-    if field.constant is not None:
-        return "", code(str(field.constant)), labels["constant" if field.checked else "sent_so"]
+    if field.fixed is not None:
+        return "", code(str(field.fixed)), labels["sent_so" if isinstance(field.role, ReservedRole) else "constant"]
     here = field.only if layout.parameter == field.type.linear.parameter else ()
     among = here or command.only.get(field.type.linear.parameter or "", ())
     return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
@@ -203,9 +192,9 @@ def _id_with_code(message: Message) -> IdRule | None:
     """The id as it is on the bus, where a key stands in it; None where no key does, or a field varies it."""
     placed = [(key.segments[0].low, key.value) for key in message.keys if key.space is Space.ID]
     fields = [field for field in message.layout.fields if field.space is Space.ID]
-    if not placed or any(field.constant is None for field in fields):
+    if not placed or any(field.fixed is None for field in fields):
         return None
-    placed += [(field.elements[0].segments[0].low, field.constant or 0) for field in fields]
+    placed += [(field.elements[0].segments[0].low, field.fixed or 0) for field in fields]
     return replace(message.id, base=message.id.base | sum(value << low for low, value in placed))
 
 
@@ -224,19 +213,24 @@ def facts(message: Message, id_: str, nodes: str, labels: Labels) -> Iterator[tu
 
 def reply_form(command: Command, labels: Labels, commands: str) -> str:
     """The form of the reply, with the layout or the command that it is shared with; `commands` leads to its page."""
-    form = labels[command.reply_form.value]
-    if command.reply_form is ReplyForm.OTHER and command.reply_of:
-        return f"{form} [{markdown(command.reply_of)}]({commands}{command.reply_of}.md)"
-    if command.reply_form is ReplyForm.LAYOUT and command.reply:
-        return f"{form} {code(command.reply.layout.name)}"
+    form = labels[_form_label(command)]
+    for reply in command.replies:
+        if isinstance(reply, OtherReply):
+            return f"{form} [{markdown(reply.of)}]({commands}{reply.of}.md)"
+        if isinstance(reply, SharedReply):
+            return f"{form} {code(reply.message.layout.name)}"
     return form
+
+
+def _form_label(command: Command) -> str:
+    return _FORM_LABELS[type(command.replies[0])] if command.replies else "none"
 
 
 def reply_facts(command: Command, labels: Labels) -> Iterator[tuple[str, str]]:
     """How the reply comes about."""
     yield (
         labels["form"],
-        reply_form(command, labels, "") + labels["comma"] + labels[f"means_{command.reply_form.value}"],
+        reply_form(command, labels, "") + labels["comma"] + labels[f"means_{_form_label(command)}"],
     )
     if command.from_each:
         yield labels["from_each"], code(", ".join(map(str, command.from_each)))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...model.edition import Element, Encoding, Field, Key, Order, Segment, Space
+from ...model.layout import Element, Field, Segment, Space
+from ...model.message import BitRun, Key
+from ...model.types import Encoding, Order
 
 _STRUCT = {8: "b", 16: "h", 32: "i", 64: "q"}
 
@@ -41,7 +43,7 @@ def place(target: str, field: Field, element: Element) -> Place:
     return Place(target, field.space, field.type.order, signed, field.type.width, element.segments)
 
 
-def key_place(key: Key) -> Place:
+def key_place(key: BitRun) -> Place:
     """The place of a selector."""
     return Place("", key.space, key.order, False, key.width, key.segments)
 
@@ -86,7 +88,7 @@ def read(p: Place, dlc: int) -> str:
     return _signed(shifted, p)
 
 
-def read_key(key: Key, shortest: int) -> str:
+def read_key(key: BitRun, shortest: int) -> str:
     """The same for a selector in data of any length, at least `shortest`; bytes that are not there are left out."""
     p = key_place(key)
     if p.space is Space.ID:

@@ -7,9 +7,14 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...language.golden_frames import Frame, Value
-from ...model.edition import Command, Direction, Edition, Field, Message
-from .. import Described
-from . import messages, text, types
+from ...model.edition import Edition
+from ...model.layout import Field
+from ...model.message import Command, Direction, Message
+from ...model.types import Parameter
+from ..base import Described
+from . import text, types
+from .class_bodies import depends_on_parameters
+from .imports import Imports
 
 
 class Example(NamedTuple):
@@ -29,6 +34,14 @@ class Example(NamedTuple):
     """The last argument of calls that read a frame; empty where nothing need be known."""
     is_full: bool
     """Whether the request has values as well."""
+
+
+class Argument(NamedTuple):
+    """A keyword with the expression of its value, and the enum class that the expression uses, if any."""
+
+    keyword: str
+    value: str
+    enum: str
 
 
 def example(described: Sequence[Described]) -> Example | None:
@@ -64,30 +77,28 @@ def _example(edition: Edition, command: Command, request: Frame, reply: Frame) -
     asked, answer = command.message(Direction.REQUEST), command.message(Direction.REPLY)
     if asked is None or answer is None or answer.command != command.name:
         return None
-    views = types.type_views(edition)
-    arguments = list(_arguments(asked, request, views))
+    views = types.type_views(edition, Imports())
+    arguments = _arguments(asked, request, views)
     fields = [f for f in answer.layout.fields if f.name in reply.values]
-    if None in arguments or not fields:
+    if arguments is None or not fields:
         return None
     given = {**request.parameters, **reply.parameters}
-    known = [
-        f"{text.attribute(p.name)}={_parameter(edition, p.name, given)}" for p in edition.parameters if p.name in given
-    ]
-    takes = messages.depends(asked.layout) and known
-    written = [a for a in arguments if a] + (["parameters=known"] if takes else [])
+    parameters = [p for p in edition.parameters if p.name in given]
+    known = [f"{text.attribute(p.name)}={_parameter(p, given)}" for p in parameters]
+    keywords = [f"{argument.keyword}={argument.value}" for argument in arguments]
+    if known and depends_on_parameters(asked.layout):
+        keywords.append("parameters=known")
     classes = text.class_name(asked.name), text.class_name(answer.name)
     names = {*classes, "CodecError", "decode_answer", "decode_reply"}
-    names |= {word for a in written for word in _enums_in(a, views)}
+    names |= {argument.enum for argument in arguments if argument.enum}
     names |= {"Parameters"} if known else set()
-    names |= {
-        text.class_name(p.name) for p in edition.parameters if p.name in given and p.is_choice and not p.is_numeric
-    }
+    names |= {text.class_name(p.name) for p in parameters if p.is_choice and not p.is_numeric}
     return Example(
         f"{edition.family}.{edition.identifier}",
         tuple(sorted(names)),
         ", ".join(known),
         classes[0],
-        ", ".join(written),
+        ", ".join(keywords),
         classes[1],
         f"0x{reply.id:X}",
         reply.extended,
@@ -98,19 +109,17 @@ def _example(edition: Edition, command: Command, request: Frame, reply: Frame) -
     )
 
 
-def _enums_in(argument: str, views: Mapping[str, types.TypeView]) -> Iterator[str]:
-    """The enums that an argument names."""
-    yield from (view.enum for view in views.values() if view.enum and f"{view.enum}." in argument)
-
-
-def _arguments(message: Message, frame: Frame, views: Mapping[str, types.TypeView]) -> Iterator[str | None]:
-    """Keywords and their values; None for a field without a value."""
-    if message.id.nodes is not None:
-        yield f"node={frame.node}"
+def _arguments(message: Message, frame: Frame, views: Mapping[str, types.TypeView]) -> list[Argument] | None:
+    """The arguments that make the message of a frame; None where a field has no value."""
+    arguments = [Argument("node", str(frame.node), "")] if message.id.nodes is not None else []
     variant = message.layout.variant({name: str(value) for name, value in frame.parameters.items()})
-    for field in (f for f in (variant.fields if variant else ()) if f.constant is None):
-        value = _value(field, frame.values.get(field.name), views[field.type.name])
-        yield None if value is None else f"{text.attribute(field.name)}={value}"
+    for field in (f for f in (variant.fields if variant else ()) if f.fixed is None):
+        view = views[field.type.name]
+        value = _value(field, frame.values.get(field.name), view)
+        if value is None:
+            return None
+        arguments.append(Argument(text.attribute(field.name), value, view.enum))
+    return arguments
 
 
 def _value(field: Field, value: Value | None, view: types.TypeView) -> str | None:
@@ -124,6 +133,6 @@ def _value(field: Field, value: Value | None, view: types.TypeView) -> str | Non
     return f"{view.enum}.{text.member_name(value)}" if value and field.type.enum and value != "none" else None
 
 
-def _parameter(edition: Edition, name: str, given: Mapping[str, int | str]) -> str:
-    parameter = edition.parameter(name)
-    return types.parameter_key(parameter, str(given[name])) if parameter.is_choice else str(given[name])
+def _parameter(parameter: Parameter, given: Mapping[str, int | str]) -> str:
+    value = str(given[parameter.name])
+    return types.parameter_key(parameter, value) if parameter.is_choice else value

@@ -1,82 +1,36 @@
-"""Messages as the classes of a generated module."""
+"""Messages as the classes of a generated module, and the base classes of those that share a layout."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
-from ...model.edition import (
-    Command,
-    Direction,
-    Edition,
-    Field,
-    Layout,
-    Message,
-    Order,
-    Parameter,
-    ReplyForm,
-    Space,
-    Variant,
-)
-from . import bits, facts, text, types
-from .types import TypeView
+from ...model.edition import Edition
+from ...model.layout import Space
+from ...model.message import Command, Direction, Message
+from . import docstrings, encoding, metadata, text
+from .class_bodies import BodyView, ClassBodies
+from .encoding import EncodeView
 
 
-@dataclass(frozen=True)
-class FieldView:
-    """A field as a property, a keyword and a slot."""
+@dataclass(frozen=True, kw_only=True)
+class LayoutView:
+    """A base class for the messages that share a layout."""
 
     name: str
-    attribute: str
-    optional: bool
-    count: int
-    python: str
-    given: str
-    value: str
-    """Expression of the value, of `self`."""
-    to_raw: str
-    """Expression of the raw integer, of the keyword."""
-    check: str
-    """Expression of the function that checks the raw integer."""
-    doc: tuple[str, ...]
-
-    @property
-    def raw_python(self) -> str:
-        return "tuple[int, ...]" if self.count else "int"
+    doc: docstrings.Docstring
+    body: BodyView
+    encode: EncodeView | None
+    """How all of them write their bytes; None when they differ in more than their code."""
 
 
-class CaseView(NamedTuple):
-    """What is read under some values of the layout's parameter: assignments, or one `struct`."""
-
-    condition: str
-    names: tuple[str, ...]
-    struct: str
-    targets: str
-    lines: tuple[str, ...]
-    constants: tuple[tuple[str, str, str], ...]
-
-
-class BodyView(NamedTuple):
-    """What a class with fields has; `has_node` and `depends` decide its keywords.
-
-    `constants` are those of every case, which are looked at before the case is.
-    """
-
-    fields: tuple[FieldView, ...]
-    constants: tuple[tuple[str, str, str], ...]
-    cases: tuple[CaseView, ...]
-    parameter: str
-    has_node: bool
-    depends: bool
-
-
-class MessageView(NamedTuple):
-    """One class a message; `body` is None when its fields stand in a base class."""
+@dataclass(frozen=True, kw_only=True)
+class MessageView:
+    """The class of a message; `body` is None when a base class has its fields."""
 
     name: str
-    bases: str
-    doc: tuple[str, ...]
+    bases: tuple[str, ...]
+    doc: docstrings.Docstring
     command: str
     direction: str
     dlc: int
@@ -88,28 +42,18 @@ class MessageView(NamedTuple):
     step: int
     code: str
     data: str
-    """The bytes of a frame without fields."""
+    """Expression of the bytes of a frame without fields; empty for one with fields."""
     can_id: str
-    """Expression of the id, where fields stand in it."""
-    parameter: str
-    encode: tuple[tuple[str, str], ...]
-    facts: tuple[tuple[str, str], ...]
-
-
-class LayoutView(NamedTuple):
-    """A base class for the messages that share a layout."""
-
-    name: str
-    doc: tuple[str, ...]
-    body: BodyView
-    encode: tuple[tuple[str, str], ...]
-    """How all of them write their bytes; empty when they differ in more than their code."""
+    """Expression of the id, where it has fields."""
+    encode: EncodeView | None
+    metadata: tuple[tuple[str, str], ...]
+    """Names and expressions of class attributes."""
 
 
 Group = tuple[str, int, bool]
 
 
-def group(message: Message) -> Group:
+def _group(message: Message) -> Group:
     """Messages of one group have one base class."""
     return message.layout.name, message.dlc, message.id.nodes is not None
 
@@ -126,224 +70,72 @@ def _bases(groups: Iterable[Group]) -> dict[Group, str]:
     }
 
 
-def _is_alike(messages: Sequence[Message]) -> bool:
-    """Whether messages have one selector each, in one place of the data."""
-    places = {tuple((k.space, k.segments) for k in m.keys) for m in messages}
-    return len(places) == 1 and all(len(m.keys) == 1 and m.keys[0].space is Space.DATA for m in messages)
+def _differ_in_code_only(messages: Sequence[Message]) -> bool:
+    """Whether messages have one selector each, at one position in the data."""
+    positions = {tuple((k.space, k.segments) for k in m.keys) for m in messages}
+    return len(positions) == 1 and all(len(m.keys) == 1 and m.keys[0].space is Space.DATA for m in messages)
 
 
 class MessageViews:
-    """Builds the views of all messages of an edition."""
+    """The classes of all messages of an edition: `layouts` before the `messages` that inherit from them."""
 
-    def __init__(self, edition: Edition, type_views: Mapping[str, TypeView]) -> None:
-        self._types = type_views
-        self._parameters: dict[str, Parameter] = {p.name: p for p in edition.parameters}
+    def __init__(self, edition: Edition, bodies: ClassBodies) -> None:
+        self._bodies = bodies
         messages = edition.all_messages()
         groups: dict[Group, list[Message]] = {}
         for message in messages:
-            groups.setdefault(group(message), []).append(message)
-        self._shared = {group(m): m for m in messages if m.layout.fields and len(groups[group(m)]) > 1}
-        self._bases = _bases(self._shared)
-        self._alike = {key for key in self._shared if _is_alike(groups[key])}
-        self.layouts = tuple(self._layout(m) for m in self._shared.values())
+            groups.setdefault(_group(message), []).append(message)
+        shared = {group: same for group, same in groups.items() if same[0].layout.fields and len(same) > 1}
+        self._bases = _bases(shared)
+        self._encoding_bases = {group for group, same in shared.items() if _differ_in_code_only(same)}
+        self.layouts = tuple(self._layout(same[0]) for same in shared.values())
         self.messages = tuple(self._message(edition.command(m.command), m) for m in messages)
 
     def _layout(self, message: Message) -> LayoutView:
-        layout = message.layout
-        manual = f"Manual {text.plain(layout.manual)}." if layout.manual else ""
-        doc = (text.sentence(text.english(layout.title)), text.english(layout.about), manual)
-        body = self._body(layout, message.dlc, message.id.nodes is not None)
-        base = group(message)
-        encodes = self._encodes(message, "self.CODE") if base in self._alike else ()
-        return LayoutView(self._bases[base], doc, body, encodes)
+        group = _group(message)
+        return LayoutView(
+            name=self._bases[group],
+            doc=docstrings.of_layout(message.layout),
+            body=self._body(message),
+            encode=self._encode(message, "self.CODE") if group in self._encoding_bases else None,
+        )
 
     def _message(self, command: Command, message: Message) -> MessageView:
-        base_group = group(message)
-        shared = base_group in self._shared
-        bare = "ToNode" if message.id.nodes is not None else "ToAll"
-        base = self._bases[base_group] if shared else "" if message.layout.fields else bare
-        is_request = message.direction is Direction.REQUEST
-        if is_request:
-            answer = text.class_name(command.reply.name) if command.reply else "Message"
-            role = f'Request["{answer}"]'
+        group, nodes = _group(message), message.id.nodes
+        has_fields = bool(message.layout.fields)
+        has_metadata = message.direction is Direction.REQUEST or command.request is None
+        return MessageView(
+            name=text.class_name(message.name),
+            bases=self._base_classes(command, message),
+            doc=docstrings.of_message(command, message),
+            command=command.name,
+            direction=message.direction.value,
+            dlc=message.dlc,
+            extended=message.id.extended,
+            remote=message.remote,
+            nodes=(nodes[0], nodes[-1]) if nodes is not None else None,
+            body=self._body(message) if has_fields and group not in self._bases else None,
+            id=f"0x{encoding.fixed_id(message):X}",
+            step=message.id.node_step,
+            code=f"0x{message.keys[0].value:02X}" if message.keys else "",
+            data="" if has_fields else encoding.constant_data(message),
+            can_id=encoding.can_id(message),
+            encode=self._encode(message) if has_fields and group not in self._encoding_bases else None,
+            metadata=tuple(metadata.class_attributes(command, self._bodies.parameters)) if has_metadata else (),
+        )
+
+    def _base_classes(self, command: Command, message: Message) -> tuple[str, ...]:
+        if message.direction is Direction.REQUEST:
+            role = f'Request["{text.class_name(command.reply.name) if command.reply else "Message"}"]'
         else:
             role = "Reply"
-        nodes = message.id.nodes
-        own = message.layout.fields and not shared
-        return MessageView(
-            text.class_name(message.name),
-            ", ".join(part for part in (base, role) if part),
-            _message_doc(command, message),
-            command.name,
-            message.direction.value,
-            message.dlc,
-            message.id.extended,
-            message.remote,
-            (nodes[0], nodes[-1]) if nodes is not None else None,
-            self._body(message.layout, message.dlc, nodes is not None) if own else None,
-            f"0x{self._fixed_id(message):X}",
-            message.id.node_step,
-            f"0x{message.keys[0].value:02X}" if message.keys else "",
-            "" if message.layout.fields else self._constant_data(message),
-            self._can_id(message),
-            message.layout.parameter or "",
-            self._encodes(message) if message.layout.fields and base_group not in self._alike else (),
-            facts.of_class(command, self._parameters) if is_request or command.request is None else (),
-        )
+        if not message.layout.fields:
+            return self._bodies.imports.use("ToNode" if message.id.nodes is not None else "ToAll"), role
+        base = self._bases.get(_group(message))
+        return (base, role) if base else (role,)
 
-    def _body(self, layout: Layout, dlc: int, has_node: bool) -> BodyView:
-        fields = tuple(self._field(f, layout.manual) for f in layout.fields if f.constant is None)
-        cases = tuple(self._case(layout, v, dlc) for v in layout.variants)
-        constants = tuple(_constants((f for f in layout.fields if not f.only), dlc))
-        return BodyView(fields, constants, cases, layout.parameter or "", has_node, depends(layout))
+    def _body(self, message: Message) -> BodyView:
+        return self._bodies.body(message.layout, message.dlc, message.id.nodes is not None)
 
-    def _condition(self, layout: Layout, variant: Variant) -> str:
-        if layout.parameter is None or len(layout.variants) == 1:
-            return ""
-        parameter = self._parameters[layout.parameter]
-        return ", ".join(types.parameter_key(parameter, v) for v in variant.values)
-
-    def _case(self, layout: Layout, variant: Variant, dlc: int) -> CaseView:
-        places = self._places(variant.fields)
-        names = tuple(text.attribute(f.name) for f in variant.fields if f.constant is None)
-        constants = tuple(_constants((f for f in variant.fields if f.only), dlc))
-        scalar = [p for f, p in places if not f.is_array and f.constant is None]
-        only_scalars = all(not f.is_array and f.constant is None for f, _ in places)
-        ordered = sorted(scalar, key=lambda p: p.first_byte) if only_scalars else []
-        pattern = bits.struct_format(ordered, dlc) if len(ordered) > 1 else None
-        targets = ", ".join(p.target for p in ordered) if pattern else ""
-        lines = () if pattern else tuple(self._reads(variant.fields, dlc))
-        return CaseView(self._condition(layout, variant), names, pattern or "", targets, lines, constants)
-
-    def _reads(self, fields: Sequence[Field], dlc: int) -> list[str]:
-        lines = []
-        for field in fields:
-            if field.constant is not None:
-                continue
-            reads = [bits.read(bits.place("", field, e), dlc) for e in field.elements]
-            value = f"({', '.join(reads)},)" if field.is_array else reads[0]
-            lines.append(f"self.{text.attribute(field.name)}_raw = {value}")
-        return lines
-
-    def _places(self, fields: Sequence[Field]) -> list[tuple[Field, bits.Place]]:
-        found = []
-        for field in fields:
-            for i, element in enumerate(field.elements):
-                slot = f"self.{text.attribute(field.name)}_raw" + (f"[{i}]" if field.is_array else "")
-                target = slot if field.constant is None else hex(field.constant & (1 << field.type.width) - 1)
-                place = bits.place(target, field, element)
-                found.append((field, place if field.constant is None else place._replace(signed=False)))
-        return found
-
-    def _encodes(self, message: Message, code: str = "") -> tuple[tuple[str, str], ...]:
-        return tuple(self._encode(message, variant, code) for variant in message.layout.variants)
-
-    def _encode(self, message: Message, variant: Variant, code: str) -> tuple[str, str]:
-        """Under which condition, and the expression of the data bytes; `code` stands for the selector's value."""
-        keys = [bits.key_place(k)._replace(target=code or f"0x{k.value:02X}") for k in message.keys]
-        places = [p for p in (*keys, *(p for _, p in self._places(variant.fields))) if p.space is Space.DATA]
-        condition = self._condition(message.layout, variant)
-        ordered = sorted(places, key=lambda p: p.first_byte)
-        pattern = bits.struct_format(ordered, message.dlc)
-        if pattern is not None:
-            return condition, f'pack("{pattern}", {", ".join(p.target for p in ordered)})'
-        wide = {p.order for p in places if len(p.segments) > 1}
-        order = Order.BIG if wide == {Order.BIG} else Order.LITTLE
-        places = [p if len(p.segments) > 1 else p._replace(order=order) for p in places]
-        sides = [
-            " | ".join(f"({bits.write(p, message.dlc)})" for p in places if p.order is o) or "0"
-            for o in (Order.LITTLE, Order.BIG)
-        ]
-        if len(wide) > 1:
-            return condition, f"merge({sides[0]}, {sides[1]}, {message.dlc})"
-        if not places:
-            return condition, f"bytes({message.dlc})"
-        side = sides[0] if order is Order.LITTLE else sides[1]
-        return condition, f'({side}).to_bytes({message.dlc}, "{order.value}")'
-
-    def _fixed_id(self, message: Message) -> int:
-        keys = (k for k in message.keys if k.space is Space.ID)
-        return message.id.base + sum(k.value << k.segments[0].low for k in keys)
-
-    def _can_id(self, message: Message) -> str:
-        in_id = self._places([f for f in message.layout.fields if f.space is Space.ID])
-        parts = (f" + ({bits.write(p, message.dlc)})" for _, p in in_id)
-        return f"super().can_id{''.join(parts)}" if in_id else ""
-
-    def _constant_data(self, message: Message) -> str:
-        data = bytearray(message.dlc)
-        for key in message.keys:
-            for s in key.segments if key.space is Space.DATA else ():
-                data[s.byte] |= (key.value >> s.raw_low & (1 << s.width) - 1) << s.low
-        return repr(bytes(data))
-
-    def _field(self, field: Field, manual_of_layout: str) -> FieldView:
-        view, attribute = self._types[field.type.name], text.attribute(field.name)
-        raw, name = f"self.{attribute}_raw", text.literal(field.name)
-        element = "one" if field.is_array else raw
-        value = types.inline_value(field.type, element)
-        if view.enum:
-            value = f"{view.enum}({element})" if view.is_flags else f"named({view.enum}, {element})"
-        value = value or f"{view.constant}.value({element}, self.parameters, {name})"
-        if view.enum:
-            check = convert = f"flags({view.mask})" if view.is_flags else f"member({view.enum})"
-        else:
-            check, convert = f"{view.constant}.check", f"{view.constant}.raw"
-        count = len(field.elements) if field.is_array else 0
-        if count:
-            value = f"tuple({value} for one in {raw})"
-            check, convert = f"each({check}, {count})", f"each({convert}, {count})"
-        if view.enum:
-            convert = f"self.TYPES[{text.literal(attribute)}]"
-        to_raw = f"{convert}({attribute}, self.parameters, {name})"
-        manual = f"Manual {text.plain(field.manual)}." if field.manual != manual_of_layout else ""
-        facts = (
-            view.meaning,
-            text.english(field.about) or text.english(field.type.about),
-            f"There under {', '.join(field.only)} only" if field.only else "",
-            manual,
-        )
-        doc = (text.sentence(text.english(field.title)), " ".join(text.sentence(fact) for fact in facts if fact))
-        return FieldView(
-            field.name,
-            attribute,
-            bool(field.only),
-            count,
-            f"tuple[{view.python}, ...]" if count else view.python,
-            f"Iterable[{view.given}]" if count else view.given,
-            value,
-            to_raw,
-            check,
-            doc,
-        )
-
-
-def _constants(fields: Iterable[Field], dlc: int) -> Iterator[tuple[str, str, str]]:
-    """How each constant that is checked is read, what it is, and its name."""
-    for field in fields:
-        if field.demanded is not None:
-            yield (
-                bits.read(bits.place("", field, field.elements[0]), dlc),
-                str(field.demanded),
-                text.literal(field.name),
-            )
-
-
-def depends(layout: Layout) -> bool:
-    """Whether values or ranges of a layout need parameters."""
-    return bool(layout.parameters) or any(field.type.numbers for field in layout.fields)
-
-
-def _message_doc(command: Command, message: Message) -> tuple[str, ...]:
-    code = f" (0x{command.code:02X})" if command.code is not None else ""
-    title = f"{text.english(command.title)}{code}, {message.direction.value}."
-    manual = f"Manual {text.plain(command.manual)}." if command.manual else ""
-    if message.direction is Direction.REPLY:
-        echo = "The request, sent back." if command.reply_form is ReplyForm.ECHO else ""
-        return (title, f"{echo} {manual}".strip())
-    effects = " ".join(text.sentence(text.english(e.title)) for e in command.effects)
-    missing = "" if command.implemented else "Not implemented, says the manual."
-    notes = " ".join(text.english(n) for n in command.notes)
-    only = " ".join(f"Only {name} {', '.join(values)}." for name, values in command.only.items())
-    about = f"{text.english(command.about)} {only} {manual}"
-    return (title, " ".join(about.split()), missing, f"Effects: {effects}" if effects else "", notes)
+    def _encode(self, message: Message, code: str = "") -> EncodeView:
+        return encoding.encode_view(message, self._bodies.parameters, self._bodies.imports, code)

@@ -5,23 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...diagnostics.diagnostic import DocumentPath
-from ...model.edition import Edition, Layout
-from . import codec_names, text
-
-Problem = tuple[DocumentPath, str, str]
-"""Where, what is wrong, and what to do about it."""
+from ...model.edition import Edition
+from ...model.layout import Layout
+from ..base import NameProblem
+from . import text
+from .imports import NAMES
 
 _MODULE = {
-    *codec_names.NAMES,
-    *("Any", "ClassVar", "Enum", "Fraction", "IntEnum", "IntFlag", "Iterable", "Parameters", "R", "Self", "Struct"),
-    *("TYPE_CHECKING", "TypeVar", "FAMILY", "EDITION", "SPEC_HASH", "UNKNOWN"),
+    *NAMES,
+    *("Parameters", "FAMILY", "EDITION", "SPEC_HASH", "UNKNOWN"),
 }
 
 
-def problems(edition: Edition) -> Iterator[Problem]:
+def problems(edition: Edition) -> Iterator[NameProblem]:
     """Everything about one edition."""
     yield from _clashes(_module_names(edition), "something that every module has")
-    for layout in {id(m.layout): m.layout for m in edition.all_messages()}.values():
+    for layout in dict.fromkeys(m.layout for m in edition.all_messages()):
         yield from _clashes(_attributes(layout), "")
     for type_ in edition.types:
         key = "enum" if type_.enum else "flags"
@@ -36,13 +35,13 @@ def problems(edition: Edition) -> Iterator[Problem]:
             yield from _clashes(iter(values), "")
 
 
-def _clashes(names: Iterator[tuple[str, str, DocumentPath]], taken: str) -> Iterator[Problem]:
+def _clashes(names: Iterator[tuple[str, str, DocumentPath]], taken: str) -> Iterator[NameProblem]:
     """Names that stand for two things, or for one and what is `taken` by every module."""
     owners = dict.fromkeys(_MODULE, taken) if taken else {}
     for name, what, path in names:
         other = owners.setdefault(name, what)
         if other != what:
-            yield path, f"{what} and {other} would both be `{name}` in Python", "rename one of them"
+            yield NameProblem(path, f"{what} and {other} would both be `{name}` in Python", "rename one of them")
 
 
 def _module_names(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:

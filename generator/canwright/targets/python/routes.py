@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ...model.edition import Direction, Edition, Key, Message, ReplyForm
+from ...model.edition import Edition
+from ...model.message import BitRun, Direction, Message
 from ...semantics.decoder import by_rule, open_bits
 from . import bits, text
+from .imports import Imports
 
 
 class Readers:
@@ -15,18 +17,18 @@ class Readers:
     def __init__(self) -> None:
         self.names: dict[str, str] = {}
 
-    def of(self, key: Key, shortest: int) -> str:
+    def of(self, key: BitRun, shortest: int) -> str:
         """The name of the function that reads a key in data of that length or more."""
         return self.names.setdefault(bits.read_key(key, shortest), f"_key_{len(self.names) + 1}")
 
 
-def routes(edition: Edition, direction: Direction, readers: Readers) -> Iterator[str]:
+def routes(edition: Edition, direction: Direction, readers: Readers, imports: Imports) -> Iterator[str]:
     """One `Route(...)` expression for every rule from node to id."""
     for messages in by_rule(edition.messages(direction)):
-        yield _route(messages, readers)
+        yield _route(messages, readers, imports)
 
 
-def _route(messages: list[Message], readers: Readers) -> str:
+def _route(messages: list[Message], readers: Readers, imports: Imports) -> str:
     rule, mask = messages[0].id, open_bits(messages)
     nodes = f"range({rule.nodes[0]}, {rule.nodes[-1] + 1})" if rule.nodes is not None else "None"
     arguments = [f"0x{rule.base:X}", str(rule.node_step), nodes]
@@ -63,7 +65,7 @@ def _route(messages: list[Message], readers: Readers) -> str:
     answers = [text.class_name(m.name) for m in first if not m.claims and m not in single]
     if answers:
         arguments.append(f"answers=frozenset({{{', '.join(answers)}}})")
-    return f"Route({', '.join(arguments)})"
+    return f"{imports.use('Route')}({', '.join(arguments)})"
 
 
 def _of_length(messages: list[Message]) -> dict[str, list[str]]:
@@ -93,7 +95,7 @@ def _entries(messages: list[Message], shortest: int, readers: Readers) -> Iterat
         yield f"0x{value:02X}: " + (f"({entries[0]},)" if len(entries) == 1 else _lines("(", entries, ")", 8))
 
 
-def answers(edition: Edition, readers: Readers) -> Iterator[str]:
+def answers(edition: Edition, readers: Readers, imports: Imports) -> Iterator[str]:
     """One `request: answer` entry for every command that has both."""
     for command in edition.commands:
         if command.request is None or command.reply is None:
@@ -105,11 +107,11 @@ def answers(edition: Edition, readers: Readers) -> Iterator[str]:
             for i, k in enumerate(reply.keys)
         )
         nodes = text.tuple_of(map(str, command.from_each))
-        echo = command.reply_form is ReplyForm.ECHO
+        echo = command.is_echoed
         names = text.class_name(command.request.name), text.class_name(reply.name)
         held = "".join(
             f", {word}=({readers.of(key, 0 if m.remote else m.dlc)}, 0x{(1 << key.width) - 1:X})"
             for word, m in (("asked", command.request), ("told", reply))
-            if (key := m.node_key) is not None
+            if (key := m.node_bits) is not None
         )
-        yield f"{names[0]}: _Answer({names[1]}, {selectors}, {nodes}, {echo}{held})"
+        yield f"{names[0]}: {imports.use('Answer')}({names[1]}, {selectors}, {nodes}, {echo}{held})"

@@ -8,7 +8,7 @@ import keyword
 from collections.abc import Iterable, Sequence
 
 from ...diagnostics.unicode_safety import visible
-from ...model.edition import Text
+from ...model.types import Text
 
 _RESERVED = {*keyword.kwlist, *keyword.softkwlist, *dir(builtins), "self", "cls"}
 _MEMBERS = {"node", "parameters", "can_id", "encode", "fields", "from_raw", "raw", "mro", "unpack"}

@@ -3,38 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
 
-from ...model import formatting
-from ...model.edition import IDENTITY, Bound, Dependent, Edition, Encoding, Linear, Parameter, Range, Type
-from . import text
+from ...model.edition import Edition
+from ...model.types import Bound, Encoding, Linear, Parameter, Range, Type
+from . import docstrings, text
+from .imports import Imports
 
 
-class MemberView(NamedTuple):
+@dataclass(frozen=True, kw_only=True)
+class MemberView:
     """One member of an enum or of flags."""
 
     name: str
     value: str
-    doc: str
+    doc: docstrings.Docstring
 
 
-class TypeView(NamedTuple):
-    """A type of the edition: the name of its `Number` or `Float`, and of its enum class where it has one."""
+@dataclass(frozen=True, kw_only=True)
+class TypeView:
+    """A type of the edition: a `Number` or `Float`, or an `enum` class."""
 
     constant: str
+    """The name of the number; empty for an enum."""
     declaration: str
+    """The expression of the number."""
     enum: str
+    """The name of the class; empty for a number."""
     is_flags: bool
     mask: str
     members: tuple[MemberView, ...]
-    doc: str
+    doc: docstrings.Docstring
     meaning: str
-    """Unit, scale and range in a sentence."""
+    """Unit, resolution and range in a sentence."""
     python: str
-    """The type that a value has."""
-    given: str
-    """The type that a constructor takes."""
+    """The type of a value."""
 
 
 def parameter_key(parameter: Parameter, value: str) -> str:
@@ -44,110 +48,103 @@ def parameter_key(parameter: Parameter, value: str) -> str:
     return f"{text.class_name(parameter.name)}.{text.member_name(value)}"
 
 
-def type_views(edition: Edition) -> dict[str, TypeView]:
+def type_views(edition: Edition, imports: Imports) -> dict[str, TypeView]:
     """Every type of the edition, by name."""
     parameters = {p.name: p for p in edition.parameters}
-    return {t.name: _view(t, parameters) for t in edition.types}
+    return {t.name: _view(t, parameters, imports) for t in edition.types}
 
 
-def _view(type_: Type, parameters: Mapping[str, Parameter]) -> TypeView:
-    constant = text.member_name(type_.name)
-    constant = f"{constant}_NUMBER" if type_.enum or type_.flags else constant
+def _view(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) -> TypeView:
     enum = text.class_name(type_.name) if type_.enum or type_.flags else ""
-    members = tuple(
+    members = (
         MemberView(
-            text.member_name(m.name), f"0x{1 << m.value:X}" if type_.flags else str(m.value), text.english(m.title)
+            name=text.member_name(m.name),
+            value=f"0x{1 << m.value:X}" if type_.flags else str(m.value),
+            doc=(text.english(m.title),),
         )
         for m in (*type_.enum, *type_.flags)
     )
-    arguments = ", ".join(_arguments(type_, parameters))
-    declaration = f"Float({arguments})" if type_.encoding is Encoding.FLOAT else f"Number({arguments})"
-    python = f"{enum} | int" if type_.enum else enum or ("int" if type_.is_plain else "float")
     return TypeView(
-        constant,
-        declaration,
-        enum,
-        bool(type_.flags),
-        f"0x{sum(1 << m.value for m in type_.flags):X}",
-        members,
-        text.english(type_.title),
-        _meaning(type_),
-        python,
-        f"{enum} | int" if enum else "Real",
+        constant="" if enum else text.member_name(type_.name),
+        declaration="" if enum else _declaration(type_, parameters, imports),
+        enum=enum,
+        is_flags=bool(type_.flags),
+        mask=f"0x{sum(1 << m.value for m in type_.flags):X}",
+        members=tuple(members),
+        doc=(text.english(type_.title),),
+        meaning=docstrings.of_type(type_),
+        python=f"{enum} | int" if type_.enum else enum or ("int" if type_.is_plain else "float"),
     )
 
 
-def _arguments(type_: Type, parameters: Mapping[str, Parameter]) -> list[str]:
+def _declaration(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) -> str:
+    """The `Number` or `Float` that converts between raw integers and values."""
+    kind = imports.use("Float" if type_.encoding is Encoding.FLOAT else "Number")
+    return f"{kind}({', '.join(_arguments(type_, parameters, imports))})"
+
+
+def _arguments(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) -> list[str]:
     is_float = type_.encoding is Encoding.FLOAT
     arguments = [str(type_.width)] if is_float else [str(limit) for limit in type_.raw_limits]
     if type_.unit:
         arguments.append(text.literal(type_.unit.name))
     linear, span = type_.linear, type_.raw_range
     if linear.parameter is not None:
-        cases = (f"{parameter_key(parameters[linear.parameter], n)}: {_scale(c)}" for n, c in linear.cases.items())
-        arguments += [f"scale={{{', '.join(cases)}}}", f"scale_by={text.literal(linear.parameter)}"]
+        cases = (
+            f"{parameter_key(parameters[linear.parameter], n)}: {_scale(c, imports)}" for n, c in linear.cases.items()
+        )
+        arguments += [f"scale={{{', '.join(cases)}}}", f"scale_by={text.literal(text.attribute(linear.parameter))}"]
     elif linear.constant is None or not linear.constant.is_identity:
-        arguments.append(f"scale={_scale(linear.constant)}")
+        arguments.append(f"scale={_scale(linear.constant, imports)}")
     arguments += _times(type_, parameters)
     if span.parameter is not None:
-        limits = (f"{parameter_key(parameters[span.parameter], n)}: {_limits(r)}" for n, r in span.cases.items())
-        arguments += [f"limits={{{', '.join(limits)}}}", f"limits_by={text.literal(span.parameter)}"]
+        limits = (
+            f"{parameter_key(parameters[span.parameter], n)}: {_limits(r, imports)}" for n, r in span.cases.items()
+        )
+        arguments += [f"limits={{{', '.join(limits)}}}", f"limits_by={text.literal(text.attribute(span.parameter))}"]
     elif span.constant is not None:
-        arguments.append(f"limits={_limits(span.constant)}")
+        arguments.append(f"limits={_limits(span.constant, imports)}")
     return arguments
 
 
-def _scale(linear: Linear | None) -> str:
+def _scale(linear: Linear | None, imports: Imports) -> str:
     if linear is None:
         return "None"
-    return f"({linear.scale.numerator}, {linear.scale.denominator}, {exact(linear.offset)})"
+    return f"({linear.scale.numerator}, {linear.scale.denominator}, {exact(linear.offset, imports)})"
 
 
 def _times(type_: Type, parameters: Mapping[str, Parameter]) -> list[str]:
-    """The number parameter that the scale is a multiple of: one, or one for each case that has such a scale."""
+    """The argument `times`: the number parameter that multiplies the scale, or one for each case that has one."""
     linear = type_.linear
     if linear.parameter is None:
         times = linear.constant.times if linear.constant else None
-        return [f"times={text.literal(times)}"] if times else []
+        return [f"times={text.literal(text.attribute(times))}"] if times else []
     by = parameters[linear.parameter]
     cases = [(name, case.times) for name, case in linear.cases.items() if case is not None and case.times is not None]
-    shown = ", ".join(f"{parameter_key(by, name)}: {text.literal(times)}" for name, times in cases)
+    shown = ", ".join(f"{parameter_key(by, name)}: {text.literal(text.attribute(times))}" for name, times in cases)
     return [f"times={{{shown}}}"] if cases else []
 
 
-def _limits(span: Range | None) -> str:
-    return "None" if span is None else f"({_bound(span.low)}, {_bound(span.high)})"
+def _limits(span: Range | None, imports: Imports) -> str:
+    return "None" if span is None else f"({_bound(span.low, imports)}, {_bound(span.high, imports)})"
 
 
-def _bound(bound: Bound) -> str:
-    if bound.parameter is None:
-        return f"Bound({exact(bound.constant)})"
-    return f"Bound({exact(bound.constant)}, {exact(bound.coefficient)}, {text.literal(bound.parameter)})"
+def _bound(bound: Bound, imports: Imports) -> str:
+    arguments = [exact(bound.constant, imports)]
+    if bound.parameter is not None:
+        arguments += [exact(bound.coefficient, imports), text.literal(text.attribute(bound.parameter))]
+    return f"{imports.use('Bound')}({', '.join(arguments)})"
 
 
-def exact(number: Fraction) -> str:
-    """A number as an expression that loses nothing."""
-    return str(number.numerator) if number.denominator == 1 else f"Fraction({number.numerator}, {number.denominator})"
-
-
-def _meaning(type_: Type) -> str:
-    parts = []
-    if type_.unit:
-        parts.append(f"In {type_.unit.symbol}")
-    scales = formatting.scale(type_)
-    is_bare = type_.encoding is Encoding.FLOAT and type_.linear == Dependent.always(IDENTITY)
-    if not type_.is_plain and type_.is_number and not is_bare:
-        parts.append("one raw step is " + ", ".join(f"{w} ({n})" if n else w for n, w in scales))
-    limits = formatting.ranges(type_)
-    if limits:
-        kind = "from" if type_.encoding is Encoding.FLOAT else "raw"
-        parts.append(f"{kind} " + ", ".join(f"{w} ({n})" if n else w for n, w in limits))
-    sentence = "; ".join(parts)
-    return text.plain(sentence[:1].upper() + sentence[1:])
+def exact(number: Fraction, imports: Imports) -> str:
+    """A number as an exact expression."""
+    if number.denominator == 1:
+        return str(number.numerator)
+    return f"{imports.use('Fraction')}({number.numerator}, {number.denominator})"
 
 
 def inline_value(type_: Type, raw: str) -> str | None:
-    """The value as an expression of the raw integer, where the scale is constant; one rounded operation at the end."""
+    """The value as an expression of the raw integer, rounded once; None where the scale is not constant."""
     linear = type_.linear.constant
     if type_.linear.parameter is not None or linear is None or linear.times or type_.encoding is Encoding.FLOAT:
         return None

@@ -1,4 +1,4 @@
-"""Which messages share the bits that tell them apart: the same id rule and the same places of keys."""
+"""Patterns of frames: the id rule and the bits of the keys, which several messages share."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from functools import reduce
 from operator import or_
 from typing import NamedTuple
 
-from ...model.edition import Direction, Edition, Message, Segment, Space
+from ...model.edition import Edition
+from ...model.layout import Segment, Space
+from ...model.message import Direction, Message
 
 
-class Form(NamedTuple):
-    """What messages have in common that are matched and stamped alike, but for length and codes."""
+class Pattern(NamedTuple):
+    """What messages have in common that differ in length and codes only."""
 
     address: str
     direction: Direction
@@ -21,8 +23,8 @@ class Form(NamedTuple):
     places: tuple[tuple[Space, int, tuple[Segment, ...]], ...]
 
 
-def form_of(message: Message) -> Form:
-    return Form(
+def pattern_of(message: Message) -> Pattern:
+    return Pattern(
         message.address,
         message.direction,
         message.remote,
@@ -31,14 +33,14 @@ def form_of(message: Message) -> Form:
     )
 
 
-def named_forms(forms: Iterable[Form]) -> dict[Form, tuple[str, ...]]:
-    """What the name of each form is made of: address and direction, and a number from the second one on."""
-    result: dict[Form, tuple[str, ...]] = {}
+def named_patterns(patterns: Iterable[Pattern]) -> dict[Pattern, tuple[str, ...]]:
+    """What the name of each pattern is made of: address and direction, and a number from the second one on."""
+    result: dict[Pattern, tuple[str, ...]] = {}
     numbers: Counter[tuple[str, str]] = Counter()
-    for form in dict.fromkeys(forms):
-        name = (form.address, form.direction.value)
+    for pattern in dict.fromkeys(patterns):
+        name = (pattern.address, pattern.direction.value)
         numbers[name] += 1
-        result[form] = name if numbers[name] == 1 else (*name, str(numbers[name]))
+        result[pattern] = name if numbers[name] == 1 else (*name, str(numbers[name]))
     return result
 
 

@@ -1,10 +1,11 @@
-"""What a command is where it has a table: one form for each entry; and what comes back from one."""
+"""The forms of a command: one, or one for each entry of its table."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..model.edition import Key, Layout, Message, ReplyForm
+from ..model.layout import Layout
+from ..model.message import Key
 
 
 @dataclass(frozen=True)
@@ -21,13 +22,3 @@ class Form:
     @property
     def name(self) -> str:
         return self.command if self.entry is None else f"{self.command}_{self.entry}"
-
-
-@dataclass(frozen=True)
-class Reply:
-    """What a command gets back."""
-
-    message: Message | None
-    form: ReplyForm
-    of: str | None = None
-    from_each: tuple[int, ...] = ()

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
-from ...model.edition import IDENTITY, Dependent, Edition, Encoding, Field, Linear, Space, Type
+from ...model.edition import Edition
+from ...model.layout import Field, Space
+from ...model.types import IDENTITY, Dependent, Encoding, Linear, Type
 from .text import english
 
 

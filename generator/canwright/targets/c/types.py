@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ...model.edition import Edition, Encoding, Type
+from ...model.edition import Edition
+from ...model.types import Encoding, Type
 from .choices import Choice
+from .comments import errata, type_facts
 from .conversions import ConversionView, double, milli
-from .facts import errata, type_facts
 from .names import Names, layouts
 from .numbers import Integer, integer
 from .text import english
-from .validity import valid
+from .validity import Condition, valid
 
 
 class MacroView(NamedTuple):
@@ -36,7 +37,7 @@ class TypeView(NamedTuple):
     kind: str
     macros: tuple[MacroView, ...]
     names: tuple[NameView, ...]
-    valid: Choice | None
+    valid: Choice[Condition] | None
     milli: ConversionView | None
     milli_unit: str
     double: ConversionView | None

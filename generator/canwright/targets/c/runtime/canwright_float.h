@@ -1,7 +1,3 @@
-{% from "macros.j2" import begin_c, end_c %}
-{% for line in headers %}
-/* {{ line }} */
-{% endfor %}
 /**
  * @file
  * Doubles, apart from the rest: what the conversions of every edition need.
@@ -17,7 +13,15 @@
 #error "Conversions to double need the 64-bit IEEE 754 numbers that this compiler does not have; use thousandths."
 #endif
 
-{{ begin_c() -}}
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wzero-as-null-pointer-constant"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wuseless-cast"
+#endif
+#endif
+
 /** Up to here, a double holds every integer. */
 #define CANWRIGHT_EXACT (UINT64_C(1) << 53)
 
@@ -165,5 +169,8 @@ static inline canwright_status_t canwright_nearest_unsigned(
     return whole >= lowest && whole <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
-{{ end_c() -}}
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
 #endif

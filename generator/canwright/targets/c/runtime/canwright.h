@@ -1,7 +1,3 @@
-{% from "macros.j2" import begin_c, end_c %}
-{% for line in headers %}
-/* {{ line }} */
-{% endfor %}
 /**
  * @file
  * What every edition shares: the frame, the status and exact arithmetic. Nothing here knows a protocol.
@@ -13,7 +9,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
-{{ begin_c() -}}
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wzero-as-null-pointer-constant"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wuseless-cast"
+#endif
+#endif
+
 /** The version of this file. Headers that need another one do not compile. */
 #define CANWRIGHT_H_VERSION 2
 
@@ -39,10 +43,26 @@ typedef struct {
 /** What came of a call. Unless it is CANWRIGHT_OK, the results hold nothing of use. */
 typedef enum {
     CANWRIGHT_OK = 0,
-{% for refusal in refusals %}
-    {{ refusal.doc | comment(4) }}
-    {{ refusal.name }}{{ "," if not loop.last }}
-{% endfor %}
+    /** No message of this direction has this id, or none of this format. */
+    CANWRIGHT_UNKNOWN_ID,
+    /** The id is known, the code is not. */
+    CANWRIGHT_UNKNOWN_CODE,
+    /** The message has another DLC. */
+    CANWRIGHT_WRONG_LENGTH,
+    /** A field that always holds one value holds another. */
+    CANWRIGHT_WRONG_CONSTANT,
+    /** The answer depends on a parameter that is not known. */
+    CANWRIGHT_MISSING_PARAMETER,
+    /** There is a raw integer, and no way to a value. */
+    CANWRIGHT_NO_SCALE,
+    /** Beyond the range, the bits or the names of the type; or a field that is not there is set. */
+    CANWRIGHT_OUT_OF_RANGE,
+    /** NaN or infinity. */
+    CANWRIGHT_NOT_FINITE,
+    /** The address has no such node. */
+    CANWRIGHT_UNKNOWN_NODE,
+    /** The reply does not belong to the request. */
+    CANWRIGHT_NOT_ANSWER
 } canwright_status_t;
 
 /** A number as a quotient, exact without floating point: 6 is {6, 1}. A denominator of 0 means not known. */
@@ -59,10 +79,26 @@ static inline const char *canwright_status_name(canwright_status_t status)
     switch ((int)status) {
     case CANWRIGHT_OK:
         return "ok";
-{% for refusal in refusals %}
-    case {{ refusal.name }}:
-        return "{{ refusal.word }}";
-{% endfor %}
+    case CANWRIGHT_UNKNOWN_ID:
+        return "unknown_id";
+    case CANWRIGHT_UNKNOWN_CODE:
+        return "unknown_code";
+    case CANWRIGHT_WRONG_LENGTH:
+        return "wrong_length";
+    case CANWRIGHT_WRONG_CONSTANT:
+        return "wrong_constant";
+    case CANWRIGHT_MISSING_PARAMETER:
+        return "missing_parameter";
+    case CANWRIGHT_NO_SCALE:
+        return "no_scale";
+    case CANWRIGHT_OUT_OF_RANGE:
+        return "out_of_range";
+    case CANWRIGHT_NOT_FINITE:
+        return "not_finite";
+    case CANWRIGHT_UNKNOWN_NODE:
+        return "unknown_node";
+    case CANWRIGHT_NOT_ANSWER:
+        return "not_answer";
     default:
         return "?";
     }
@@ -71,9 +107,14 @@ static inline const char *canwright_status_name(canwright_status_t status)
 /** Sets all data bytes to 0. */
 static inline void canwright_clear(canwright_frame_t *frame)
 {
-{% for byte in range(8) %}
-    frame->data[{{ byte }}] = 0u;
-{% endfor %}
+    frame->data[0] = 0u;
+    frame->data[1] = 0u;
+    frame->data[2] = 0u;
+    frame->data[3] = 0u;
+    frame->data[4] = 0u;
+    frame->data[5] = 0u;
+    frame->data[6] = 0u;
+    frame->data[7] = 0u;
 }
 
 /** Tells whether two frames carry the same bytes. */
@@ -180,5 +221,8 @@ static inline uint64_t canwright_order64(uint64_t bits)
     return (bits >> 63) != 0u ? ~bits : bits | UINT64_C(0x8000000000000000);
 }
 
-{{ end_c() -}}
+#if defined(__cplusplus) && defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
 #endif

@@ -1,0 +1,49 @@
+"""The target `c`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from ...diagnostics.diagnostic import DocumentPath
+from ...model.edition import Edition
+from ...model.types import Assignment
+from ..base import Described, NameProblem, Output, Target
+from . import generate
+from .names import member
+from .problems import between, problems
+
+
+class CTarget(Target):
+    """C headers; see the package."""
+
+    title = "C"
+
+    def generate(self, described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
+        return generate(described, set_parameters)
+
+    def problems(self, edition: Edition) -> Iterator[NameProblem]:
+        return problems(edition)
+
+    def collisions(self, editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
+        return between(editions)
+
+    def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
+        """Names without the prefix of family and edition; constants are shown with `…_` in its place."""
+        names = {command.path: f"{command.name}_request_t" for command in edition.commands}
+        for layout in edition.layouts:
+            names[layout.path] = f"{layout.name}_t"
+        for parameter in edition.parameters:
+            at: DocumentPath = ("parameters", parameter.name)
+            names[at] = f".{parameter.name}"
+            names |= {(*at, "values", v.name): f"…_{parameter.name}_{v.name}".upper() for v in parameter.values}
+        for type_ in edition.types:
+            key = "enum" if type_.enum else "flags"
+            names[type_.path] = f"…_{type_.name}_to_milli"
+            members = (*type_.enum, *type_.flags)
+            names |= {(*type_.path, key, m.name): f"…_{type_.name}_{m.name}".upper() for m in members}
+        for message in edition.all_messages():
+            names |= {field.path: member(field.name) for field in message.layout.fields}
+        return names
+
+
+TARGET = CTarget()

@@ -1,0 +1,93 @@
+"""Docstrings of generated classes and properties: a summary line and paragraphs, safe to print."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...model import formatting
+from ...model.edition import Edition
+from ...model.layout import Field, Layout
+from ...model.message import Command, Direction, Message
+from ...model.types import IDENTITY, Dependent, Encoding, Parameter, Type
+from .text import english, plain, sentence
+
+Docstring = tuple[str, ...]
+"""A summary line and paragraphs; empty ones are left out."""
+
+
+def of_edition(edition: Edition) -> Docstring:
+    """The docstring of the module."""
+    return (f"{edition.family} {edition.name}: {english(edition.title)}", english(edition.about))
+
+
+def of_parameter(parameter: Parameter) -> Docstring:
+    """The docstring of an attribute of `Parameters`."""
+    if parameter.is_choice:
+        allowed = f"One of {', '.join(value.name for value in parameter.values)}."
+    else:
+        limits = formatting.allowed(parameter)
+        allowed = sentence(limits[:1].upper() + limits[1:])
+    return (_joined(sentence(english(parameter.title)), allowed, english(parameter.about)),)
+
+
+def of_layout(layout: Layout) -> Docstring:
+    """The docstring of the base class for the messages of a layout."""
+    return (sentence(english(layout.title)), english(layout.about), _manual(layout.manual))
+
+
+def of_message(command: Command, message: Message) -> Docstring:
+    """The docstring of the class of a message."""
+    code = f" (0x{command.code:02X})" if command.code is not None else ""
+    title = f"{english(command.title)}{code}, {message.direction.value}."
+    if message.direction is Direction.REPLY:
+        return (title, _joined("The request, sent back." if command.is_echoed else "", _manual(command.manual)))
+    only = (f"Only {name} {', '.join(values)}." for name, values in command.only.items())
+    effects = _joined(*(sentence(english(effect.title)) for effect in command.effects))
+    return (
+        title,
+        _joined(english(command.about), *only, _manual(command.manual)),
+        "" if command.implemented else "Not implemented according to the manual.",
+        f"Effects: {effects}" if effects else "",
+        _joined(*(english(note) for note in command.notes)),
+    )
+
+
+def of_field(field: Field, of_type: str, manual_of_layout: str) -> Docstring:
+    """The docstring of the property of a field; `of_type` is the sentence about its type."""
+    return (
+        sentence(english(field.title)),
+        _joined(
+            of_type,
+            sentence(english(field.about) or english(field.type.about)),
+            f"Exists under {', '.join(field.only)} only." if field.only else "",
+            _manual(field.manual) if field.manual != manual_of_layout else "",
+        ),
+    )
+
+
+def of_type(type_: Type) -> str:
+    """Unit, resolution and range in a sentence; empty where there is nothing to say."""
+    parts = []
+    if type_.unit:
+        parts.append(f"In {type_.unit.symbol}")
+    is_bare = type_.encoding is Encoding.FLOAT and type_.linear == Dependent.always(IDENTITY)
+    if not type_.is_plain and type_.is_number and not is_bare:
+        parts.append("resolution (1 LSB) " + _alternatives(formatting.scale(type_)))
+    limits = formatting.ranges(type_)
+    if limits:
+        parts.append(("from " if type_.encoding is Encoding.FLOAT else "raw ") + _alternatives(limits))
+    joined = "; ".join(parts)
+    return sentence(plain(joined[:1].upper() + joined[1:]))
+
+
+def _alternatives(cases: Sequence[tuple[str, str]]) -> str:
+    """What holds under parameter values, or always where these are empty."""
+    return ", ".join(f"{what} ({values})" if values else what for values, what in cases)
+
+
+def _manual(section: str) -> str:
+    return f"Manual {plain(section)}." if section else ""
+
+
+def _joined(*sentences: str) -> str:
+    return " ".join(one for one in sentences if one)

@@ -1,0 +1,61 @@
+"""The module of an edition, as its template needs it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ...model.edition import Edition
+from ...model.message import Direction
+from ..base import header
+from . import docstrings, routes
+from .class_bodies import ClassBodies
+from .imports import PUBLIC, Imports
+from .messages import MessageViews
+from .parameters import choice_view, parameter_view
+from .types import type_views
+
+CONSTANTS = ("EDITION", "FAMILY", "SPEC_HASH", "UNKNOWN", "Parameters")
+FUNCTIONS = ("check_reply", "decode_answer", "decode_reply", "decode_request", "ids_of", "node_of")
+
+
+def module_view(edition: Edition) -> dict[str, object]:
+    """What the template prints. It records further imports with `use` while it is rendered."""
+    imports, readers = Imports(), routes.Readers()
+    types = type_views(edition, imports)
+    parameters = {parameter.name: parameter for parameter in edition.parameters}
+    classes = MessageViews(edition, ClassBodies(types=types, parameters=parameters, imports=imports))
+    bodies = [*(v.body for v in classes.layouts), *(m.body for m in classes.messages if m.body)]
+    choices = [choice_view(p) for p in edition.parameters if p.is_choice and not p.is_numeric]
+    enums = [view for view in types.values() if view.enum]
+    names = (
+        *(choice.name for choice in choices),
+        *(view.enum for view in enums),
+        *(layout.name for layout in classes.layouts),
+        *(message.name for message in classes.messages),
+    )
+    return {
+        "header": header(edition),
+        "doc": docstrings.of_edition(edition),
+        "family": edition.family,
+        "edition": edition.name,
+        "hash": edition.hash,
+        "imports": imports,
+        "use": imports.use,
+        "public": _public(names),
+        "choices": choices,
+        "parameters": [parameter_view(parameter, imports) for parameter in edition.parameters],
+        "enums": enums,
+        "numbers": [view for view in types.values() if not view.enum],
+        "patterns": list(dict.fromkeys(case.struct for body in bodies for case in body.cases if case.struct)),
+        "layouts": classes.layouts,
+        "messages": classes.messages,
+        "request_routes": list(routes.routes(edition, Direction.REQUEST, readers, imports)),
+        "reply_routes": list(routes.routes(edition, Direction.REPLY, readers, imports)),
+        "answers": list(routes.answers(edition, readers, imports)),
+        "readers": readers.names,
+    }
+
+
+def _public(names: Iterable[str]) -> list[str]:
+    """The names that the module exports."""
+    return sorted({*CONSTANTS, *FUNCTIONS, *PUBLIC, *names})

@@ -1,0 +1,283 @@
+"""Which message a frame is, and which reply answers a request."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Generic, TypeVar, cast
+
+from ._codec import CodecError, Message, Refusal, Request
+
+Reader = Callable[[int, bytes], int]
+"""Reads a selector from id and data."""
+
+Candidates = Mapping[int, tuple[tuple[type[Message], tuple[tuple[Reader, int], ...]], ...]]
+"""The messages of each selector value, each with the values of further selectors; those with most selectors first."""
+
+
+class Route:
+    """The messages that share one rule from node to CAN id.
+
+    `selector` reads the selector value, and `messages` are the messages by that value; `more` are selectors at other
+    positions. `single` is the message of a frame that no selector matches. `of_length` are the messages that differ from
+    a message by their length only. `unused` are the bits of the id that a message does not use and others do. `answers`
+    are messages that a frame is only where it answers their request: without it, it is another message of that code.
+    """
+
+    def __init__(
+        self,
+        base: int,
+        step: int,
+        nodes: range | None,
+        *,
+        mask: int = 0,
+        extended: bool = False,
+        remote: bool = False,
+        selector: Reader | None = None,
+        messages: Candidates | None = None,
+        more: tuple[tuple[Reader, Candidates], ...] = (),
+        single: type[Message] | None = None,
+        of_length: Mapping[type[Message], tuple[type[Message], ...]] | None = None,
+        unused: Mapping[type[Message], int] | None = None,
+        answers: frozenset[type[Message]] = frozenset(),
+    ) -> None:
+        self.base = base
+        self.step = step
+        self.nodes = nodes
+        self.mask = mask
+        self.extended = extended
+        self.remote = remote
+        self.selector = selector
+        self.messages = messages or {}
+        self.single = single
+        self.of_length = of_length or {}
+        self.unused = unused or {}
+        self.selectors = (*([(selector, self.messages)] if selector else []), *more)
+        found = {entry[0] for _, codes in self.selectors for entries in codes.values() for entry in entries}
+        self.classes = found | {single} if single else found
+        self.classes |= {cls for others in self.of_length.values() for cls in others} | answers
+        self.lengths = frozenset(message.DLC for message in self.classes)
+        self.length = next(iter(self.lengths)) if len(self.lengths) == 1 and not remote else -1
+        alone = {code: entries[0] for code, entries in self.messages.items() if len(entries) == 1}
+        self.by_code = {code: cls for code, (cls, keys) in alone.items() if not keys and cls not in self.unused}
+
+    def node(self, can_id: int) -> tuple[bool, int | None]:
+        """Whether an id belongs to this route, and its node."""
+        rest = (can_id & ~self.mask) - self.base
+        if self.nodes is None:
+            return rest == 0, None
+        node = rest // self.step
+        return rest == node * self.step and node in self.nodes, node
+
+    def message(self, can_id: int, data: bytes) -> type[Message]:
+        """The message that a frame is. Raises CodecError (wrong_length, unknown_code)."""
+        if len(data) == self.length and self.selector is not None:
+            likely = self.by_code.get(self.selector(can_id, data))
+            if likely is not None:
+                return likely
+        if len(data) not in self.lengths and not self.remote:
+            wanted = " or ".join(map(str, sorted(self.lengths)))
+            raise CodecError(Refusal.WRONG_LENGTH, f"0x{can_id:X} has {len(data)} data bytes, not {wanted}")
+        found = next(self._candidates(can_id, data), self.single)
+        if found is None:
+            codes = " or ".join(f"0x{read(can_id, data):02X}" for read, _ in self.selectors)
+            raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} has the unknown code {codes}")
+        if len(data) != found.DLC:
+            found = next((m for m in self.of_length.get(found, ()) if len(data) == m.DLC), found)
+        self.check(found, can_id, data)
+        return found
+
+    def _candidates(self, can_id: int, data: bytes) -> Iterator[type[Message]]:
+        """The messages whose selectors match a frame."""
+        for selector, messages in self.selectors:
+            for candidate, keys in messages.get(selector(can_id, data), ()):
+                if all(read(can_id, data) == value for read, value in keys):
+                    yield candidate
+
+    def check(self, message: type[Message], can_id: int, data: bytes) -> None:
+        """Raises CodecError when a message does not use a bit of the id (unknown_id) or has another length."""
+        if can_id & self.unused.get(message, 0):
+            raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} has bits that are 0 in every {message.__name__}")
+        if len(data) != message.DLC and not self.remote:
+            raise CodecError(Refusal.WRONG_LENGTH, f"0x{can_id:X} has {len(data)} data bytes, not {message.DLC}")
+
+
+class Router:
+    """All routes of one direction."""
+
+    def __init__(self, direction: str, routes: tuple[Route, ...]) -> None:
+        self.direction = direction
+        self.routes = routes
+        self.direct: dict[int, tuple[Route, int | None]] = {}
+        for route in reversed(routes):
+            if not route.mask and not route.extended and not route.remote:
+                for node in [None] if route.nodes is None else route.nodes:
+                    self.direct[route.base + (node or 0) * route.step] = (route, node)
+
+    def find(self, can_id: int, extended: bool, remote: bool) -> tuple[Route, int | None]:
+        """The route and the node of an id. Raises CodecError (unknown_id)."""
+        if not extended and not remote:
+            found = self.direct.get(can_id)
+            if found is not None:
+                return found
+        for route in self.routes:
+            if (route.extended, route.remote) == (extended, remote):
+                ours, node = route.node(can_id)
+                if ours:
+                    return route, node
+        kind = ("29-bit " if extended else "") + ("remote " if remote else "")
+        text = f"no {self.direction} has the {kind}id 0x{can_id:X}"
+        other = next((route for route in self.routes if route.node(can_id)[0]), None)
+        if other is not None:
+            given = (("extended", extended, other.extended), ("remote", remote, other.remote))
+            wanted = ", ".join(f"{name}={there}" for name, here, there in given if here != there)
+            text += f"; with {wanted} there is one"
+        raise CodecError(Refusal.UNKNOWN_ID, text)
+
+    def ids(self, node: int) -> Iterator[tuple[int, int, bool, bool]]:
+        """The ids of a node, each with its mask, whether it has 29 bits, and whether it is for remote frames."""
+        for route in self.routes:
+            if route.nodes is not None and node in route.nodes:
+                yield route.base + node * route.step, route.mask, route.extended, route.remote
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What answers a request: the class of the reply and its selectors, each with the values it may have.
+
+    The reply comes from one of `nodes`; where there are none, from the node of the request. `asked` and `told` read the
+    node from a field of the request and of the reply, each with a mask of the bits it has. An `echo` equals its request.
+    """
+
+    reply: type[Message]
+    selectors: tuple[tuple[Reader, tuple[int, ...]], ...]
+    nodes: tuple[int, ...]
+    echo: bool
+    asked: tuple[Reader, int] | None = None
+    told: tuple[Reader, int] | None = None
+
+
+P = TypeVar("P")
+R = TypeVar("R", bound=Message)
+
+
+class Dispatcher(Generic[P]):
+    """Finds the message of a frame in one edition; `P` is the `Parameters` of the edition."""
+
+    def __init__(
+        self,
+        *,
+        requests: Iterable[Route],
+        replies: Iterable[Route],
+        answers: Mapping[type[Message], Answer],
+        unknown: P,
+    ) -> None:
+        self._requests = Router("request", tuple(requests))
+        self._replies = Router("reply", tuple(replies))
+        self._answers = answers
+        self._unknown = unknown
+
+    def node_of(self, direction: str, can_id: int, *, extended: bool = False, remote: bool = False) -> int | None:
+        """The node of an id, as a `request` or a `reply`; None for an id without one. Raises CodecError (unknown_id)."""
+        return self._router(direction).find(can_id, extended, remote)[1]
+
+    def ids_of(self, direction: str, node: int) -> tuple[tuple[int, int, bool, bool], ...]:
+        """The ids of a node, as a `request` or a `reply`, each with a mask of the bits that messages fill in.
+
+        The last two items are True for a 29-bit id, and for remote frames.
+        """
+        return tuple(self._router(direction).ids(node))
+
+    def _router(self, direction: str) -> Router:
+        return self._requests if direction == "request" else self._replies
+
+    def decode_request(
+        self, can_id: int, data: bytes, parameters: P | None = None, *, extended: bool = False, remote: bool = False
+    ) -> Message:
+        """Decodes a request. Raises CodecError."""
+        route, node = self._requests.find(can_id, extended, remote)
+        known = self._unknown if parameters is None else parameters
+        return route.message(can_id, data).unpack(node, can_id, data, known)
+
+    def decode_reply(
+        self, can_id: int, data: bytes, parameters: P | None = None, *, extended: bool = False, remote: bool = False
+    ) -> Message:
+        """Decodes a reply without knowing its request. Raises CodecError."""
+        route, node = self._replies.find(can_id, extended, remote)
+        known = self._unknown if parameters is None else parameters
+        return route.message(can_id, data).unpack(node, can_id, data, known)
+
+    def decode_answer(
+        self,
+        request: type[Request[R]],
+        can_id: int,
+        data: bytes,
+        parameters: P | None = None,
+        *,
+        extended: bool = False,
+        remote: bool = False,
+    ) -> R:
+        """Decodes the reply to a request of that class. Raises CodecError, unknown_code when it answers another."""
+        answer = self._answers.get(request)
+        if answer is None:
+            raise not_answer(f"{request.__name__} has no reply")
+        node = self._node_of_answer(answer, can_id, data, extended, remote)
+        known = self._unknown if parameters is None else parameters
+        return cast(R, answer.reply.unpack(node, can_id, data, known))
+
+    def check_reply(
+        self,
+        request_id: int,
+        request: bytes,
+        reply_id: int,
+        reply: bytes,
+        *,
+        extended: bool = False,
+        remote: bool = False,
+        reply_extended: bool | None = None,
+        reply_remote: bool = False,
+    ) -> None:
+        """Checks that a frame answers a request. Raises CodecError (not_answer, or why the request is rejected).
+
+        `extended` and `remote` describe the request; `reply_extended` is needed where the reply has another kind of id.
+        """
+        route, node = self._requests.find(request_id, extended, remote)
+        sent = route.message(request_id, request)
+        answer = self._answers.get(sent)
+        if answer is None:
+            raise not_answer(f"{sent.__name__} has no reply")
+        reply_extended = extended if reply_extended is None else reply_extended
+        try:
+            from_node = self._node_of_answer(answer, reply_id, reply, reply_extended, reply_remote)
+        except CodecError as error:
+            raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
+        to, mask = (node, -1)
+        if answer.asked and not answer.nodes:
+            to, mask = answer.asked[0](request_id, request), answer.asked[1]
+        expected = answer.nodes or (() if to is None else (to,))
+        sources = [(from_node, mask)]
+        if answer.told:
+            sources.append((answer.told[0](reply_id, reply), mask & answer.told[1]))
+        for source, bits in sources:
+            if source is not None and expected and all((source ^ one) & bits for one in expected):
+                raise not_answer(f"{sent.__name__} went to node {to}, this came from node {source}")
+        if answer.echo and reply != request:
+            raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")
+
+    def _node_of_answer(self, answer: Answer, can_id: int, data: bytes, extended: bool, remote: bool) -> int | None:
+        """The node that sent the reply of an answer. Raises CodecError when the frame is not this reply."""
+        reply = answer.reply
+        route, node = self._replies.find(can_id, extended, remote)
+        if reply not in route.classes:
+            raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} is no id of {reply.__name__}")
+        if len(data) != reply.DLC or route.unused:
+            route.check(reply, can_id, data)
+        for read, codes in answer.selectors:
+            if read(can_id, data) not in codes:
+                raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not have the code of {reply.__name__}")
+        return node
+
+
+def not_answer(text: str) -> CodecError:
+    """The error for a frame that does not answer a request."""
+    return CodecError(Refusal.NOT_ANSWER, text)
