@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import itertools
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Protocol
+from pathlib import Path
+from typing import ClassVar
 
-from canwright.model.message import Direction
+from canwright.model.edition import Edition
+from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
-from canwright.semantics.decoder import CanFrame as CanFrame
+from canwright.semantics.frame import CanFrame as CanFrame
+from canwright.targets.base import Described, Output
 
 Raw = int | list[int]
 Value = float | str | list[str] | list[float] | None
@@ -20,7 +25,7 @@ ExactValue = Fraction | str | list[Fraction | str]
 
 @dataclass(frozen=True)
 class Decoded:
-    """What a target read: the command, the node and every field."""
+    """What a target read: the command whose message it is, the node and every field."""
 
     command: str
     node: int | None
@@ -57,26 +62,37 @@ class Cannot(Exception):  # noqa: N818 - it is no error
 Parameters = Mapping[str, int | str]
 
 
-class Adapter(Protocol):
-    """One target, driven as its user would drive it.
+class Adapter(ABC):
+    """One target for one edition, driven as its user would drive it.
 
     `cannot` lists what the target has no words for, by name, with the reason; it raises `Cannot` for such a case, and
     the runner counts those and shows them. `tolerance` is how far, in relation, a value may be off.
-    `answering` is the command whose reply the host waits for; None reads the frame without knowing.
     """
 
-    name: str
-    cannot: Mapping[str, str]
-    tolerance: float
+    name: ClassVar[str]
+    cannot: ClassVar[Mapping[str, str]] = {}
+    tolerance: ClassVar[float] = 0.0
 
+    def __init__(self, edition: Edition) -> None:
+        self.edition = edition
+
+    @classmethod
+    @abstractmethod
+    def create(cls, described: Described, workdir: Path) -> Adapter:
+        """The adapter of an edition; what it generates goes below `workdir`."""
+
+    @abstractmethod
     def decode(
-        self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
-    ) -> Decoded | Refused: ...
+        self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
+    ) -> Decoded | Refused:
+        """Decodes a frame as the message of the command `expected`; None decodes it by itself."""
 
+    @abstractmethod
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
     ) -> Encoded | Refused: ...
 
+    @abstractmethod
     def encode_values(
         self,
         direction: Direction,
@@ -86,4 +102,29 @@ class Adapter(Protocol):
         parameters: Parameters,
     ) -> Encoded | Refused: ...
 
+    @abstractmethod
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None: ...
+
+    def message_of(self, direction: Direction, command: str) -> Message:
+        """The request or the reply of a command."""
+        message = self.edition.command(command).message(direction)
+        assert message is not None, f"{command} has no {direction.value}"
+        return message
+
+
+def assignment(parameters: Parameters) -> dict[str, str]:
+    """Parameters as the model has them."""
+    return {name: str(value) for name, value in parameters.items()}
+
+
+def write_files(outputs: Iterable[Output], workdir: Path) -> Path:
+    """Writes what a target generates into a new folder."""
+    into = workdir / str(next(_COUNT))
+    for output in outputs:
+        file = into / output.path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(output.text, "utf-8")
+    return into
+
+
+_COUNT = itertools.count()

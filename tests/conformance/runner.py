@@ -10,7 +10,8 @@ from functools import partial
 
 from canwright.language.golden_frames import CheckedFrame, Exchange, Frame, GoldenFrames, RefusedFrame, RefusedValues
 from canwright.model.edition import Edition
-from canwright.model.message import Direction
+from canwright.model.message import Message
+from canwright.semantics.decoder import Decoder, Rejection
 
 from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused
 
@@ -35,7 +36,7 @@ class Runner:
     def __init__(
         self, edition: Edition, frames: GoldenFrames, adapter: Adapter, *, stop_at_first: bool = False
     ) -> None:
-        self._edition = edition
+        self._decoder = Decoder(edition)
         self._frames = frames
         self._adapter = adapter
         self._stop_at_first = stop_at_first
@@ -62,8 +63,7 @@ class Runner:
         """Every case: its kind, what says what is wrong with it, and the entry it comes from."""
         for frame in self._frames.frames:
             yield "decode", partial(self._decode, frame), frame
-            if frame.direction is Direction.REPLY:
-                yield "decode alone", partial(self._decode_alone, frame), frame
+            yield "decode alone", partial(self._decode_alone, frame), frame
             if not frame.decode_only:
                 yield "encode raw", partial(self._encode_raw, frame), frame
                 if self._has_all_values(frame) and _beyond_double(frame):
@@ -79,20 +79,23 @@ class Runner:
             yield "answer", partial(self._exchange, exchange), exchange
 
     def _decode(self, frame: Frame) -> str:
-        answering = frame.command if frame.direction is Direction.REPLY else None
-        found = self._adapter.decode(frame.direction, _can(frame), frame.parameters, answering)
-        if not isinstance(found, Decoded):
-            return f"refused: {found}"
-        if found.command != frame.command:
-            return f"is {found.command}"
-        return self._compare(frame, found)
+        """As the message that it is expected to be."""
+        found = self._adapter.decode(frame.direction, _can(frame), frame.parameters, frame.command)
+        return self._compare(frame, found, self._adapter.message_of(frame.direction, frame.command))
 
     def _decode_alone(self, frame: Frame) -> str:
-        """A reply read by itself means the same, whichever of the commands it may answer is named."""
+        """By itself it means the same, though a reply may be the message of another command that has its code."""
         found = self._adapter.decode(frame.direction, _can(frame), frame.parameters, None)
-        return self._compare(frame, found) if isinstance(found, Decoded) else f"refused: {found}"
+        wanted = self._decoder.identify(frame.direction, _can(frame))
+        if isinstance(wanted, Rejection):
+            return f"no message of the spec: {wanted.text}"
+        return self._compare(frame, found, wanted.message)
 
-    def _compare(self, frame: Frame, found: Decoded) -> str:
+    def _compare(self, frame: Frame, found: Decoded | Refused, message: Message) -> str:
+        if not isinstance(found, Decoded):
+            return f"refused: {found}"
+        if self._adapter.message_of(frame.direction, found.command) is not message:
+            return f"decoded as {found.command}, not as {message.name}"
         if found.node != frame.node:
             return f"node {found.node}, not {frame.node}"
         if dict(found.raw) != dict(frame.raw):

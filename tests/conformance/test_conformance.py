@@ -18,7 +18,7 @@ from .summary import REPORTS
 def test_golden_frames(spec: Path, target: str, tmp_path: Path) -> None:
     item = described(spec)
     assert item.frames is not None, f"{spec.name} has no golden frames beside it"
-    report = Runner(item.edition, item.frames, ADAPTERS[target](item, tmp_path)).run()
+    report = Runner(item.edition, item.frames, ADAPTERS[target].create(item, tmp_path)).run()
     REPORTS.append(report)
     assert not report.failures, f"{len(report.failures)} failures\n" + "\n".join(report.failures[:40])
 

@@ -80,7 +80,7 @@ def _changed(spec: str, change: Change, folder: Path) -> Described | None:
 def _replay(item: Described, target: str, folder: Path) -> list[str]:
     """What fails. A golden frame that cannot even be asked for, as its field or command is gone, fails too."""
     assert item.frames is not None
-    adapter = ADAPTERS[target](item, folder)
+    adapter = ADAPTERS[target].create(item, folder)
     try:
         return Runner(item.edition, item.frames, adapter, stop_at_first=True).run().failures
     except (ArithmeticError, AssertionError, AttributeError, LookupError, StopIteration, TypeError) as error:
@@ -97,7 +97,7 @@ def test_the_unchanged_spec_passes(spec: str, tmp_path: Path) -> None:
     item = _changed(spec, lambda data: None, tmp_path)
     assert item is not None and item.frames is not None
     assert _says_the_same(item.edition, ORIGINALS[spec].edition)
-    assert Runner(item.edition, item.frames, ADAPTERS["python"](item, tmp_path)).run().failures == []
+    assert Runner(item.edition, item.frames, ADAPTERS["python"].create(item, tmp_path)).run().failures == []
 
 
 @pytest.mark.parametrize(("spec", "mutant"), CASES)
@@ -144,7 +144,7 @@ def test_check_says_what_a_replay_says(spec: str, tmp_path: Path) -> None:
         if item is None or item.frames is None:
             continue
         judged = _judged(item, tmp_path / "changed.yaml")
-        adapter = ADAPTERS["python"](item, tmp_path)
+        adapter = ADAPTERS["python"].create(item, tmp_path)
         for key in ("frames", "refused", "exchanges"):
             for i, entry in enumerate(getattr(item.frames, key)):
                 said = judged.get((key, i), "")

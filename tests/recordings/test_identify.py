@@ -13,7 +13,7 @@ from canwright.project.loader import described, spec_files
 from canwright.recordings.identify import identify
 from canwright.recordings.readers import LogError, frames
 from canwright.recordings.scoring import Reader
-from canwright.semantics.decoder import CanFrame
+from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL, ROOT, edition

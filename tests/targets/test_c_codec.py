@@ -17,7 +17,7 @@ from canwright.project.loader import described
 from canwright.semantics.decoder import linear_of
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Raw, Refused
-from ..conformance.adapters.c import CAdapter, adapter
+from ..conformance.adapters.c import CAdapter
 from ..spec_texts import SMALL, called
 from .test_c_compiles import SPECS
 
@@ -27,7 +27,7 @@ ROUNDS = 20
 @pytest.fixture(scope="module", params=[*SPECS, *SMALL], ids=called)
 def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Edition, CAdapter]:
     one = described(request.param)
-    return one.edition, adapter(one, tmp_path_factory.mktemp("codec"))
+    return one.edition, CAdapter.create(one, tmp_path_factory.mktemp("codec"))
 
 
 def test_every_message_there_and_back(made: tuple[Edition, CAdapter]) -> None:

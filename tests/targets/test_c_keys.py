@@ -15,7 +15,7 @@ from canwright.project.loader import described
 from canwright.targets.base import Described
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
-from ..conformance.adapters.c import CAdapter, adapter
+from ..conformance.adapters.c import CAdapter
 
 SPEC = """\
 canwright: 1
@@ -86,7 +86,7 @@ def target(tmp_path_factory: pytest.TempPathFactory) -> CAdapter:
     second = edition.command("second").request
     assert second is not None
     edition = _recoded(edition)
-    return adapter(Described(with_second_keys(edition), None), folder)
+    return CAdapter.create(Described(with_second_keys(edition), None), folder)
 
 
 def _recoded(edition: Edition) -> Edition:

@@ -15,7 +15,7 @@ from canwright.model.types import Encoding, Type
 from canwright.project.loader import described
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Refused
-from ..conformance.adapters.c import CAdapter, adapter
+from ..conformance.adapters.c import CAdapter
 
 TYPES = {
     "falling": "{raw: i16, scale: -0.3, offset: 5}",
@@ -59,7 +59,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Edition, CAdapter]:
     file = folder / "spec.yaml"
     file.write_text(spec(), "utf-8")
     one = described(file)
-    return one.edition, adapter(one, folder)
+    return one.edition, CAdapter.create(one, folder)
 
 
 @pytest.mark.parametrize("name", TYPES)

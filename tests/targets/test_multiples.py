@@ -18,7 +18,6 @@ from canwright.targets import c
 from canwright.targets.base import Described
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
-from ..conformance.adapters import c as c_adapter, python as python_adapter
 from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.python import PythonAdapter
 
@@ -60,7 +59,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
     file = folder / "spec.yaml"
     file.write_text(spec(), "utf-8")
     one = described(file)
-    return one, c_adapter.adapter(one, folder), python_adapter.adapter(one, folder)
+    return one, CAdapter.create(one, folder), PythonAdapter.create(one, folder)
 
 
 def known(size: str, number: str) -> dict[str, int | str]:

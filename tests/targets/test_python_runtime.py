@@ -45,7 +45,15 @@ from canwright.targets.python.runtime._codec import (
     node_in,
     require,
 )
-from canwright.targets.python.runtime._dispatch import Answer, Dispatcher, Route, Router
+from canwright.targets.python.runtime._dispatch import (
+    Answer,
+    Dispatcher,
+    Node as DispatchNode,
+    Route,
+    Router,
+    Select,
+    data_length,
+)
 from canwright.targets.python.runtime.nodes import Node, Nodes
 from canwright.targets.python.runtime.python_can import from_message, to_message
 
@@ -129,15 +137,20 @@ def addressed(can_id: int, data: bytes) -> int:
     return data[1]
 
 
+def by_code(length: int, cases: dict[int, DispatchNode]) -> Select:
+    """Checks the length, then decides by the code."""
+    return Select(data_length, {length: Select(code, cases, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)
+
+
 NODES = range(1, 5)
 DISPATCHER = Dispatcher(
     requests=(
-        Route(0x100, 1, NODES, selector=code, messages={0x10: ((DimRequest, ()),), 0x20: ((EchoRequest, ()),)}),
-        Route(0x80, 1, None, single=SyncRequest),
+        Route(0x100, 1, NODES, by_code(3, {0x10: DimRequest, 0x20: EchoRequest})),
+        Route(0x80, 1, None, Select(data_length, {1: SyncRequest}, Refusal.WRONG_LENGTH)),
     ),
     replies=(
-        Route(0x200, 1, NODES, selector=code, messages={0x11: ((DimReply, ()),), 0x20: ((EchoReply, ()),)}),
-        Route(0x300, 1, NODES, single=EchoReply),
+        Route(0x200, 1, NODES, by_code(3, {0x11: DimReply, 0x20: EchoReply})),
+        Route(0x300, 1, NODES, Select(data_length, {3: EchoReply}, Refusal.WRONG_LENGTH)),
     ),
     answers={
         DimRequest: Answer(DimReply, ((code, (0x11,)),), (), False),
@@ -392,22 +405,25 @@ def test_messages_of_one_code_differ_by_length_further_selectors_or_bits_of_the_
     class Short(DimRequest):
         DLC = 2
 
-    by_length = Route(
-        0x100, 1, NODES, selector=code, messages={0x10: ((DimRequest, ()),)}, of_length={DimRequest: (Short,)}
+    by_length = Select(data_length, {2: Short, 3: DimRequest}, Refusal.WRONG_LENGTH)
+    short_or_long = Route(0x100, 1, NODES, Select(code, {0x10: by_length}, Refusal.UNKNOWN_CODE))
+    assert short_or_long.message(0x101, bytes([0x10, 0])) is Short
+    assert short_or_long.message(0x101, bytes([0x10, 0, 0])) is DimRequest
+    assert (
+        rejected(Refusal.WRONG_LENGTH, short_or_long.message, 0x101, bytes([0x10]))
+        == "0x101 has 1 data bytes, not 2 or 3"
     )
-    assert by_length.message(0x101, bytes([0x10, 0])) is Short
-    assert by_length.message(0x101, bytes([0x10, 0, 0])) is DimRequest
-    rejected(Refusal.WRONG_LENGTH, by_length.message, 0x101, bytes([0x10]))
-    by_code = Route(0x100, 1, NODES, selector=code, messages={0x10: ((DimRequest, ()),), 0x20: ((Short, ()),)})
-    rejected(Refusal.WRONG_LENGTH, by_code.message, 0x101, bytes([0x20, 0, 0]))
-    entries = ((DimRequest, ((addressed, 7),)), (EchoRequest, ()))
-    by_more = Route(0x100, 1, NODES, selector=code, messages={0x10: entries})
+    by_more = Route(0x100, 1, NODES, by_code(3, {0x10: Select(addressed, {7: DimRequest}, EchoRequest)}))
     assert by_more.message(0x101, bytes([0x10, 7, 0])) is DimRequest
     assert by_more.message(0x101, bytes([0x10, 8, 0])) is EchoRequest
-    by_bits = Route(0x100, 1, NODES, mask=0x400, single=DimRequest, unused={DimRequest: 0x400})
+    assert (
+        rejected(Refusal.UNKNOWN_CODE, by_more.message, 0x101, bytes([0x1F, 8, 0])) == "0x101 has the unknown code 0x1F"
+    )
+    unused = Select(lambda can_id, data: can_id & 0x400, {0: DimRequest}, Refusal.UNKNOWN_ID)
+    by_bits = Route(0x100, 1, NODES, unused, mask=0x400)
     assert Router("request", (by_bits,)).find(0x501, False, False) == (by_bits, 1)
     assert by_bits.message(0x101, bytes(3)) is DimRequest
-    rejected(Refusal.UNKNOWN_ID, by_bits.message, 0x501, bytes(3))
+    assert "the bits 0x400," in rejected(Refusal.UNKNOWN_ID, by_bits.message, 0x501, bytes(3))
 
 
 # Nodes and python-can

@@ -5,24 +5,36 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Generic, TypeVar, cast
+from typing import Generic, NamedTuple, TypeVar, Union, cast
 
 from ._codec import CodecError, Message, Refusal, Request
 
 Reader = Callable[[int, bytes], int]
-"""Reads a selector from id and data."""
+"""Reads a number from id and data."""
 
-Candidates = Mapping[int, tuple[tuple[type[Message], tuple[tuple[Reader, int], ...]], ...]]
-"""The messages of each selector value, each with the values of further selectors; those with most selectors first."""
+
+class Select(NamedTuple):
+    """A decision between messages: the case with the number that is read, or else `otherwise`."""
+
+    read: Reader
+    cases: Mapping[int, Node]
+    otherwise: Node
+
+
+Node = Union[Select, type[Message], Refusal]  # noqa: UP007 - `Node` in `Select` is a forward reference
+"""A decision, the message that a frame is, or why it is none."""
+
+
+def data_length(can_id: int, data: bytes) -> int:
+    """The number of data bytes."""
+    return len(data)
 
 
 class Route:
-    """The messages that share one rule from node to CAN id.
+    """The messages that share one rule from node to CAN id, and the decisions between them.
 
-    `selector` reads the selector value, and `messages` are the messages by that value; `more` are selectors at other
-    positions. `single` is the message of a frame that no selector matches. `of_length` are the messages that differ from
-    a message by their length only. `unused` are the bits of the id that a message does not use and others do. `answers`
-    are messages that a frame is only where it answers their request: without it, it is another message of that code.
+    `mask` are the bits of the id that messages fill in. `answers` are messages that a frame is only where it answers their
+    request: without it, it is another message of that code.
     """
 
     def __init__(
@@ -30,37 +42,22 @@ class Route:
         base: int,
         step: int,
         nodes: range | None,
+        then: Node,
         *,
         mask: int = 0,
         extended: bool = False,
         remote: bool = False,
-        selector: Reader | None = None,
-        messages: Candidates | None = None,
-        more: tuple[tuple[Reader, Candidates], ...] = (),
-        single: type[Message] | None = None,
-        of_length: Mapping[type[Message], tuple[type[Message], ...]] | None = None,
-        unused: Mapping[type[Message], int] | None = None,
-        answers: frozenset[type[Message]] = frozenset(),
+        answers: tuple[type[Message], ...] = (),
     ) -> None:
         self.base = base
         self.step = step
         self.nodes = nodes
+        self.then = then
         self.mask = mask
         self.extended = extended
         self.remote = remote
-        self.selector = selector
-        self.messages = messages or {}
-        self.single = single
-        self.of_length = of_length or {}
-        self.unused = unused or {}
-        self.selectors = (*([(selector, self.messages)] if selector else []), *more)
-        found = {entry[0] for _, codes in self.selectors for entries in codes.values() for entry in entries}
-        self.classes = found | {single} if single else found
-        self.classes |= {cls for others in self.of_length.values() for cls in others} | answers
-        self.lengths = frozenset(message.DLC for message in self.classes)
-        self.length = next(iter(self.lengths)) if len(self.lengths) == 1 and not remote else -1
-        alone = {code: entries[0] for code, entries in self.messages.items() if len(entries) == 1}
-        self.by_code = {code: cls for code, (cls, keys) in alone.items() if not keys and cls not in self.unused}
+        self.classes = frozenset((*_classes(then), *answers))
+        self.length, self.selector, self.by_code = _direct(then)
 
     def node(self, can_id: int) -> tuple[bool, int | None]:
         """Whether an id belongs to this route, and its node."""
@@ -71,36 +68,52 @@ class Route:
         return rest == node * self.step and node in self.nodes, node
 
     def message(self, can_id: int, data: bytes) -> type[Message]:
-        """The message that a frame is. Raises CodecError (wrong_length, unknown_code)."""
-        if len(data) == self.length and self.selector is not None:
-            likely = self.by_code.get(self.selector(can_id, data))
-            if likely is not None:
-                return likely
-        if len(data) not in self.lengths and not self.remote:
-            wanted = " or ".join(map(str, sorted(self.lengths)))
-            raise CodecError(Refusal.WRONG_LENGTH, f"0x{can_id:X} has {len(data)} data bytes, not {wanted}")
-        found = next(self._candidates(can_id, data), self.single)
-        if found is None:
-            codes = " or ".join(f"0x{read(can_id, data):02X}" for read, _ in self.selectors)
-            raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} has the unknown code {codes}")
-        if len(data) != found.DLC:
-            found = next((m for m in self.of_length.get(found, ()) if len(data) == m.DLC), found)
-        self.check(found, can_id, data)
-        return found
+        """The message that a frame is. Raises CodecError (unknown_id, unknown_code, wrong_length)."""
+        if len(data) == self.length:
+            found = self.by_code.get(self.selector(can_id, data))
+            if found is not None:
+                return found
+        node = self.then
+        while isinstance(node, Select):
+            node = node.cases.get(node.read(can_id, data), node.otherwise)
+        if isinstance(node, Refusal):
+            raise CodecError(node, self._refusal_text(node, can_id, data))
+        return node
 
-    def _candidates(self, can_id: int, data: bytes) -> Iterator[type[Message]]:
-        """The messages whose selectors match a frame."""
-        for selector, messages in self.selectors:
-            for candidate, keys in messages.get(selector(can_id, data), ()):
-                if all(read(can_id, data) == value for read, value in keys):
-                    yield candidate
+    def _refusal_text(self, refusal: Refusal, can_id: int, data: bytes) -> str:
+        path = [self.then]
+        while isinstance(node := path[-1], Select):
+            path.append(node.cases.get(node.read(can_id, data), node.otherwise))
+        selects = [node for node in path if isinstance(node, Select)]
+        if refusal is Refusal.WRONG_LENGTH:
+            lengths = next(node.cases for node in reversed(selects) if node.read is data_length)
+            return f"0x{can_id:X} has {len(data)} data bytes, not {' or '.join(map(str, lengths))}"
+        if refusal is Refusal.UNKNOWN_ID:
+            return f"0x{can_id:X} has the bits 0x{selects[-1].read(can_id, data):X}, which are 0 in this message"
+        codes = " and ".join(f"0x{node.read(can_id, data):02X}" for node in selects if node.read is not data_length)
+        return f"0x{can_id:X} has the unknown code {codes}"
 
-    def check(self, message: type[Message], can_id: int, data: bytes) -> None:
-        """Raises CodecError when a message does not use a bit of the id (unknown_id) or has another length."""
-        if can_id & self.unused.get(message, 0):
-            raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} has bits that are 0 in every {message.__name__}")
-        if len(data) != message.DLC and not self.remote:
-            raise CodecError(Refusal.WRONG_LENGTH, f"0x{can_id:X} has {len(data)} data bytes, not {message.DLC}")
+
+def _direct(then: Node) -> tuple[int, Reader, dict[int, type[Message]]]:
+    """The length, the selector and the messages that are found by these two alone, most of all; length -1 without any."""
+    if isinstance(then, Select) and then.read is data_length and len(then.cases) == 1:
+        ((length, by_code),) = then.cases.items()
+        if isinstance(by_code, Select):
+            return (
+                length,
+                by_code.read,
+                {c: m for c, m in by_code.cases.items() if not isinstance(m, (Select, Refusal))},
+            )
+    return -1, data_length, {}
+
+
+def _classes(node: Node) -> Iterator[type[Message]]:
+    """The messages below a node."""
+    if isinstance(node, Select):
+        for below in (*node.cases.values(), node.otherwise):
+            yield from _classes(below)
+    elif not isinstance(node, Refusal):
+        yield node
 
 
 class Router:
@@ -148,12 +161,14 @@ class Answer:
 
     The reply comes from one of `nodes`; where there are none, from the node of the request. `asked` and `told` read the
     node from a field of the request and of the reply, each with a mask of the bits it has. An `echo` equals its request.
+    `unused` are bits of the id that are 0 in the reply and that other messages fill in.
     """
 
     reply: type[Message]
     selectors: tuple[tuple[Reader, tuple[int, ...]], ...]
     nodes: tuple[int, ...]
     echo: bool
+    unused: int = 0
     asked: tuple[Reader, int] | None = None
     told: tuple[Reader, int] | None = None
 
@@ -271,8 +286,10 @@ class Dispatcher(Generic[P]):
         route, node = self._replies.find(can_id, extended, remote)
         if reply not in route.classes:
             raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} is no id of {reply.__name__}")
-        if len(data) != reply.DLC or route.unused:
-            route.check(reply, can_id, data)
+        if can_id & answer.unused:
+            raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} has bits that are 0 in every {reply.__name__}")
+        if len(data) != reply.DLC and not remote:
+            raise CodecError(Refusal.WRONG_LENGTH, f"0x{can_id:X} has {len(data)} data bytes, not {reply.DLC}")
         for read, codes in answer.selectors:
             if read(can_id, data) not in codes:
                 raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not have the code of {reply.__name__}")

@@ -14,7 +14,7 @@ from fractions import Fraction
 from ..compare import Change, Impact, Side, compare
 from ..model.edition import Edition
 from ..model.message import Command
-from ..semantics.decoder import CanFrame, has_id, node_of
+from ..semantics.frame import CanFrame, has_id, node_of
 from .scoring import STRONG, Reader, Reading, Reason
 
 LEAD = 3

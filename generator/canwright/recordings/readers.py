@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from ..semantics.decoder import CanFrame
+from ..semantics.frame import CanFrame
 
 _SHORT = re.compile(
     r"(?:\([\d.]+\)\s+)?(?:\S+\s+)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(?:#[0-9A-Fa-f])?(R[0-8]?|[0-9A-Fa-f]*)"

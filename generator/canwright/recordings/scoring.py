@@ -16,7 +16,8 @@ from ..model.edition import Edition
 from ..model.layout import Element, Field, ReservedRole, Space, Variant
 from ..model.message import Direction, Key, Message
 from ..model.types import Assignment, Encoding, Type
-from ..semantics.decoder import CanFrame, data_bits, has_id, node_of, value_of
+from ..semantics.decoder import value_of
+from ..semantics.frame import CanFrame, data_bits, has_id, node_of
 
 WEAK = 1
 """Unusual: a reserved byte of a reply that is not 0, a raw integer beyond its printed range."""

@@ -7,29 +7,30 @@ from collections.abc import Iterator
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.golden_frames import CheckedFrame, Exchange
 from ..model.refusal import Refusal
-from ..semantics.decoder import CanFrame
-from ..semantics.receiver import Receiver, Refused
+from ..semantics.decoder import Decoder, Rejection
+from ..semantics.exchange import check_reply
+from ..semantics.frame import CanFrame
 from .golden_entries import Problem, judged, named
 from .rule import Found, Subject
 
 
 def check(subject: Subject) -> Found:
     if subject.frames is not None and subject.frames.exchanges:
-        receiver = Receiver(subject.edition)
+        decoder = Decoder(subject.edition)
         yield from judged(
-            subject.edition, "exchanges", subject.frames.exchanges, lambda entry: _exchange(receiver, entry)
+            subject.edition, "exchanges", subject.frames.exchanges, lambda entry: _exchange(decoder, entry)
         )
 
 
-def _exchange(receiver: Receiver, entry: Exchange) -> Iterator[Problem]:
-    found = receiver.answer(_frame(entry.request), _frame(entry.reply))
-    says = found.says if isinstance(found, Refused) else None
+def _exchange(decoder: Decoder, entry: Exchange) -> Iterator[Problem]:
+    found = check_reply(decoder, _frame(entry.request), _frame(entry.reply))
+    says = found.reason if isinstance(found, Rejection) else None
     if says is entry.says:
         return
     at: DocumentPath = ("says",) if entry.says else ("reply",)
-    if isinstance(found, Refused):
-        no = "this is no answer" if found.says is Refusal.NOT_ANSWER else "the request cannot be read"
-        hint = f"says: {found.says.value}" + ("" if entry.says else ", if that is right; otherwise check the spec")
+    if isinstance(found, Rejection):
+        no = "this is no answer" if found.reason is Refusal.NOT_ANSWER else "the request cannot be read"
+        hint = f"says: {found.reason.value}" + ("" if entry.says else ", if that is right; otherwise check the spec")
         yield at, f"by the spec {no}: {found.text}", hint
     else:
         text = f"by the spec this is the answer, {named(found.message, found.node)}"

@@ -10,12 +10,12 @@ from ..diagnostics.diagnostic import nearest
 from ..language.golden_frames import Frame
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import Field, ReservedRole, Space
+from ..model.layout import Field, Space
 from ..model.message import Direction, Message
 from ..model.types import Assignment, Order
-from ..semantics.decoder import CanFrame, Raw, Value, difference, held, node_of, raw_of, raws, value_of, wrong_constants
-from ..semantics.encoder import Sender, Senders
-from ..semantics.receiver import Read, Receiver, Refused
+from ..semantics.decoder import Decoder, Identified, Rejection, Value, field_value
+from ..semantics.encoder import Encoder, Encoders
+from ..semantics.frame import CanFrame, Raw, difference, node_of, raws, wrong_constants
 from . import can_ids
 from .golden_entries import KEY, Problem, judged, named
 from .rule import Found, Subject
@@ -27,12 +27,12 @@ def check(subject: Subject) -> Found:
 
 
 class _Judge:
-    """Judges the frames of an edition; what parameters lead to is worked out once."""
+    """Judges the frames of an edition; what depends on parameters is computed once."""
 
     def __init__(self, edition: Edition) -> None:
         self._messages = {direction: _messages(edition, direction) for direction in Direction}
-        self._senders = Senders()
-        self._receiver = Receiver(edition)
+        self._encoders = Encoders()
+        self._decoder = Decoder(edition)
 
     def judge(self, frame: Frame) -> list[Problem]:
         direction = frame.direction
@@ -43,14 +43,14 @@ class _Judge:
         if message is None:
             return [self._unknown(frame.command, direction)]
         can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
-        alone = self._receiver.read(direction, can)
-        is_meant = isinstance(alone, Read) and (alone.message.name, alone.node) == (message.name, frame.node)
+        alone = self._decoder.identify(direction, can)
+        is_meant = isinstance(alone, Identified) and (alone.message.name, alone.node) == (message.name, frame.node)
         if not is_meant:
             problem = _header(message, frame, can)
             if problem:
                 return [problem]
-        sender = self._senders.under(frame.parameters)
-        variant = message.layout.variant(sender.assignment)
+        encoder = self._encoders.under(frame.parameters)
+        variant = message.layout.variant(encoder.assignment)
         if variant is None:
             text = f"the fields depend on `{message.layout.parameter}`, which is not given"
             return [((), text, f"add parameters: {{{message.layout.parameter}: …}}")]
@@ -60,11 +60,11 @@ class _Judge:
         ]
         found = raws(variant, can)
         fields = {f.name: f for f in variant.fields}
-        if not is_meant and (direction is Direction.REQUEST or not _reads_alike(alone, sender, can, found)):
-            said = f"refused: {alone.text}" if isinstance(alone, Refused) else named(alone.message, alone.node)
+        if not is_meant and (direction is Direction.REQUEST or not _reads_alike(alone, encoder, can, found)):
+            said = f"refused: {alone.text}" if isinstance(alone, Rejection) else named(alone.message, alone.node)
             return [(("data",), f"by itself this is {said}", "check the codes in the spec")]
-        problems = [*wrong, *_raws(frame, fields, found), *_values(frame, fields, found, sender.assignment)]
-        return problems or ([] if frame.decode_only else list(_sent(sender, message, fields, frame, can)))
+        problems = [*wrong, *_raws(frame, fields, found), *_values(frame, fields, found, encoder.assignment)]
+        return problems or ([] if frame.decode_only else list(_encoded(encoder, message, fields, frame, can)))
 
     def _unknown(self, command: str, direction: Direction) -> Problem:
         """That there is no such command, or that it has no such message."""
@@ -82,44 +82,36 @@ def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:
     return {name: message for name, message in both if message is not None}
 
 
-def _reads_alike(alone: Read | Refused, sender: Sender, can: CanFrame, found: Mapping[str, Raw]) -> bool:
+def _reads_alike(alone: Identified | Rejection, encoder: Encoder, can: CanFrame, found: Mapping[str, Raw]) -> bool:
     """Whether a frame that is read as another message has the same fields in it."""
-    variant = alone.message.layout.variant(sender.assignment) if isinstance(alone, Read) else None
+    variant = alone.message.layout.variant(encoder.assignment) if isinstance(alone, Identified) else None
     return variant is not None and raws(variant, can) == found
 
 
-def _sent(
-    sender: Sender, message: Message, fields: Mapping[str, Field], frame: Frame, can: CanFrame
+def _encoded(
+    encoder: Encoder, message: Message, fields: Mapping[str, Field], frame: Frame, can: CanFrame
 ) -> Iterator[Problem]:
-    """Why the frame that is read so is not the one that is sent."""
+    """Why the encoder writes another frame than the one that is decoded so."""
     for name, raw in frame.raw.items():
-        refused = sender.refuses_raw(fields[name], raw)
-        if refused:
-            hint = f"`{name}` may be {sender.limits(fields[name].type)}; decode_only: true is for what is read and never sent"
-            yield ("raw", name), f"nobody can send this: {refused.text}", hint
-    hint = "decode_only: true is for what is read and never sent so"
-    for key in message.keys[:1]:
-        if held(key, can) != key.value:
-            place = formatting.place(key.space, key.segments)
-            yield ("data",), f"a sender writes 0x{key.value:02X} in {place}", hint
-    for field in fields.values():
-        there = isinstance(field.role, ReservedRole) and (field.space is Space.ID or not can.remote)
-        if there and (raw := raw_of(field, can)) != field.fixed:
-            part = "id" if field.space is Space.ID else "data"
-            told = f"check `reserved` in the spec; {hint}"
-            yield (part,), f"`{field.name}` is sent as {_hex(field.fixed)}, and here is {_hex(raw)}", told
-    if can.remote:
-        if can.data:
-            yield ("data",), "a remote frame has no data", 'data: ""'
+        rejection = encoder.rejects_raw(fields[name], raw)
+        if rejection:
+            limits = f"`{name}` may be {encoder.limits(fields[name].type)}"
+            yield ("raw", name), f"this frame cannot be encoded: {rejection.text}", f"{limits}; {_DECODE_ONLY}"
+    sent = encoder.encode_raws(message, frame.node, frame.raw)
+    if isinstance(sent, Rejection):
         return
-    beside = int.from_bytes(can.data, "little") & sender.reserved(message)
-    if beside:
-        at = ((beside & -beside).bit_length() - 1) // 8
-        yield (
-            ("data",),
-            f"DATA[{at}] has bits of no field, which a sender leaves 0",
-            f"check the layout in the spec; {hint}",
-        )
+    if sent.id != can.id:
+        yield ("id",), f"an encoder writes the id 0x{sent.id:X}", _CHECK_LAYOUT
+    if can.remote and can.data:
+        yield ("data",), "a remote frame has no data", 'data: ""'
+    elif sent.data != can.data:
+        at = next(i for i, (one, other) in enumerate(zip(sent.data, can.data, strict=True)) if one != other)
+        text = f"DATA[{at}] is 0x{can.data[at]:02X}, but an encoder writes 0x{sent.data[at]:02X}"
+        yield ("data",), text, _CHECK_LAYOUT
+
+
+_DECODE_ONLY = "decode_only: true is for frames that are only decoded"
+_CHECK_LAYOUT = f"check the layout, with its `reserved`, in the spec; {_DECODE_ONLY}"
 
 
 def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
@@ -181,10 +173,7 @@ def _values(
             continue
         if name in frame.raw and frame.raw[name] != found[name]:
             continue  # told already: the value follows from the raw integer
-        raw, type_ = found[name], fields[name].type
-        value = (
-            [value_of(type_, r, assignment) for r in raw] if isinstance(raw, list) else value_of(type_, raw, assignment)
-        )
+        value = field_value(fields[name], found[name], assignment)
         if not _same(wanted, value):
             problems.append((("values", name), *_other_value(fields[name], value, assignment)))
     return problems
@@ -207,11 +196,6 @@ def _other_value(field: Field, value: Value | list[Value], assignment: Assignmen
     by = "names" if type_.enum or type_.flags else "scale"
     hint = f"check the value by hand, and the type in the spec{_where(field)}"
     return f"`{field.name}` is {_shown(value)} by the spec's {by}", hint
-
-
-def _hex(raw: Raw | None) -> str:
-    """What is sent in reserved bits, as it is seen in the bytes."""
-    return f"0x{raw:X}" if isinstance(raw, int) and raw >= 0 else str(raw)
 
 
 def _where(field: Field) -> str:

@@ -11,10 +11,11 @@ from ..language.golden_frames import CheckedFrame, Exchange, Frame, RefusedFrame
 from ..language.notation import LAST_ID, SHORT_ID
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import Field, Variant
+from ..model.layout import Field
 from ..model.message import Message
-from ..model.types import Assignment, Parameter
-from ..semantics.decoder import CanFrame, Raw, raw_of, value_of
+from ..model.types import Parameter
+from ..semantics.decoder import Decoded, Value
+from ..semantics.frame import Raw
 from ..semantics.parameters import number
 from .rule import Finding, Found
 
@@ -64,10 +65,14 @@ def _parameters(edition: Edition, known: Mapping[str, Parameter], given: Mapping
                 yield path, str(error), f"write what the source gives, as {name}: 12.5"
 
 
-def told(message: Message, node: int | None, variant: Variant, frame: CanFrame, assignment: Assignment) -> str:
+def described(decoded: Decoded) -> str:
     """A frame in words: `the request of dim, node 1: level 10 %`."""
-    fields = [f"{f.name} {_field(f, raw_of(f, frame), assignment)}" for f in variant.fields if f.fixed is None]
-    return named(message, node) + (f": {', '.join(fields)}" if fields else "")
+    fields = [
+        f"{field.name} {_shown(field, decoded.raws[field.name], decoded.values[field.name])}"
+        for field in decoded.variant.fields
+        if field.fixed is None
+    ]
+    return named(decoded.message, decoded.node) + (f": {', '.join(fields)}" if fields else "")
 
 
 def named(message: Message, node: int | None) -> str:
@@ -75,10 +80,9 @@ def named(message: Message, node: int | None) -> str:
     return f"the {message.direction.value} of {message.command}" + (f", node {node}" if node is not None else "")
 
 
-def _field(field: Field, raw: Raw, assignment: Assignment) -> str:
-    if isinstance(raw, list):
-        return f"[{', '.join(_field(field, one, assignment) for one in raw)}]"
-    value = value_of(field.type, raw, assignment)
+def _shown(field: Field, raw: Raw, value: Value | list[Value]) -> str:
+    if isinstance(raw, list) and isinstance(value, list):
+        return f"[{', '.join(_shown(field, *pair) for pair in zip(raw, value, strict=True))}]"
     if isinstance(value, Fraction):
         return formatting.exact(value) + (f" {field.type.unit.symbol}" if field.type.unit else "")
-    return f"raw {raw}" if value is None else value if isinstance(value, str) else f"[{', '.join(value)}]"
+    return f"raw {raw}" if value is None else value if isinstance(value, str) else f"[{', '.join(map(str, value))}]"

@@ -9,7 +9,7 @@ from ..language.edition import EditionSpec
 from ..model.edition import Edition
 from ..model.layout import Space
 from ..model.message import Address, Direction, Message
-from ..semantics.decoder import by_rule, node, open_bits
+from ..semantics.dispatch import dispatch_plan, node_of_id
 from . import bit_patterns, can_ids
 from .rule import Finding, Found, Subject
 
@@ -35,8 +35,8 @@ def _mistaken(edition: Edition, direction: Direction) -> Found:
     told: set[tuple[str, str]] = set()
     earlier: list[tuple[int, bit_patterns.Known, Message]] = []
     """Of each rule before, where it has bits of the id that are open: these, what is known of the rest, a message."""
-    for group in by_rule(edition.messages(direction)):
-        for message in group if earlier else ():
+    for entry in dispatch_plan(edition.messages(direction)).entries:
+        for message in entry.messages if earlier else ():
             free = can_ids.free_bits(message)
             own = can_ids.known(can_ids.of_message(message), free)
             for mask, known, other in earlier:
@@ -49,12 +49,12 @@ def _mistaken(edition: Edition, direction: Direction) -> Found:
                     told.add((message.address, other.address))
                     taken = f"the ids of this {direction.value} are taken for those of the address `{other.address}`"
                     text = f"{taken}, which has no such code"
-                    owner = node(other.id, shared)
+                    owner = node_of_id(other.id, shared)
                     whose = f"0x{shared:X} is that of node {owner} there: " if owner is not None else ""
                     hint = f"{whose}check `id`, `nodes` and `selector` of both addresses, or give it another code"
                     yield Finding(message.path, text, hint)
-        if mask := open_bits(group):
-            earlier.append((mask, can_ids.known(can_ids.of_rule(group[0].id), mask), group[0]))
+        if entry.mask:
+            earlier.append((entry.mask, can_ids.known(can_ids.of_rule(entry.rule), entry.mask), entry.messages[0]))
 
 
 def _shared(subject: Subject, direction: Direction) -> dict[tuple[int, int], int]:

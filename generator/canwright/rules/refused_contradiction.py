@@ -12,10 +12,10 @@ from ..model.edition import Edition
 from ..model.layout import Field
 from ..model.message import Direction, Message
 from ..model.refusal import Refusal
-from ..semantics.decoder import CanFrame
-from ..semantics.encoder import SPECIAL, Sender, Senders
-from ..semantics.receiver import Receiver, Refused
-from .golden_entries import KEY, Problem, judged, named, told
+from ..semantics.decoder import Decoder, Rejection
+from ..semantics.encoder import SPECIAL, Encoder, Encoders
+from ..semantics.frame import CanFrame
+from .golden_entries import KEY, Problem, described, judged, named
 from .rule import Found, Subject
 
 
@@ -29,23 +29,23 @@ class _Judge:
 
     def __init__(self, edition: Edition) -> None:
         self._commands = {command.name: command for command in reversed(edition.commands)}
-        self._receiver = Receiver(edition)
-        self._senders = Senders()
+        self._decoder = Decoder(edition)
+        self._encoders = Encoders()
 
     def judge(self, entry: RefusedFrame | RefusedValues) -> Iterator[Problem]:
-        sender = self._senders.under(entry.parameters)
-        return self._frame(entry, sender) if isinstance(entry, RefusedFrame) else self._values(entry, sender)
+        encoder = self._encoders.under(entry.parameters)
+        return self._frame(entry, encoder) if isinstance(entry, RefusedFrame) else self._values(entry, encoder)
 
-    def _frame(self, entry: RefusedFrame, sender: Sender) -> Iterator[Problem]:
+    def _frame(self, entry: RefusedFrame, encoder: Encoder) -> Iterator[Problem]:
         frame = CanFrame(entry.id, entry.data, entry.extended, entry.remote)
-        found = self._receiver.decode(entry.decode, frame, sender.assignment)
-        if isinstance(found, Refused):
+        found = self._decoder.decode(entry.decode, frame, encoder.assignment)
+        if isinstance(found, Rejection):
             yield from _other_reason(entry.says, found)
         else:
-            text = f"the spec accepts this, {told(*found, frame, sender.assignment)}"
+            text = f"the spec accepts this, {described(found)}"
             yield ("says",), text, "it belongs into `frames`, if that is right; otherwise check the spec"
 
-    def _values(self, entry: RefusedValues, sender: Sender) -> Iterator[Problem]:
+    def _values(self, entry: RefusedValues, encoder: Encoder) -> Iterator[Problem]:
         command = self._commands.get(entry.command)
         if command is None:
             hint = nearest(entry.command, self._commands) or "take it out"
@@ -57,28 +57,31 @@ class _Judge:
             hint = f"encode: {other.value}" if command.message(other) else "take it out"
             yield ("encode",), f"`{entry.command}` has no {entry.encode.value}", hint
             return
-        amiss = list(_amiss(sender, message, entry))
+        amiss = list(_amiss(encoder, message, entry))
         if amiss:
             yield from amiss
             return
-        refused = sender.refuses(message, entry.node) or _refused(sender, message, entry)
-        if refused is None:
-            yield ("says",), f"the spec accepts this, {_accepted(message, entry)}", _beyond(sender, message, entry)
+        if entry.values:
+            found = encoder.encode_values(message, entry.node, entry.values)
+        else:
+            found = encoder.encode_raws(message, entry.node, entry.raw)
+        if not isinstance(found, Rejection):
+            yield ("says",), f"the spec accepts this, {_accepted(message, entry)}", _beyond(encoder, message, entry)
             return
-        yield from _other_reason(entry.says, refused)
-        if refused.says is entry.says and entry.field is not None and entry.field != refused.field:
-            hint = f"field: {refused.field}" if refused.field else "leave `field` out"
-            yield ("field",), f"it is not for `{entry.field}` that the spec refuses this: {refused.text}", hint
+        yield from _other_reason(entry.says, found)
+        if found.reason is entry.says and entry.field is not None and entry.field != found.field:
+            hint = f"field: {found.field}" if found.field else "leave `field` out"
+            yield ("field",), f"it is not for `{entry.field}` that the spec refuses this: {found.text}", hint
 
 
-def _other_reason(says: Refusal, refused: Refused) -> Iterator[Problem]:
-    if refused.says is not says:
-        yield ("says",), f"the spec refuses this as {refused.says.value}: {refused.text}", f"says: {refused.says.value}"
+def _other_reason(says: Refusal, found: Rejection) -> Iterator[Problem]:
+    if found.reason is not says:
+        yield ("says",), f"the spec refuses this as {found.reason.value}: {found.text}", f"says: {found.reason.value}"
 
 
-def _amiss(sender: Sender, message: Message, entry: RefusedValues) -> Iterator[Problem]:
+def _amiss(encoder: Encoder, message: Message, entry: RefusedValues) -> Iterator[Problem]:
     """What keeps an entry from being asked at all: fields that are not there, or are of another shape."""
-    fields = sender.fields(message)
+    fields = encoder.fields(message)
     if fields is None:
         fields = {f.name: f for f in message.layout.fields if f.fixed is None}
     written = [("raw", name) for name in entry.raw] + [("values", name) for name in entry.values]
@@ -97,7 +100,7 @@ def _amiss(sender: Sender, message: Message, entry: RefusedValues) -> Iterator[P
         yield ("node",), f"{named(message, None)} has no node", "leave `node` out"
     given = entry.values or entry.raw
     lacking = [name for name in fields if name not in given]
-    if lacking and not unknown and sender.refuses(message, entry.node) is None:
+    if lacking and not unknown and encoder.rejects(message, entry.node) is None:
         at: DocumentPath = ("values" if entry.values else "raw",) if given else ()
         yield at, f"`{lacking[0]}` is missing in {named(message, None)}", "write every field of it"
 
@@ -124,16 +127,6 @@ def _shape(field: Field) -> tuple[str, str]:
     return f"`{field.name}` is one number", "write it without brackets"
 
 
-def _refused(sender: Sender, message: Message, entry: RefusedValues) -> Refused | None:
-    """Why the spec refuses the first field that it refuses."""
-    fields = sender.fields(message) or {}
-    if entry.values:
-        refusals = (sender.refuses_value(field, entry.values[name]) for name, field in fields.items())
-    else:
-        refusals = (sender.refuses_raw(fields[name], raw) for name, raw in entry.raw.items())
-    return next((refused for refused in refusals if refused), None)
-
-
 def _accepted(message: Message, entry: RefusedValues) -> str:
     """What is accepted, in words: `the request of dim, node 1: level raw 1000`."""
     given = [f"{name} {_shown(value)}" for name, value in entry.values.items()]
@@ -147,11 +140,11 @@ def _shown(value: Value | Fraction) -> str:
     return formatting.exact(value) if isinstance(value, Fraction) else value
 
 
-def _beyond(sender: Sender, message: Message, entry: RefusedValues) -> str:
+def _beyond(encoder: Encoder, message: Message, entry: RefusedValues) -> str:
     """What would be refused in place of what is accepted."""
-    field = (sender.fields(message) or {}).get(entry.field or next(iter(entry.values or entry.raw), ""))
+    field = (encoder.fields(message) or {}).get(entry.field or next(iter(entry.values or entry.raw), ""))
     if entry.says is Refusal.OUT_OF_RANGE and field is not None:
-        return f"take it out, or write what is beyond {sender.limits(field.type)} of `{field.name}`"
+        return f"take it out, or write what is beyond {encoder.limits(field.type)} of `{field.name}`"
     nodes = message.id.nodes
     if entry.says is Refusal.UNKNOWN_NODE and nodes is not None:
         return f"take it out, or write a node beyond {nodes[0]}..{nodes[-1]}"

@@ -1,138 +1,124 @@
-"""What a frame means, straight from the model: exact and plain, one frame at a time.
+"""The reference decoder: which message a frame is, its node, its raw integers and its values, or why it is rejected.
 
-This is for looking at frames while generating or checking. Programs use the generated bindings.
+It is exact and plain, one frame at a time, for generating and checking. Every target does the same in the same order and
+rejects for the same reasons. Programs use the generated bindings.
 """
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import reduce
-from operator import or_
 from typing import NamedTuple
 
 from ..language import notation
 from ..model import formatting
-from ..model.layout import Field, Segment, Space, Variant
-from ..model.message import BitRun, IdRule, Key, Message
+from ..model.edition import Edition
+from ..model.layout import Field, Variant
+from ..model.message import BitRun, Direction, Message
+from ..model.refusal import Refusal
 from ..model.types import Assignment, Encoding, Linear, Type
+from .dispatch import Entry, Found, Length, MaskedId, Node, Select, Subject, dispatch_plan
+from .frame import CanFrame, Raw, difference, node_of, raw_of, raws, read_bits, wrong_constants
 
-Raw = int | list[int]
 Value = Fraction | str | list[str] | None
 
 
-@dataclass(frozen=True)
-class CanFrame:
-    """A frame as it was on the bus; `extended` means a 29-bit id, `remote` a frame that asks for data."""
+class Rejection(NamedTuple):
+    """Why a frame or a value is rejected, in words as well, and by which field where there is one."""
 
-    id: int
-    data: bytes
-    extended: bool = False
-    remote: bool = False
-
-
-def has_id(message: Message, frame: CanFrame) -> bool:
-    """Whether the id of a frame is one of the message's, keys in the id included."""
-    if (message.id.extended, message.remote) != (frame.extended, frame.remote):
-        return False
-    if not all(_key_holds(message, i, frame) for i, key in enumerate(message.keys) if key.space is Space.ID):
-        return False
-    rest = frame.id & ~message.id_mask
-    return rest == message.id.base if message.id.nodes is None else node(message.id, rest) is not None
-
-
-def by_rule(messages: Iterable[Message]) -> list[list[Message]]:
-    """The messages of each rule from node to id, in the order in which the rule of a frame is looked for.
-
-    An id that is written out goes before one of which a code or a field is a part, a small part before a large one.
-    """
-    groups: dict[tuple[IdRule, bool], list[Message]] = {}
-    for message in messages:
-        groups.setdefault((message.id, message.remote), []).append(message)
-    return sorted(groups.values(), key=lambda group: open_bits(group).bit_count())
-
-
-def open_bits(messages: Iterable[Message]) -> int:
-    """Bits of the id that keys and fields of some of these messages fill."""
-    return reduce(or_, (message.id_mask for message in messages), 0)
-
-
-def is_message(message: Message, frame: CanFrame) -> bool:
-    """Whether a frame has the id, the length and the keys of a message."""
-    if len(frame.data) != message.dlc and not frame.remote:
-        return False
-    return has_id(message, frame) and all(_key_holds(message, i, frame) for i in range(len(message.keys)))
-
-
-class Difference(NamedTuple):
-    """The part of a frame that is not that of a message, and what is wrong with it."""
-
-    part: str
+    reason: Refusal
     text: str
+    field: str | None = None
 
 
-def difference(message: Message, frame: CanFrame) -> Difference | None:
-    """Why a frame is not a message; None when it is."""
-    if is_message(message, frame):
-        return None
-    if frame.extended is not message.id.extended:
-        return Difference("extended", f"{message.name} has {'a 29-bit' if message.id.extended else 'an 11-bit'} id")
-    if frame.remote is not message.remote:
-        return Difference("remote", f"{message.name} is {'a' if message.remote else 'no'} remote frame")
-    if not has_id(message, frame):
-        return Difference("id", f"0x{frame.id:X} is no id of {message.name}")
-    if len(frame.data) != message.dlc and not frame.remote:
-        return Difference(
-            "length", f"{formatting.counted(len(frame.data), 'byte')}, but {message.name} has {message.dlc}"
-        )
-    key = next(key for i, key in enumerate(message.keys) if not _key_holds(message, i, frame))
-    found = f"{formatting.place(key.space, key.segments)} is 0x{held(key, frame):02X}"
-    return Difference("keys", f"{found}, but {message.name} has 0x{key.value:02X}")
+class Identified(NamedTuple):
+    """The message that a frame is, and the node that it is to or from."""
+
+    message: Message
+    node: int | None
 
 
-def node(rule: IdRule, id_: int) -> int | None:
-    """The node of an id without the bits of keys and fields; None when there is none."""
-    if rule.nodes is None:
-        return None
-    found, beside = divmod(id_ - rule.base, rule.node_step)
-    return found if not beside and found in rule.nodes else None
+@dataclass(frozen=True)
+class Decoded:
+    """A message with its fields under some parameters; constants are left out, an array is a list."""
+
+    message: Message
+    node: int | None
+    variant: Variant
+    raws: Mapping[str, Raw]
+    values: Mapping[str, Value | list[Value]]
 
 
-def node_of(message: Message, frame: CanFrame) -> int | None:
-    """The node that a frame of this message is of."""
-    return node(message.id, frame.id & ~message.id_mask)
+class Decoder:
+    """Decodes the frames of one edition by its dispatch plans; ids and keys seen before are looked up."""
+
+    def __init__(self, edition: Edition) -> None:
+        self.edition = edition
+        self._entries = {direction: dispatch_plan(edition.messages(direction)).entries for direction in Direction}
+        self._of_id: dict[tuple[Direction, int, bool, bool], tuple[Entry, int | None] | None] = {}
+
+    def identify(self, direction: Direction, frame: CanFrame) -> Identified | Rejection:
+        """The message that a frame is, judged by itself."""
+        known = (direction, frame.id, frame.extended, frame.remote)
+        if known not in self._of_id:
+            self._of_id[known] = self._entry(direction, frame)
+        found = self._of_id[known]
+        if found is None:
+            kind = ("29-bit " if frame.extended else "") + ("remote " if frame.remote else "")
+            return Rejection(Refusal.UNKNOWN_ID, f"no {direction.value} has the {kind}id 0x{frame.id:X}")
+        entry, node = found
+        message = _message(entry.then, direction, frame)
+        return message if isinstance(message, Rejection) else Identified(message, node)
+
+    def decode(self, direction: Direction, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
+        """The message that a frame is under some parameters, with its fields."""
+        found = self.identify(direction, frame)
+        return found if isinstance(found, Rejection) else _fields(found, frame, assignment)
+
+    def decode_as(self, message: Message, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
+        """The fields of a frame that is expected to be one message, as the reply to a request is."""
+        wrong = difference(message, frame)
+        if wrong:
+            return Rejection(_REASONS.get(wrong.part, Refusal.UNKNOWN_ID), wrong.text)
+        return _fields(Identified(message, node_of(message, frame)), frame, assignment)
+
+    def _entry(self, direction: Direction, frame: CanFrame) -> tuple[Entry, int | None] | None:
+        kind = (frame.extended, frame.remote)
+        entries = (e for e in self._entries[direction] if (e.rule.extended, e.remote) == kind and e.contains(frame.id))
+        return next(((entry, entry.node(frame.id)) for entry in entries), None)
 
 
-def held(bits: BitRun, frame: CanFrame) -> int:
-    """The unsigned integer that some bits hold in a frame."""
-    return _bits(bits.segments, bits.space, frame)
+_REASONS = {"length": Refusal.WRONG_LENGTH, "keys": Refusal.UNKNOWN_CODE}
+"""Why a frame is rejected where a part of it is not that of the message; unknown_id for all other parts."""
 
 
-def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:
-    """The bits of the data that some places take, as a mask, the first byte lowest."""
-    taken = 0
-    for space, segments in places:
-        for s in segments if space is Space.DATA else ():
-            taken |= ((1 << s.width) - 1) << (s.byte * 8 + s.low)
-    return taken
+def _fields(found: Identified, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
+    """The fields of a message, when its constants are right and the parameters decide which fields there are."""
+    layout = found.message.layout
+    variant = layout.variant(assignment)
+    there = variant.fields if variant else (field for field in layout.fields if not field.only)
+    wrong = wrong_constants(there, frame)
+    if wrong:
+        text = f"`{wrong[0].name}` should hold {wrong[0].fixed}"
+        return Rejection(Refusal.WRONG_CONSTANT, text, wrong[0].name)
+    if variant is None:
+        text = f"the fields of {found.message.name} depend on `{layout.parameter}`, which is not given"
+        return Rejection(Refusal.MISSING_PARAMETER, text)
+    return Decoded(*found, variant, raws(variant, frame), values(variant, frame, assignment))
 
 
-def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
-    """The raw integer of each field, constants left out."""
-    return {f.name: raw_of(f, frame) for f in variant.fields if f.fixed is None}
+def values(variant: Variant, frame: CanFrame, assignment: Assignment) -> dict[str, Value | list[Value]]:
+    """The value of each field, constants left out; a list for an array."""
+    return {f.name: field_value(f, raw_of(f, frame), assignment) for f in variant.fields if f.fixed is None}
 
 
-def raw_of(field: Field, frame: CanFrame) -> Raw:
-    """The raw integer of a field, a list for an array."""
-    found = [_signed(field.type, _bits(e.segments, field.space, frame)) for e in field.elements]
-    return found if field.is_array else found[0]
-
-
-def wrong_constants(fields: Iterable[Field], frame: CanFrame) -> list[Field]:
-    """The fields that should hold a constant and hold something else."""
-    return [f for f in fields if f.demanded is not None and raw_of(f, frame) != f.demanded]
+def field_value(field: Field, raw: Raw, assignment: Assignment) -> Value | list[Value]:
+    """The value of the raw integer of a field, or those of an array."""
+    if isinstance(raw, list):
+        return [value_of(field.type, one, assignment) for one in raw]
+    return value_of(field.type, raw, assignment)
 
 
 def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
@@ -166,21 +152,37 @@ def linear_of(type_: Type, assignment: Assignment) -> Linear | None:
     return linear.at({linear.times: number}) if number > 0 else None
 
 
-def _key_holds(message: Message, index: int, frame: CanFrame) -> bool:
-    key: Key = message.keys[index]
-    found = held(key, frame)
-    return found == key.value or (index == 0 and found in (*message.accept, *message.claims))
+def _message(node: Node, direction: Direction, frame: CanFrame) -> Message | Rejection:
+    """Follows the tree of an entry."""
+    path: list[tuple[Select, int]] = []
+    while isinstance(node, Select):
+        value = _read(node.subject, frame)
+        path.append((node, value))
+        node = node.by_value.get(value, node.otherwise)
+    return (
+        node.message if isinstance(node, Found) else Rejection(node.reason, _text(node.reason, path, direction, frame))
+    )
 
 
-def _bits(segments: Sequence[Segment], space: Space, frame: CanFrame) -> int:
-    found = 0
-    for s in segments:
-        source = frame.id if space is Space.ID else frame.data[s.byte] if s.byte < len(frame.data) else 0
-        found |= (source >> s.low & (1 << s.width) - 1) << s.raw_low
-    return found
+def _read(subject: Subject, frame: CanFrame) -> int:
+    if isinstance(subject, Length):
+        return len(frame.data)
+    if isinstance(subject, MaskedId):
+        return frame.id & subject.mask
+    return read_bits(subject, frame)
 
 
-def _signed(type_: Type, raw: int) -> int:
-    if type_.encoding is Encoding.SIGNED and raw >> (type_.width - 1):
-        return raw - (1 << type_.width)
-    return raw
+def _text(reason: Refusal, path: Sequence[tuple[Select, int]], direction: Direction, frame: CanFrame) -> str:
+    """A rejection in words; the last decisions of `path` explain it."""
+    if reason is Refusal.WRONG_LENGTH:
+        select = next(select for select, _ in reversed(path) if isinstance(select.subject, Length))
+        wanted = " or ".join(map(str, select.by_value))
+        return f"0x{frame.id:X} has {formatting.counted(len(frame.data), 'byte')} here, not {wanted}"
+    if reason is Refusal.UNKNOWN_ID:
+        return f"0x{frame.id:X} has the bits 0x{path[-1][1]:X}, which are 0 in the ids of this message"
+    codes = " and ".join(
+        f"{formatting.place(select.subject.space, select.subject.segments)} 0x{value:02X}"
+        for select, value in path
+        if isinstance(select.subject, BitRun)
+    )
+    return f"no {direction.value} on 0x{frame.id:X} has {codes}"

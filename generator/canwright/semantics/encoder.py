@@ -1,117 +1,151 @@
-"""What a sender makes of raw integers and values, straight from the model: whether a message can be written of them.
+"""The reference encoder: raw integers or values to a frame, or why they are rejected.
 
-This is what every target does, in the same order, and refuses in the same words.
+Every target does the same in the same order and rejects for the same reasons.
 """
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 from ..language import notation
 from ..language.golden_frames import Value
 from ..model import formatting
-from ..model.layout import Field
+from ..model.layout import Field, Segment, Space
 from ..model.message import Message
 from ..model.refusal import Refusal
 from ..model.types import Bound, Encoding, Range, Type
-from .decoder import Raw, data_bits, linear_of, value_of
-from .receiver import Refused
+from .decoder import Rejection, linear_of, value_of
+from .frame import CanFrame, Raw
 
 SPECIAL = ("nan", "inf", "-inf")
 
 
-class Senders:
-    """A sender for each set of parameters, made when it is first asked for."""
+class Encoders:
+    """An encoder for each set of parameters, created on first use."""
 
     def __init__(self) -> None:
-        self._known: dict[tuple[tuple[str, int | str], ...], Sender] = {}
+        self._known: dict[tuple[tuple[str, int | str], ...], Encoder] = {}
 
-    def under(self, parameters: Mapping[str, int | str]) -> Sender:
+    def under(self, parameters: Mapping[str, int | str]) -> Encoder:
         key = tuple(parameters.items())
         known = self._known.get(key)
         if known is None:
-            known = self._known[key] = Sender(parameters)
+            known = self._known[key] = Encoder(parameters)
         return known
 
 
-class Sender:
-    """Writes messages under some parameters; what it has worked out of a type it keeps."""
+class Encoder:
+    """Encodes messages under some parameters; what depends on a message, a field or a type is computed once."""
 
     def __init__(self, parameters: Mapping[str, int | str]) -> None:
         self.assignment = {name: str(value) for name, value in parameters.items()}
-        self._fields: dict[int, tuple[Message, dict[str, Field] | None]] = {}
-        self._reserved: dict[int, tuple[Message, int]] = {}
+        self._fields: dict[Message, dict[str, Field] | None] = {}
         self._allows: dict[int, tuple[Type, Callable[[int], bool]]] = {}
-        self._raw_of: dict[int, tuple[Field, Callable[[Fraction], int | Refused]]] = {}
+        self._nearest: dict[int, tuple[Field, Callable[[Fraction], int | Rejection]]] = {}
 
     def fields(self, message: Message) -> dict[str, Field] | None:
         """The fields of a message by name, constants left out; None when they depend on what is not given."""
-        known = self._fields.get(id(message))
-        if known is None:
+        if message not in self._fields:
             variant = message.layout.variant(self.assignment)
             fields = None if variant is None else {f.name: f for f in variant.fields if f.fixed is None}
-            known = self._fields[id(message)] = (message, fields)
-        return known[1]
+            self._fields[message] = fields
+        return self._fields[message]
 
-    def reserved(self, message: Message) -> int:
-        """The bits of the data that no key and no field of a message fills, the first byte lowest; they are sent as 0."""
-        known = self._reserved.get(id(message))
-        if known is None:
-            variant = message.layout.variant(self.assignment)
-            places = [(k.space, k.segments) for k in message.keys]
-            places += [(f.space, e.segments) for f in (variant.fields if variant else ()) for e in f.elements]
-            known = self._reserved[id(message)] = (message, ~data_bits(places))
-        return known[1]
+    def encode_raws(self, message: Message, node: int | None, raws: Mapping[str, Raw]) -> CanFrame | Rejection:
+        """The frame of a message with the raw integer of each field; ValueError for fields that it does not have."""
+        rejection = self.rejects(message, node)
+        if rejection:
+            return rejection
+        fields = _given(message, self.fields(message), raws)
+        rejections = (self.rejects_raw(field, raws[name]) for name, field in fields.items())
+        return next(filter(None, rejections), None) or self._frame(message, node, raws)
 
-    def refuses(self, message: Message, node: int | None) -> Refused | None:
+    def encode_values(self, message: Message, node: int | None, values: Mapping[str, Value]) -> CanFrame | Rejection:
+        """The frame of a message with the value of each field; ValueError for fields that it does not have."""
+        rejection = self.rejects(message, node)
+        if rejection:
+            return rejection
+        raws: dict[str, Raw] = {}
+        for name, field in _given(message, self.fields(message), values).items():
+            raw = self.field_raw(field, values[name])
+            if isinstance(raw, Rejection):
+                return raw
+            raws[name] = raw
+        return self._frame(message, node, raws)
+
+    def _frame(self, message: Message, node: int | None, raws: Mapping[str, Raw]) -> CanFrame:
+        """The frame of raw integers that were checked; reserved bits are 0 unless the spec has another value for them."""
+        id_, data = message.id.base + (node or 0) * message.id.node_step, 0
+        parts: list[tuple[Space, Sequence[Segment], int]] = [(k.space, k.segments, k.value) for k in message.keys]
+        variant = message.layout.variant(self.assignment)
+        for field in variant.fields if variant else ():
+            raw = raws[field.name] if field.fixed is None else field.fixed
+            ordered = raw if isinstance(raw, list) else [raw] * len(field.elements)
+            parts += [(field.space, e.segments, one) for e, one in zip(field.elements, ordered, strict=True)]
+        for space, segments, raw in parts:
+            for s in segments:
+                bits = (raw >> s.raw_low & (1 << s.width) - 1) << s.low
+                if space is Space.ID:
+                    id_ |= bits
+                else:
+                    data |= bits << s.byte * 8
+        written = b"" if message.remote else data.to_bytes(message.dlc, "little")
+        return CanFrame(id_, written, message.id.extended, message.remote)
+
+    def rejects(self, message: Message, node: int | None) -> Rejection | None:
         """Why nothing can be sent to or from a node."""
         nodes = message.id.nodes
         if nodes is not None and (node is None or node not in nodes):
             text = f"{message.name} has no node {node}; its nodes are {nodes[0]}..{nodes[-1]}"
-            return Refused(Refusal.UNKNOWN_NODE, text, "node")
+            return Rejection(Refusal.UNKNOWN_NODE, text, "node")
         if self.fields(message) is None:
             text = f"the fields of {message.name} depend on `{message.layout.parameter}`, which is not given"
-            return Refused(Refusal.MISSING_PARAMETER, text)
+            return Rejection(Refusal.MISSING_PARAMETER, text)
         return None
 
-    def refuses_raw(self, field: Field, raw: Raw) -> Refused | None:
+    def rejects_raw(self, field: Field, raw: Raw) -> Rejection | None:
         """Why a field cannot hold a raw integer, or those of an array."""
         if isinstance(raw, list):
-            return _refuses_count(field, len(raw)) or next(
-                filter(None, (self.refuses_raw(field, r) for r in raw)), None
-            )
+            each = (self.rejects_raw(field, one) for one in raw)
+            return _wrong_count(field, len(raw)) or next(filter(None, each), None)
         known = self._allows.get(id(field.type))
         if known is None:
             known = self._allows[id(field.type)] = (field.type, self._allowed(field.type))
         if known[1](raw):
             return None
-        return Refused(Refusal.OUT_OF_RANGE, f"`{field.name}` cannot be raw {raw}", field.name)
+        return Rejection(Refusal.OUT_OF_RANGE, f"`{field.name}` cannot be raw {raw}", field.name)
 
-    def refuses_value(self, field: Field, value: Value) -> Refused | None:
-        """Why a field cannot hold a value, or those of an array. Names are taken to be those of the type."""
-        if isinstance(value, list) and field.is_array:
-            each = (self.refuses_value(field, one) for one in value)
-            return _refuses_count(field, len(value)) or next(filter(None, each), None)
-        raw = self.raw_of(field, value)
-        return raw if isinstance(raw, Refused) else self.refuses_raw(field, raw)
+    def field_raw(self, field: Field, value: Value) -> Raw | Rejection:
+        """The raw integer of a value of a field, or those of an array. Names have to be those of the type."""
+        elements = value if isinstance(value, list) and field.is_array else [value]
+        raws: list[int] = []
+        for one in elements:
+            raw = self.nearest_raw(field, one)
+            if isinstance(raw, Rejection):
+                return raw
+            rejection = self.rejects_raw(field, raw)
+            if rejection:
+                return rejection
+            raws.append(raw)
+        return (_wrong_count(field, len(raws)) or raws) if field.is_array else raws[0]
 
-    def raw_of(self, field: Field, value: Value) -> int | Refused:
+    def nearest_raw(self, field: Field, value: Value) -> int | Rejection:
         """The raw integer nearest to a value, ties away from zero; in range or not."""
         type_ = field.type
         if isinstance(value, list):
             return sum(1 << flag.value for flag in type_.flags if flag.name in value)
         if isinstance(value, str) and type_.enum:
             return next(member.value for member in type_.enum if member.name == value)
-        known = self._raw_of.get(id(field))
+        known = self._nearest.get(id(field))
         if known is None:
-            known = self._raw_of[id(field)] = (field, self._inverse(field))
+            known = self._nearest[id(field)] = (field, self._inverse(field))
         if isinstance(value, Fraction):
             return known[1](value)
         lacking = known[1](Fraction(0))
-        not_finite = Refused(Refusal.NOT_FINITE, f"`{field.name}` cannot be {value}", field.name)
-        return lacking if isinstance(lacking, Refused) else not_finite
+        not_finite = Rejection(Refusal.NOT_FINITE, f"`{field.name}` cannot be {value}", field.name)
+        return lacking if isinstance(lacking, Rejection) else not_finite
 
     def limits(self, type_: Type) -> str:
         """What a type allows, in words: `raw 0..1000`."""
@@ -148,11 +182,11 @@ class Sender:
         end = bound.at({n: notation.rational(text) for n, text in self.assignment.items() if n == bound.parameter})
         return end.numerator if end is not None and end.denominator == 1 else end
 
-    def _inverse(self, field: Field) -> Callable[[Fraction], int | Refused]:
+    def _inverse(self, field: Field) -> Callable[[Fraction], int | Rejection]:
         """How a number in the unit becomes a raw integer."""
         type_ = field.type
         if type_.enum or type_.flags:
-            nameless = Refused(Refusal.OUT_OF_RANGE, f"`{field.name}` holds whole numbers alone", field.name)
+            nameless = Rejection(Refusal.OUT_OF_RANGE, f"`{field.name}` holds whole numbers alone", field.name)
             return lambda value: value.numerator if value.denominator == 1 else nameless
         linear = linear_of(type_, self.assignment)
         if linear is None or linear.scale == 0:
@@ -160,7 +194,7 @@ class Sender:
             needed = (type_.linear.parameter, line.times if line else None)
             missing = next((name for name in needed if name is not None and name not in self.assignment), None)
             text = f"depends on `{missing}`, which is not given" if missing else "has no scale here"
-            refused = Refused(
+            refused = Rejection(
                 Refusal.MISSING_PARAMETER if missing else Refusal.NO_SCALE, f"`{field.name}` {text}", field.name
             )
             return lambda _: refused
@@ -177,10 +211,17 @@ class Sender:
         return nearest
 
 
-def _refuses_count(field: Field, count: int) -> Refused | None:
+def _given(message: Message, fields: Mapping[str, Field] | None, given: Mapping[str, object]) -> Mapping[str, Field]:
+    """The fields of a message, when exactly these are given."""
+    if fields is None or set(fields) != set(given):
+        raise ValueError(f"{message.name} has the fields {', '.join(fields or ())}, not {', '.join(given)}")
+    return fields
+
+
+def _wrong_count(field: Field, count: int) -> Rejection | None:
     wanted = len(field.elements)
     text = f"`{field.name}` has {formatting.counted(wanted, 'element')}, not {count}"
-    return None if count == wanted else Refused(Refusal.OUT_OF_RANGE, text, field.name)
+    return None if count == wanted else Rejection(Refusal.OUT_OF_RANGE, text, field.name)
 
 
 def _is_within(value: object, low: Fraction | int | None, high: Fraction | int | None) -> bool:
@@ -190,10 +231,10 @@ def _is_within(value: object, low: Fraction | int | None, high: Fraction | int |
     return (low is None or value >= low) and (high is None or value <= high)
 
 
-def _float_bits(field: Field, value: Fraction) -> int | Refused:
+def _float_bits(field: Field, value: Fraction) -> int | Rejection:
     bits, number = {32: ("<I", "<f"), 64: ("<Q", "<d")}[field.type.width]
     try:
         raw: int = struct.unpack(bits, struct.pack(number, float(value)))[0]
     except OverflowError:
-        return Refused(Refusal.OUT_OF_RANGE, f"`{field.name}` is too large for its float", field.name)
+        return Rejection(Refusal.OUT_OF_RANGE, f"`{field.name}` is too large for its float", field.name)
     return raw

@@ -1,18 +1,16 @@
-"""One adapter a target."""
+"""The adapters, by the name of what they drive."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
-
-from canwright.targets.base import Described
+from collections.abc import Mapping
 
 from ..adapter import Adapter
-from . import c, dbc, docs, python
+from .c import CAdapter
+from .dbc import DbcAdapter
+from .docs import DocsAdapter
+from .python import PythonAdapter
+from .reference import ReferenceAdapter
 
-ADAPTERS: Mapping[str, Callable[[Described, Path], Adapter]] = {
-    "c": c.adapter,
-    "python": python.adapter,
-    "dbc": dbc.adapter,
-    "docs": docs.adapter,
+ADAPTERS: Mapping[str, type[Adapter]] = {
+    adapter.name: adapter for adapter in (ReferenceAdapter, CAdapter, PythonAdapter, DbcAdapter, DocsAdapter)
 }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import subprocess
 import weakref
 from collections.abc import Iterator, Mapping
@@ -11,60 +10,60 @@ from pathlib import Path
 
 from canwright.model.edition import Edition
 from canwright.model.layout import Field
-from canwright.model.message import Command, Direction, Message
+from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding
 from canwright.targets import c as target
 from canwright.targets.base import Described
 
 from ...compilers import build
-from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
+from ..adapter import (
+    Adapter,
+    CanFrame,
+    Decoded,
+    Encoded,
+    ExactValue,
+    Parameters,
+    Raw,
+    Refused,
+    Value,
+    assignment,
+    write_files,
+)
 from .c_harness import harness
 
 EXTENDED = 1 << 31
 REMOTE = 1 << 30
 
-_COUNT = itertools.count()
 
-
-def adapter(described: Described, workdir: Path) -> CAdapter:
-    """Generates the headers below `workdir`, and compiles the program around them."""
-    folder = workdir / f"c{next(_COUNT)}"
-    for output in target.generate([described], {}):
-        file = folder / output.path
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(output.text, "utf-8")
-    source = folder / "harness.c"
-    source.write_text(harness(described.edition, folder / "include"), "utf-8")
-    return CAdapter(described.edition, build([source], folder / "include", folder / "harness"))
-
-
-class CAdapter:
+class CAdapter(Adapter):
     """Answers through `decode_request`, `decode_reply`, the functions of each message, and the conversions."""
 
     name = "c"
-    tolerance = 0.0
-    cannot: Mapping[str, str] = {}
 
     def __init__(self, edition: Edition, program: Path) -> None:
-        self._edition = edition
+        super().__init__(edition)
         self._process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         weakref.finalize(self, _end, self._process)
 
+    @classmethod
+    def create(cls, described: Described, workdir: Path) -> CAdapter:
+        """Compiles a program around the generated headers."""
+        folder = write_files(target.generate([described], {}), workdir)
+        source = folder / "harness.c"
+        source.write_text(harness(described.edition, folder / "include"), "utf-8")
+        return cls(described.edition, build([source], folder / "include", folder / "harness"))
+
     def decode(
-        self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
+        self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
-        wanted = f"any_{direction.value}"
-        if answering is not None and direction is Direction.REPLY:
-            wanted = _message(self._edition.command(answering), direction).name
+        wanted = f"any_{direction.value}" if expected is None else self.message_of(direction, expected).name
         answer = self._ask("decode", wanted, *self._known(parameters), *_frame(frame))
         if isinstance(answer, Refused):
             return answer
-        found, node, *words = answer
-        command = found if answering is None or direction is Direction.REQUEST else answering
-        message = _message(self._edition.command(command), direction)
-        assignment = {n: str(v) for n, v in parameters.items()}
-        variant = message.layout.variant(assignment)
+        command, node, *words = answer
+        message = self.message_of(direction, command)
+        variant = message.layout.variant(assignment(parameters))
         assert variant is not None
         raw: dict[str, Raw] = {}
         values: dict[str, Value] = {}
@@ -83,7 +82,7 @@ class CAdapter:
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
     ) -> Encoded | Refused:
-        message = _message(self._edition.command(command), direction)
+        message = self.message_of(direction, command)
         words: list[str] = []
         for field, index, number in _items(message, raw):
             low, high = _container(field)
@@ -100,7 +99,7 @@ class CAdapter:
         values: Mapping[str, ExactValue],
         parameters: Parameters,
     ) -> Encoded | Refused:
-        message = _message(self._edition.command(command), direction)
+        message = self.message_of(direction, command)
         words: list[str] = []
         for field, index, value in _items(message, values):
             words += [field.name, str(index), _written(value)]
@@ -128,7 +127,7 @@ class CAdapter:
 
     def _known(self, parameters: Parameters) -> Iterator[str]:
         """For each parameter of the edition the place of its value, or numerator and denominator; 0 is not known."""
-        for parameter in self._edition.parameters:
+        for parameter in self.edition.parameters:
             given = parameters.get(parameter.name)
             if parameter.is_choice:
                 names = [value.name for value in parameter.values]
@@ -150,12 +149,6 @@ class CAdapter:
 
 def _end(process: subprocess.Popen[str]) -> None:
     process.communicate()
-
-
-def _message(command: Command, direction: Direction) -> Message:
-    message = command.request if direction is Direction.REQUEST else command.reply
-    assert message is not None, f"{command.name} has no {direction.value}"
-    return message
 
 
 def _items(

@@ -11,33 +11,30 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 from canwright.model.layout import ReservedRole, Space
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Assignment
-from canwright.semantics.decoder import CanFrame as ModelFrame, has_id, is_message, node, raw_of, wrong_constants
+from canwright.semantics.decoder import Decoder, Identified
+from canwright.semantics.dispatch import dispatch_plan
+from canwright.semantics.frame import has_id, is_message, raw_of, wrong_constants
 from canwright.targets import dbc
 from canwright.targets.base import Described
 from canwright.targets.dbc.frames import Traffic, obstacle
 
-from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
-from .dbc_file import KIND, DbcFile, message_of
+from ..adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
+from .dbc_file import KIND, DbcFile
 
 Result = TypeVar("Result", Decoded, Encoded)
 
 
-def adapter(described: Described, workdir: Path) -> DbcAdapter:
-    """An adapter that needs no files: cantools loads texts."""
-    return DbcAdapter(described)
-
-
-class DbcAdapter:
+class DbcAdapter(Adapter):
     name = "dbc"
     tolerance = 1e-12
     """A DBC has one factor, a double: raw * 0.01 and raw / 100 differ in the last digit."""
-    cannot: Mapping[str, str] = {
+    cannot: ClassVar[Mapping[str, str]] = {
         "exchanges": "a DBC does not know which reply belongs to which request, nor that a reply echoes it",
         "shared_code": "a code that two commands reply with is read as the reply of the command that has the code",
         "other_value": "the files of a parameter value leave out the commands that it lacks",
@@ -54,24 +51,28 @@ class DbcAdapter:
     }
 
     def __init__(self, described: Described) -> None:
+        super().__init__(described.edition)
         self._described = described
-        self._edition = described.edition
+        self._decoder = Decoder(described.edition)
         self._texts: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
         self._loaded: dict[str, DbcFile] = {}
-        self._left_out = {m.name for m in self._edition.all_messages() if obstacle(m)}
+        self._left_out = {m.name for m in self.edition.all_messages() if obstacle(m)}
         for direction in Direction:
-            for frame in Traffic(self._edition, direction).frames({}):
+            for frame in Traffic(self.edition, direction).frames({}):
                 self._left_out |= set(frame.hidden)
-        self._deciding = {
-            name for m in self._edition.all_messages() for f in m.layout.fields for name in f.type.numbers
-        }
+        self._deciding = {name for m in self.edition.all_messages() for f in m.layout.fields for name in f.type.numbers}
+
+    @classmethod
+    def create(cls, described: Described, workdir: Path) -> DbcAdapter:
+        """Needs no files: cantools loads texts."""
+        return cls(described)
 
     def decode(
-        self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
+        self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
-        known = [m for m in self._edition.messages(direction) if has_id(m, ModelFrame(**vars(frame)))]
+        known = [m for m in self.edition.messages(direction) if has_id(m, frame)]
         overlaid_ = (m for m in known if m.name in self._left_out)
-        if any(obstacle(m) or is_message(m, ModelFrame(**vars(frame))) for m in overlaid_):
+        if any(obstacle(m) or is_message(m, frame) for m in overlaid_):
             raise Cannot("left_out")
         if not known and self._has_rule(direction, frame):
             raise Cannot("codes_in_id")
@@ -84,42 +85,36 @@ class DbcAdapter:
         read = self._read(direction, frame, parameters)
         result = _agreed(_agreed_values(read))
         if isinstance(result, Decoded) and Refused(Refusal.UNKNOWN_CODE) in read:
-            decides = message_of(self._edition.command(result.command), direction).layout.parameter
+            decides = self.message_of(direction, result.command).layout.parameter
             if decides is not None and decides not in parameters:
                 raise Cannot("other_value")
         unknown = result == Refused(Refusal.UNKNOWN_CODE)
         if unknown and any(isinstance(other, Decoded) for other in self._read(direction, frame, {})):
             raise Cannot("other_value")
-        if answering is None or isinstance(result, Refused):
-            return result
-        expected = self._edition.command(answering).reply
-        if expected is None or expected.command != result.command:
-            raise Cannot("shared_code")
-        return Decoded(answering, result.node, result.raw, result.values)
+        if expected is not None and isinstance(result, Decoded):
+            found, wanted = (self.message_of(direction, command) for command in (result.command, expected))
+            alone = self._decoder.identify(direction, frame)
+            if found is not wanted and isinstance(alone, Identified) and alone.message is found:
+                raise Cannot("shared_code")
+        return result
 
     def _has_rule(self, direction: Direction, frame: CanFrame) -> bool:
         """Whether an id is one of an address, but for the code in it."""
-        rules = {(m.id, m.remote): 0 for m in self._edition.messages(direction)}
-        for message in self._edition.messages(direction):
-            rules[message.id, message.remote] |= message.id_mask
-        kind = (frame.extended, frame.remote)
-        there = (rest for rest in rules.items() if (rest[0][0].extended, rest[0][1]) == kind and rest[1])
-        return any(
-            frame.id & ~mask == rule.base if rule.nodes is None else node(rule, frame.id & ~mask) is not None
-            for (rule, _), mask in there
-        )
+        entries = dispatch_plan(self.edition.messages(direction)).entries
+        alike = (e for e in entries if (e.rule.extended, e.remote) == (frame.extended, frame.remote))
+        return any(entry.mask and entry.contains(frame.id) for entry in alike)
 
     @staticmethod
     def _constant_in_id(message: Message, frame: CanFrame) -> bool:
         """Whether a constant in the id is another one."""
         in_id = (field for field in message.layout.fields if field.space is Space.ID)
-        return bool(wrong_constants(in_id, ModelFrame(**vars(frame))))
+        return bool(wrong_constants(in_id, frame))
 
     @staticmethod
     def _reserved_in_id(message: Message, frame: CanFrame) -> bool:
         """Whether reserved bits in the id are not those that are sent."""
         reserved = (f for f in message.layout.fields if f.space is Space.ID and isinstance(f.role, ReservedRole))
-        return any(raw_of(f, ModelFrame(**vars(frame))) != f.fixed for f in reserved)
+        return any(raw_of(f, frame) != f.fixed for f in reserved)
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
@@ -143,7 +138,7 @@ class DbcAdapter:
         """The files that a node with these parameters may need: one, or several where a parameter is not given."""
         choices: list[list[str]] = []
         fixed: dict[str, str] = {}
-        for parameter in self._edition.parameters:
+        for parameter in self.edition.parameters:
             given = parameters.get(parameter.name)
             if not parameter.is_numeric:
                 choices.append([str(given)] if given is not None else [value.name for value in parameter.values])
@@ -151,7 +146,7 @@ class DbcAdapter:
                 fixed[parameter.name] = str(given)
         words = [f"{name}_{value}" for name, value in fixed.items()]
         for combination in itertools.product(*choices):
-            names = (self._edition.family, self._edition.name, *combination, *words, KIND[direction])
+            names = (self.edition.family, self.edition.name, *combination, *words, KIND[direction])
             yield "-".join(names), fixed
 
     def _files(self, name: str, fixed: Assignment) -> Iterator[list[DbcFile]]:
@@ -167,7 +162,7 @@ class DbcAdapter:
 
     def _file(self, path: str, variant: tuple[tuple[str, str], ...]) -> DbcFile:
         if path not in self._loaded:
-            self._loaded[path] = DbcFile(self._edition, self._texts[variant][path])
+            self._loaded[path] = DbcFile(self.edition, self._texts[variant][path])
         return self._loaded[path]
 
     def _read(self, direction: Direction, frame: CanFrame, parameters: Parameters) -> list[Decoded | Refused]:
@@ -188,7 +183,7 @@ class DbcAdapter:
         parameters: Parameters,
         scaled: bool,
     ) -> Encoded | Refused:
-        message = message_of(self._edition.command(command), direction)
+        message = self.message_of(direction, command)
         if message.name in self._left_out:
             raise Cannot("left_out")
         written = []

@@ -15,7 +15,7 @@ from canwright.model.layout import Field, Space
 from canwright.model.message import Command, Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding
-from canwright.semantics.decoder import is_message
+from canwright.semantics.frame import is_message
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
 from .dbc_fields import Data, Number, cells, float_of, values_of

@@ -9,29 +9,23 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
+from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.targets import docs as target
 from canwright.targets.base import Described
 
-from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
+from ..adapter import Adapter, CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
 from .docs_tables import FieldRow, MessagePage, Scale, message, plain, tables
 
 
-def adapter(described: Described, workdir: Path) -> DocsAdapter:
-    """Generates the pages and reads them back."""
-    pages = {output.path: output.text for output in target.generate([described], {})}
-    return DocsAdapter({path: text for path, text in pages.items() if path.startswith("en/")})
-
-
-class DocsAdapter:
+class DocsAdapter(Adapter):
     """Answers from the tables of the English pages alone."""
 
     name = "docs"
-    tolerance = 0.0
-    cannot: Mapping[str, str] = {}
 
-    def __init__(self, pages: Mapping[str, str]) -> None:
+    def __init__(self, edition: Edition, pages: Mapping[str, str]) -> None:
+        super().__init__(edition)
         self._members: dict[str, dict[str, int]] = {}
         self._flags: set[str] = set()
         self._choices: dict[str, list[str]] = {}
@@ -43,6 +37,12 @@ class DocsAdapter:
                 self._choices = {n: [plain(r[0]) for r in rows[1:]] for n, rows in tables(text)}
             elif "/commands/" in path:
                 self._read_command(Path(path).stem, text)
+
+    @classmethod
+    def create(cls, described: Described, workdir: Path) -> DocsAdapter:
+        """Reads the generated pages back."""
+        pages = {output.path: output.text for output in target.generate([described], {})}
+        return cls(described.edition, {path: text for path, text in pages.items() if path.startswith("en/")})
 
     def _read_types(self, text: str) -> None:
         for heading, rows in tables(text):
@@ -59,7 +59,7 @@ class DocsAdapter:
                 self._messages[direction, name] = message(here[0], here[1] if len(here) > 1 else [[]])
 
     def decode(
-        self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
+        self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
         pages = [(n, m) for (d, n), m in self._messages.items() if d is direction]
         ours = [(n, m, self._node(m, frame, [p for _, p in pages])) for n, m in pages]
@@ -68,8 +68,8 @@ class DocsAdapter:
             return Refused(Refusal.UNKNOWN_ID)
         if all(len(frame.data) != page.dlc for _, page, _ in ours) and not frame.remote:
             return Refused(Refusal.WRONG_LENGTH)
-        if answering is not None:
-            ours = [entry for entry in ours if entry[0] == answering]
+        if expected is not None:
+            ours = [entry for entry in ours if entry[0] == expected]
         rank = {"sent": 0, "accepted": 1}
         fits = [
             (rank[fit], -len(page.keys), len(frame.data) != page.dlc, i)

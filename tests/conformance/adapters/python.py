@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import itertools
 import sys
 from collections.abc import Mapping, Sequence
 from enum import IntEnum, IntFlag
@@ -19,19 +18,18 @@ from canwright.targets import python as target
 from canwright.targets.base import Described
 from canwright.targets.python.text import attribute, class_name
 
-from ..adapter import CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
-
-_COUNT = itertools.count()
-
-
-def adapter(described: Described, workdir: Path) -> PythonAdapter:
-    """Generates the package below `workdir` and imports it under a name of its own."""
-    folder = workdir / f"python{next(_COUNT)}"
-    for output in target.generate([described], {}):
-        file = folder / output.path
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(output.text, "utf-8")
-    return PythonAdapter(described.edition, load(folder, described.edition))
+from ..adapter import (
+    Adapter,
+    CanFrame,
+    Decoded,
+    Encoded,
+    ExactValue,
+    Parameters,
+    Raw,
+    Refused,
+    Value,
+    write_files,
+)
 
 
 def load(folder: Path, edition: Edition) -> ModuleType:
@@ -49,47 +47,55 @@ def load(folder: Path, edition: Edition) -> ModuleType:
         sys.modules.update(kept)
 
 
-class PythonAdapter:
-    """Answers through `decode_request`, `decode_reply`, `decode_answer`, constructors and `encode`."""
+class PythonAdapter(Adapter):
+    """Answers through `decode_request`, `decode_reply`, `decode_answer`, `unpack`, constructors and `encode`."""
 
     name = "python"
-    tolerance = 0.0
-    cannot: Mapping[str, str] = {}
 
     def __init__(self, edition: Edition, module: ModuleType) -> None:
-        self._edition = edition
+        super().__init__(edition)
         self._module = module
 
+    @classmethod
+    def create(cls, described: Described, workdir: Path) -> PythonAdapter:
+        """Imports the generated package under a name of its own."""
+        folder = write_files(target.generate([described], {}), workdir)
+        return cls(described.edition, load(folder, described.edition))
+
     def decode(
-        self, direction: Direction, frame: CanFrame, parameters: Parameters, answering: str | None
+        self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
-        module, flags = self._module, {"extended": frame.extended, "remote": frame.remote}
         try:
-            known = self.parameters(parameters)
-            if direction is Direction.REQUEST:
-                message = module.decode_request(frame.id, frame.data, known, **flags)
-            elif answering is None or self._edition.command(answering).request is None:
-                message = module.decode_reply(frame.id, frame.data, known, **flags)
-            else:
-                request = getattr(module, class_name(f"{answering}_request"))
-                message = module.decode_answer(request, frame.id, frame.data, known, **flags)
+            message = self._decoded(direction, frame, self.parameters(parameters), expected)
             if message.encode() is None or (message.can_id ^ frame.id) & ~self._reserved(message, direction):
                 raise AssertionError(f"{message} does not go back to id 0x{frame.id:X}")
         except ValueError as error:
             return _refused(error)
-        command = answering if answering is not None and direction is Direction.REPLY else message.COMMAND
         names = {attribute(f): f for f in self._field_names()}
         raw = {names[n]: list(v) if isinstance(v, tuple) else int(v) for n, v in message.raw().items()}
-        return Decoded(command, message.node, raw, dict(self._values(message, names)))
+        return Decoded(message.COMMAND, message.node, raw, dict(self._values(message, names)))
+
+    def _decoded(self, direction: Direction, frame: CanFrame, known: Any, expected: str | None) -> Any:
+        """The message of a frame: of any class, of the class that answers a request, or of the class of a request."""
+        module, flags = self._module, {"extended": frame.extended, "remote": frame.remote}
+        has_request = expected is not None and self.edition.command(expected).request is not None
+        if not has_request:
+            decode = module.decode_request if direction is Direction.REQUEST else module.decode_reply
+            return decode(frame.id, frame.data, known, **flags)
+        request = getattr(module, class_name(f"{expected}_request"))
+        if direction is Direction.REPLY:
+            return module.decode_answer(request, frame.id, frame.data, known, **flags)
+        node = module.node_of(direction.value, frame.id, **flags)
+        return request.unpack(node, frame.id, frame.data, known)
 
     def _reserved(self, message: Any, direction: Direction) -> int:
         """The bits of the id that a reader ignores."""
-        ours = [m for m in self._edition.messages(direction) if m.command == message.COMMAND]
+        ours = [m for m in self.edition.messages(direction) if m.command == message.COMMAND]
         ignored = [f for m in ours for f in m.layout.fields if f.space is Space.ID and isinstance(f.role, ReservedRole)]
         return sum(1 << bit for f in ignored for element in f.elements for bit in element.bits)
 
     def _field_names(self) -> set[str]:
-        return {f.name for m in self._edition.all_messages() for f in m.layout.fields}
+        return {f.name for m in self.edition.all_messages() for f in m.layout.fields}
 
     def _values(self, message: Any, names: Mapping[str, str]) -> list[tuple[str, Value]]:
         found: list[tuple[str, Value]] = []
@@ -105,7 +111,7 @@ class PythonAdapter:
 
     def _enums(self, message: Any) -> set[str]:
         """The fields whose values have names."""
-        same = (m for m in self._edition.all_messages() if class_name(m.name) == type(message).__name__)
+        same = (m for m in self.edition.all_messages() if class_name(m.name) == type(message).__name__)
         return {f.name for m in same for f in m.layout.fields if f.type.enum}
 
     def encode_raw(
@@ -154,10 +160,7 @@ class PythonAdapter:
         return None
 
     def _class(self, direction: Direction, command: str) -> Any:
-        found = self._edition.command(command)
-        message = found.request if direction is Direction.REQUEST else found.reply
-        assert message is not None
-        return getattr(self._module, class_name(message.name))
+        return getattr(self._module, class_name(self.message_of(direction, command).name))
 
     @staticmethod
     def _takes_parameters(cls: Any) -> bool:
@@ -171,7 +174,7 @@ class PythonAdapter:
         """The package's own `Parameters`."""
         given: dict[str, Any] = {}
         for name, value in parameters.items():
-            parameter = self._edition.parameter(name)
+            parameter = self.edition.parameter(name)
             if parameter.is_choice and not parameter.is_numeric:
                 given[attribute(name)] = getattr(self._module, class_name(name))(value)
             else:
@@ -181,7 +184,7 @@ class PythonAdapter:
     def _given(self, cls: Any, name: str, value: ExactValue) -> Any:
         field = next(
             f
-            for m in self._edition.all_messages()
+            for m in self.edition.all_messages()
             for f in m.layout.fields
             if class_name(m.name) == cls.__name__ and f.name == name
         )

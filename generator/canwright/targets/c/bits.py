@@ -39,7 +39,7 @@ def constant_differs(field: Field, frame: str = "frame") -> str:
     )
 
 
-def labels(key: Key, values: Iterable[int]) -> list[str]:
+def labels(key: BitRun, values: Iterable[int]) -> list[str]:
     """Values of a key as they are written in C."""
     return [_shown(key.width, key.segments).bits(value) for value in values]
 

@@ -1,4 +1,4 @@
-"""From any frame to its message, and from a request to its answer: decision trees made here, `switch` in C."""
+"""The dispatch plan as `if` and `switch`, and the conditions under which a frame answers a request."""
 
 from __future__ import annotations
 
@@ -6,23 +6,32 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from ...model.edition import Edition
-from ...model.message import Command, Direction, Message
-from ...semantics.decoder import by_rule
+from ...model.message import BitRun, Command, Direction, Message
+from ...semantics import dispatch
+from ...semantics.dispatch import dispatch_plan
 from . import bits
 from .messages import Messages, RuleView, frame_id
 from .names import Names
 from .patterns import address_mask
 
 
-class Refuse(NamedTuple):
+class Reject(NamedTuple):
     status: str
 
 
 class Found(NamedTuple):
-    """A command, and what else a frame is refused for: a condition and the status, for each reason."""
+    """The command; `other_constant` is the condition for a frame without its constants, empty when it has none."""
 
     command: str
-    refusals: tuple[tuple[str, str], ...]
+    other_constant: str
+
+
+class Guard(NamedTuple):
+    """Rejects frames that meet a condition."""
+
+    condition: str
+    status: str
+    then: Node
 
 
 class Case(NamedTuple):
@@ -30,29 +39,22 @@ class Case(NamedTuple):
     then: Node
 
 
-class Select(NamedTuple):
-    """A `switch` over `subject`."""
-
+class Switch(NamedTuple):
     subject: str
     cases: tuple[Case, ...]
     otherwise: Node
 
-    @property
-    def is_plain(self) -> bool:
-        """True when one value goes on and all others are refused."""
-        return isinstance(self.otherwise, Refuse) and sum(len(case.labels) for case in self.cases) == 1
 
-
-NOWHERE = Refuse("UNKNOWN_CODE")
-Node = Refuse | Found | Select
+Node = Reject | Found | Guard | Switch
 
 
 class Entry(NamedTuple):
-    """What is done with frames whose id belongs to an address. `other_length` holds when no message has the length."""
+    """The search among the messages of one id rule."""
 
     rule: RuleView
     frame_id: str
-    other_length: str
+    other_kind: str
+    """Bits of the id that are 0 here and that the other kind of frame, remote or not, uses; empty when there are none."""
     then: Node
 
 
@@ -66,74 +68,60 @@ class AnswerView(NamedTuple):
 
 
 def entries(names: Names, edition: Edition, views: Messages, direction: Direction) -> list[Entry]:
-    """Where the search for a message of any frame starts: one entry for each id rule."""
-    found = (message for message in edition.messages(direction) if message.claims or not message.keys)
+    """The entries of the dispatch plan, in the order in which they are tried."""
+    printer = _Printer(names, views)
     return [
-        Entry(
-            views.rule(edition.address(messages[0].address), direction),
-            frame_id(messages[0]),
-            " && ".join(_other_length(dlc) for dlc in dict.fromkeys(m.dlc for m in messages if not m.remote)),
-            _Tree(names, views, messages, address_mask(edition, messages[0].address, direction)).from_key(messages, 0),
-        )
-        for messages in by_rule(found)
+        _entry(edition, views, direction, entry, printer.node(entry.then))
+        for entry in dispatch_plan(edition.messages(direction)).entries
     ]
 
 
-def _other_length(dlc: int) -> str:
-    return f"frame->dlc != {dlc}u"
+def _entry(edition: Edition, views: Messages, direction: Direction, entry: dispatch.Entry, then: Node) -> Entry:
+    message = entry.messages[0]
+    other_kind = address_mask(edition, message.address, direction) & ~entry.mask
+    return Entry(
+        rule=views.rule(edition.address(message.address), direction),
+        frame_id=frame_id(message),
+        other_kind=f"0x{other_kind:X}u" if other_kind else "",
+        then=then,
+    )
 
 
-class _Tree:
-    """The search among messages that have one id rule; `id_mask` are the bits of the id that some of them fills."""
+class _Printer:
+    """The nodes of a dispatch plan in C."""
 
-    def __init__(self, names: Names, views: Messages, messages: Sequence[Message], id_mask: int) -> None:
-        self._names, self._views, self._id_mask = names, views, id_mask
-        self._any_length = messages[0].remote or len({m.dlc for m in messages}) == 1
+    def __init__(self, names: Names, views: Messages) -> None:
+        self._names, self._views = names, views
 
-    def from_key(self, messages: Sequence[Message], depth: int, rest: Node = NOWHERE) -> Node:
-        """Tells messages apart by their keys from `depth` on; one without a further key is what is left, then `rest`."""
-        ends = [m for m in messages if len(m.keys) <= depth]
-        node = self._by_length(ends) if ends else rest
-        places: dict[tuple[object, ...], list[Message]] = {}
-        for message in messages:
-            if len(message.keys) > depth:
-                key = message.keys[depth]
-                places.setdefault((key.space, key.segments), []).append(message)
-        for together in reversed(places.values()):
-            node = Select(bits.key_value(together[0].keys[depth]), self._cases(together, depth, node), node)
-        return node
+    def node(self, node: dispatch.Node) -> Node:
+        if isinstance(node, dispatch.Reject):
+            return Reject(node.reason.name)
+        if isinstance(node, dispatch.Found):
+            command = self._names.upper("command", node.message.command)
+            return Found(command, self._views.message(node.message).other_constant)
+        if isinstance(node.otherwise, dispatch.Reject) and len(node.cases) == 1:
+            condition = _differs(node.subject, node.cases[0].values)
+            return Guard(condition, node.otherwise.reason.name, self.node(node.cases[0].then))
+        cases = (Case(_labels(node.subject, case.values), self.node(case.then)) for case in node.cases)
+        return Switch(_read(node.subject), tuple(cases), self.node(node.otherwise))
 
-    def _cases(self, messages: Sequence[Message], depth: int, rest: Node) -> tuple[Case, ...]:
-        by_value: dict[int, list[Message]] = {}
-        for message in messages:
-            for value in message.claims if depth == 0 else (message.keys[depth].value,):
-                by_value.setdefault(value, []).append(message)
-        merged: list[Case] = []
-        for value, same in by_value.items():
-            case = Case(tuple(bits.labels(messages[0].keys[depth], [value])), self.from_key(same, depth + 1, rest))
-            if merged and merged[-1].then == case.then:
-                merged[-1] = merged[-1]._replace(labels=merged[-1].labels + case.labels)
-            else:
-                merged.append(case)
-        return tuple(merged)
 
-    def _by_length(self, messages: Sequence[Message]) -> Node:
-        """The message that has the keys; by the number of data bytes where several have the same ones."""
-        by_length = {m.dlc: m for m in reversed(messages)}
-        if messages[0].remote or len(by_length) == 1:
-            return self._found(messages[0])
-        cases = (Case((f"{dlc}u",), self._found(by_length[dlc], any_length=True)) for dlc in sorted(by_length))
-        return Select("frame->dlc", tuple(cases), Refuse("WRONG_LENGTH"))
+def _read(subject: dispatch.Subject) -> str:
+    if isinstance(subject, dispatch.Length):
+        return "frame->dlc"
+    if isinstance(subject, dispatch.MaskedId):
+        return f"frame->id & 0x{subject.mask:X}u"
+    return bits.key_value(subject)
 
-    def _found(self, message: Message, *, any_length: bool = False) -> Found:
-        unused = self._id_mask & ~message.id_mask
-        refusals = (
-            (f"(frame->id & 0x{unused:X}u) != 0u" if unused else "", "UNKNOWN_ID"),
-            ("" if self._any_length or any_length else _other_length(message.dlc), "WRONG_LENGTH"),
-            (self._views.message(message).other_constant, "WRONG_CONSTANT"),
-        )
-        command = self._names.upper("command", message.command)
-        return Found(command, tuple((condition, status) for condition, status in refusals if condition))
+
+def _labels(subject: dispatch.Subject, values: Sequence[int]) -> tuple[str, ...]:
+    return tuple(bits.labels(subject, values) if isinstance(subject, BitRun) else (f"{value}u" for value in values))
+
+
+def _differs(subject: dispatch.Subject, values: Sequence[int]) -> str:
+    """The condition for a subject that has none of the values."""
+    read = bits.operand(_read(subject))
+    return " && ".join(f"{read} != {label}" for label in _labels(subject, values))
 
 
 def answers(names: Names, edition: Edition, views: Messages) -> list[AnswerView]:

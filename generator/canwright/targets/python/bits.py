@@ -1,18 +1,18 @@
-"""Python expressions that read and write the bits of fields; which way is decided here, not at run time."""
+"""Python expressions that read and write the bits of fields; the form is chosen at generation time."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 from ...model.layout import Element, Field, Segment, Space
-from ...model.message import BitRun, Key
+from ...model.message import BitRun
 from ...model.types import Encoding, Order
 
 _STRUCT = {8: "b", 16: "h", 32: "i", 64: "q"}
 
 
 class Place(NamedTuple):
-    """One raw integer on the wire: whose it is, where it is, how it reads."""
+    """The position of one raw integer on the wire; `target` is the expression that has it."""
 
     target: str
     space: Space
@@ -30,7 +30,7 @@ class Place(NamedTuple):
         return self.space is Space.DATA and all(s.width == 8 for s in self.segments)
 
     def shift(self, dlc: int) -> int:
-        """Where the least significant bit is in the data as one integer of this byte order."""
+        """The position of the least significant bit, in the data as one integer of this byte order."""
         lowest = self.segments[0]
         if self.space is Space.ID or self.order is Order.LITTLE:
             return lowest.byte * 8 + lowest.low
@@ -49,7 +49,7 @@ def key_place(key: BitRun) -> Place:
 
 
 def struct_format(places: list[Place], dlc: int) -> str | None:
-    """The `struct` format that reads all places at once in their order, or None when there is none."""
+    """The `struct` format of all places in their order; None when no format fits."""
     if not places or not all(p.whole_bytes and p.width in _STRUCT for p in places):
         return None
     orders = {p.order for p in places if p.width > 8} or {Order.LITTLE}
@@ -69,7 +69,7 @@ def _padding(count: int) -> str:
 
 
 def read(p: Place, dlc: int) -> str:
-    """An expression of `data` or `can_id` that is the raw integer."""
+    """The raw integer, as an expression of `data` or `can_id`."""
     mask = f"0x{(1 << p.width) - 1:X}"
     if p.space is Space.ID:
         return _signed(f"can_id >> {p.shift(dlc)} & {mask}" if p.shift(dlc) else f"can_id & {mask}", p)
@@ -89,7 +89,7 @@ def read(p: Place, dlc: int) -> str:
 
 
 def read_key(key: BitRun, shortest: int) -> str:
-    """The same for a selector in data of any length, at least `shortest`; bytes that are not there are left out."""
+    """The value of a selector in data of at least `shortest` bytes; bytes beyond the data are left out."""
     p = key_place(key)
     if p.space is Space.ID:
         return read(p, 0)
@@ -110,12 +110,7 @@ def _signed(expression: str, p: Place) -> str:
 
 
 def write(p: Place, dlc: int) -> str:
-    """An expression that is the raw integer moved to its place in the data as one integer of its byte order."""
+    """The raw integer shifted to its position, in the data as one integer of its byte order."""
     mask = f"0x{(1 << p.width) - 1:X}"
     shift = p.shift(dlc)
     return f"({p.target} & {mask}) << {shift}" if shift else f"{p.target} & {mask}"
-
-
-def fixed(key: Key, dlc: int) -> tuple[Order, int]:
-    """A selector's value in its place, as an integer of its byte order."""
-    return key.order, key.value << key_place(key).shift(dlc)

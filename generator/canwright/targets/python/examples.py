@@ -18,7 +18,7 @@ from .imports import Imports
 
 
 class Example(NamedTuple):
-    """A request as it is made, and a frame that answers it; `known` are the arguments of `Parameters`."""
+    """A request and a frame that answers it; `known` are the arguments of `Parameters`."""
 
     module: str
     names: tuple[str, ...]
@@ -31,9 +31,9 @@ class Example(NamedTuple):
     data: str
     field: str
     parameters: str
-    """The last argument of calls that read a frame; empty where nothing need be known."""
+    """The last argument of calls that decode a frame; empty where no parameter is needed."""
     is_full: bool
-    """Whether the request has values as well."""
+    """Whether the request has values too."""
 
 
 class Argument(NamedTuple):
@@ -68,7 +68,7 @@ def _examples(described: Described) -> Iterator[Example]:
 
 
 def _belong(request: Frame, reply: Frame) -> bool:
-    """Whether a reply answers a request: from the same node, with nothing else known of it, and both can be sent."""
+    """Whether a reply may answer a request: same node, no contradicting parameters, and both can be encoded."""
     agree = all(reply.parameters.get(name, value) == value for name, value in request.parameters.items())
     return agree and request.node == reply.node and not (request.decode_only or reply.decode_only)
 

@@ -13,7 +13,7 @@ _RUNTIME = {
         *("Bound", "Float", "Number", "Real", "ToAll", "ToNode", "check_choice", "check_number", "constant"),
         *("each", "flags", "known", "member", "merge", "missing", "named", "node_in", "require"),
     ),
-    "_dispatch": ("Answer", "Dispatcher", "Route"),
+    "_dispatch": ("Answer", "Dispatcher", "Route", "Select", "data_length"),
 }
 _STANDARD_LIBRARY = {
     "collections.abc": ("Iterable",),

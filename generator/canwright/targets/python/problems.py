@@ -1,4 +1,4 @@
-"""Different things of a spec that would have one name in Python. Nothing is generated from them."""
+"""Name collisions: items of a spec that would have the same name in Python."""
 
 from __future__ import annotations
 
@@ -10,15 +10,11 @@ from ...model.layout import Layout
 from ..base import NameProblem
 from . import text
 from .imports import NAMES
-
-_MODULE = {
-    *NAMES,
-    *("Parameters", "FAMILY", "EDITION", "SPEC_HASH", "UNKNOWN"),
-}
+from .module import CONSTANTS
 
 
 def problems(edition: Edition) -> Iterator[NameProblem]:
-    """Everything about one edition."""
+    """The collisions of one edition."""
     yield from _clashes(_module_names(edition), "something that every module has")
     for layout in dict.fromkeys(m.layout for m in edition.all_messages()):
         yield from _clashes(_attributes(layout), "")
@@ -36,8 +32,8 @@ def problems(edition: Edition) -> Iterator[NameProblem]:
 
 
 def _clashes(names: Iterator[tuple[str, str, DocumentPath]], taken: str) -> Iterator[NameProblem]:
-    """Names that stand for two things, or for one and what is `taken` by every module."""
-    owners = dict.fromkeys(_MODULE, taken) if taken else {}
+    """Names of two items, or of an item and something that every module has; `taken` describes that."""
+    owners = dict.fromkeys((*NAMES, *CONSTANTS), taken) if taken else {}
     for name, what, path in names:
         other = owners.setdefault(name, what)
         if other != what:

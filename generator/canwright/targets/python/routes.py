@@ -1,12 +1,12 @@
-"""How a frame finds its class: routes by id, selectors, and what answers what."""
+"""The dispatch plan as `Route` and `Select` expressions, and the answers to requests."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from ...model.edition import Edition
-from ...model.message import BitRun, Direction, Message
-from ...semantics.decoder import by_rule, open_bits
+from ...model.message import BitRun, Direction
+from ...semantics.dispatch import Entry, Found, Length, MaskedId, Node, Reject, Subject, dispatch_plan
 from . import bits, text
 from .imports import Imports
 
@@ -19,84 +19,75 @@ class Readers:
 
     def of(self, key: BitRun, shortest: int) -> str:
         """The name of the function that reads a key in data of that length or more."""
-        return self.names.setdefault(bits.read_key(key, shortest), f"_key_{len(self.names) + 1}")
+        return self.named(bits.read_key(key, shortest))
+
+    def named(self, expression: str) -> str:
+        """The name of the function that returns an expression of `can_id` and `data`."""
+        return self.names.setdefault(expression, f"_key_{len(self.names) + 1}")
 
 
-def routes(edition: Edition, direction: Direction, readers: Readers, imports: Imports) -> Iterator[str]:
-    """One `Route(...)` expression for every rule from node to id."""
-    for messages in by_rule(edition.messages(direction)):
-        yield _route(messages, readers, imports)
+class Routes:
+    """Prints the entries of a dispatch plan as `Route(...)` expressions."""
 
+    def __init__(self, readers: Readers, imports: Imports) -> None:
+        self._readers, self._imports = readers, imports
 
-def _route(messages: list[Message], readers: Readers, imports: Imports) -> str:
-    rule, mask = messages[0].id, open_bits(messages)
-    nodes = f"range({rule.nodes[0]}, {rule.nodes[-1] + 1})" if rule.nodes is not None else "None"
-    arguments = [f"0x{rule.base:X}", str(rule.node_step), nodes]
-    if mask:
-        arguments.append(f"mask=0x{mask:X}")
-    if rule.extended:
-        arguments.append("extended=True")
-    if messages[0].remote:
-        arguments.append("remote=True")
-    by_place: dict[object, list[Message]] = {}
-    of_length = _of_length(messages)
-    others_of_length = {name for names in of_length.values() for name in names}
-    first = [m for m in messages if text.class_name(m.name) not in others_of_length]
-    for message in first:
-        if message.keys:
-            by_place.setdefault((message.keys[0].space, message.keys[0].segments), []).append(message)
-    shortest = min(0 if m.remote else m.dlc for m in messages)
-    selectors = [
-        (readers.of(keyed[0].keys[0], shortest), _lines("{", _entries(keyed, shortest, readers), "}"))
-        for keyed in by_place.values()
-    ]
-    if selectors:
-        arguments += [f"selector={selectors[0][0]}", f"messages={selectors[0][1]}"]
-    if len(selectors) > 1:
-        arguments.append(f"more=({', '.join(f'({read}, {codes})' for read, codes in selectors[1:])},)")
-    single = [m for m in first if not m.keys][:1]
-    arguments += [f"single={text.class_name(m.name)}" for m in single]
-    if of_length:
-        listed = (f"{name}: ({', '.join(others)},)" for name, others in of_length.items())
-        arguments.append(f"of_length={{{', '.join(listed)}}}")
-    unused = {text.class_name(m.name): mask & ~m.id_mask for m in messages if mask & ~m.id_mask}
-    if unused:
-        arguments.append(f"unused={{{', '.join(f'{name}: 0x{bits_:X}' for name, bits_ in unused.items())}}}")
-    answers = [text.class_name(m.name) for m in first if not m.claims and m not in single]
-    if answers:
-        arguments.append(f"answers=frozenset({{{', '.join(answers)}}})")
-    return f"{imports.use('Route')}({', '.join(arguments)})"
+    def of(self, edition: Edition, direction: Direction) -> Iterator[str]:
+        """The routes of one direction, in the order in which they are tried."""
+        return map(self._route, dispatch_plan(edition.messages(direction)).entries)
 
+    def _route(self, entry: Entry) -> str:
+        rule = entry.rule
+        nodes = f"range({rule.nodes[0]}, {rule.nodes[-1] + 1})" if rule.nodes is not None else "None"
+        shortest = min(0 if message.remote else message.dlc for message in entry.messages)
+        arguments = [f"0x{rule.base:X}", str(rule.node_step), nodes, self._node(entry.then, shortest, 4)]
+        if entry.mask:
+            arguments.append(f"mask=0x{entry.mask:X}")
+        if rule.extended:
+            arguments.append("extended=True")
+        if entry.remote:
+            arguments.append("remote=True")
+        only_answers = [text.class_name(m.name) for m in entry.messages if m.keys and not m.claims]
+        if only_answers:
+            arguments.append(f"answers=({', '.join(only_answers)},)")
+        return f"{self._imports.use('Route')}({', '.join(arguments)})"
 
-def _of_length(messages: list[Message]) -> dict[str, list[str]]:
-    """The messages that only their length tells from a message before them, by that one."""
-    found: dict[tuple[object, ...], dict[int, str]] = {}
-    for message in (m for m in messages if not m.remote):
-        keys = tuple((k.space, k.segments, k.value) for k in message.keys)
-        if message.claims or not message.keys:
-            found.setdefault((keys, message.claims), {}).setdefault(message.dlc, text.class_name(message.name))
-    alike = [list(by_length.values()) for by_length in found.values()]
-    return {first: others for first, *others in alike if others}
+    def _node(self, node: Node, shortest: int, indent: int) -> str:
+        """A node of the plan: a message class, a refusal, or a `Select(...)` expression, in data of `shortest` or more."""
+        if isinstance(node, Found):
+            return text.class_name(node.message.name)
+        if isinstance(node, Reject):
+            return f"{self._imports.use('Refusal')}.{node.reason.name}"
+        read, form = self._read(node.subject, shortest)
+        otherwise = self._node(node.otherwise, shortest, indent)
+        if len(node.cases) == 1:
+            values, then = node.cases[0]
+            written = ", ".join(form.format(value) for value in values)
+            alone = self._node(then, shortest, indent)
+            cases = f"{{{written}: {alone}}}" if len(values) == 1 else f"dict.fromkeys(({written}), {alone})"
+        else:
+            margin = " " * indent
+            lines = (
+                f"\n{margin}    {form.format(value)}: {self._node(case.then, shortest, indent + 4)},"
+                for case in node.cases
+                for value in case.values
+            )
+            cases = f"{{{''.join(lines)}\n{margin}}}"
+        return f"{self._imports.use('Select')}({read}, {cases}, {otherwise})"
 
-
-def _lines(begin: str, entries: Iterable[str], end: str, indent: int = 4) -> str:
-    """Entries one below the other, for an expression at an indent."""
-    margin = " " * indent
-    return "".join((begin, *(f"\n{margin}    {entry}," for entry in entries), f"\n{margin}{end}"))
-
-
-def _entries(messages: list[Message], shortest: int, readers: Readers) -> Iterator[str]:
-    found: dict[int, list[str]] = {}
-    for message in sorted(messages, key=lambda m: -len(m.keys)):
-        more = text.tuple_of(f"({readers.of(k, shortest)}, 0x{k.value:02X})" for k in message.keys[1:])
-        for value in message.claims:
-            found.setdefault(value, []).append(f"({text.class_name(message.name)}, {more})")
-    for value, entries in found.items():
-        yield f"0x{value:02X}: " + (f"({entries[0]},)" if len(entries) == 1 else _lines("(", entries, ")", 8))
+    def _read(self, subject: Subject, shortest: int) -> tuple[str, str]:
+        """The name of the function that reads a subject, and the format of its values."""
+        if isinstance(subject, Length):
+            return self._imports.use("data_length"), "{}"
+        if isinstance(subject, MaskedId):
+            return self._readers.named(f"can_id & 0x{subject.mask:X}"), "0x{:X}"
+        return self._readers.of(subject, shortest), "0x{:02X}"
 
 
 def answers(edition: Edition, readers: Readers, imports: Imports) -> Iterator[str]:
     """One `request: answer` entry for every command that has both."""
+    entries = dispatch_plan(edition.messages(Direction.REPLY)).entries
+    masks = {(entry.rule, entry.remote): entry.mask for entry in entries}
     for command in edition.commands:
         if command.request is None or command.reply is None:
             continue
@@ -114,4 +105,7 @@ def answers(edition: Edition, readers: Readers, imports: Imports) -> Iterator[st
             for word, m in (("asked", command.request), ("told", reply))
             if (key := m.node_bits) is not None
         )
+        unused = masks[reply.id, reply.remote] & ~reply.id_mask
+        if unused:
+            held += f", unused=0x{unused:X}"
         yield f"{names[0]}: {imports.use('Answer')}({names[1]}, {selectors}, {nodes}, {echo}{held})"

@@ -1,4 +1,4 @@
-"""Text and names that are safe in Python source."""
+"""Texts and names that are safe in Python source."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def literal(text: str) -> str:
 
 
 def tuple_of(items: Iterable[str]) -> str:
-    """A tuple as it is written; a comma behind one item alone."""
+    """The expression of a tuple; one item alone has a comma behind it."""
     listed = list(items)
     return f"({', '.join(listed)}{',' if len(listed) == 1 else ''})"
 
@@ -37,7 +37,7 @@ def english(text: Text) -> str:
 
 
 def sentence(text: str) -> str:
-    """A text that ends like a sentence; nothing for nothing."""
+    """A text with a full stop at its end; an empty text stays empty."""
     return text if not text or text.endswith((".", "!", "?")) else text + "."
 
 
@@ -55,7 +55,7 @@ def member_name(name: str) -> str:
 
 
 def attribute(name: str) -> str:
-    """A field's attribute and keyword; with `_` behind it where Python or a message has that name already."""
+    """The attribute and keyword of a field or parameter, with `_` appended where Python or a message uses the name."""
     return name + "_" if name in _RESERVED or name in _MEMBERS else name
 
 
@@ -71,7 +71,7 @@ def wrap(text: str, indent: int, width: int = 110) -> list[str]:
 
 
 def docstring(paragraphs: Sequence[str], indent: int) -> str:
-    """A docstring of one summary line and paragraphs, each already safe; empty ones are left out."""
+    """A docstring of a summary line and paragraphs, which are safe to print; empty ones are left out."""
     kept = [paragraph for paragraph in paragraphs if paragraph]
     margin = " " * indent
     if len(kept) == 1 and len(kept[0]) <= 110 - indent:

@@ -1,4 +1,4 @@
-"""Types as the declarations of a generated module: numbers, floats, enums, flags."""
+"""Types as declarations of a generated module: numbers, floats, enums, flags."""
 
 from __future__ import annotations
 

@@ -1,0 +1,123 @@
+"""A CAN frame: its bits, the raw integers in them, and whether it is one given message."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ..model import formatting
+from ..model.layout import Field, Segment, Space, Variant
+from ..model.message import BitRun, Message
+from ..model.types import Encoding, Type
+from .dispatch import node_of_id
+
+Raw = int | list[int]
+
+
+@dataclass(frozen=True)
+class CanFrame:
+    """A frame as it was on the bus; `extended` means a 29-bit id, `remote` a frame that asks for data."""
+
+    id: int
+    data: bytes
+    extended: bool = False
+    remote: bool = False
+
+
+def read_bits(bits: BitRun, frame: CanFrame) -> int:
+    """Bits of a frame as an unsigned integer; bytes beyond its data count as 0."""
+    return _read(bits.segments, bits.space, frame)
+
+
+def _read(segments: Sequence[Segment], space: Space, frame: CanFrame) -> int:
+    found = 0
+    for s in segments:
+        source = frame.id if space is Space.ID else frame.data[s.byte] if s.byte < len(frame.data) else 0
+        found |= (source >> s.low & (1 << s.width) - 1) << s.raw_low
+    return found
+
+
+def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
+    """The raw integer of each field, constants left out."""
+    return {f.name: raw_of(f, frame) for f in variant.fields if f.fixed is None}
+
+
+def raw_of(field: Field, frame: CanFrame) -> Raw:
+    """The raw integer of a field, a list for an array."""
+    found = [_signed(field.type, _read(e.segments, field.space, frame)) for e in field.elements]
+    return found if field.is_array else found[0]
+
+
+def _signed(type_: Type, raw: int) -> int:
+    if type_.encoding is Encoding.SIGNED and raw >> (type_.width - 1):
+        return raw - (1 << type_.width)
+    return raw
+
+
+def wrong_constants(fields: Iterable[Field], frame: CanFrame) -> list[Field]:
+    """The fields that should hold a constant and hold something else."""
+    return [f for f in fields if f.demanded is not None and raw_of(f, frame) != f.demanded]
+
+
+def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:
+    """The bits of the data that some places take, as a mask, the first byte lowest."""
+    taken = 0
+    for space, segments in places:
+        for s in segments if space is Space.DATA else ():
+            taken |= ((1 << s.width) - 1) << (s.byte * 8 + s.low)
+    return taken
+
+
+def node_of(message: Message, frame: CanFrame) -> int | None:
+    """The node that a frame of this message is of."""
+    return node_of_id(message.id, frame.id & ~message.id_mask)
+
+
+def has_id(message: Message, frame: CanFrame) -> bool:
+    """Whether the id of a frame is one of the message's, keys in the id included."""
+    if (message.id.extended, message.remote) != (frame.extended, frame.remote):
+        return False
+    if not all(_key_holds(message, i, frame) for i, key in enumerate(message.keys) if key.space is Space.ID):
+        return False
+    rest = frame.id & ~message.id_mask
+    return rest == message.id.base if message.id.nodes is None else node_of_id(message.id, rest) is not None
+
+
+def is_message(message: Message, frame: CanFrame) -> bool:
+    """Whether a frame has the id, the length and the keys of a message."""
+    if len(frame.data) != message.dlc and not frame.remote:
+        return False
+    return has_id(message, frame) and all(_key_holds(message, i, frame) for i in range(len(message.keys)))
+
+
+class Difference(NamedTuple):
+    """The part of a frame that is not that of a message, and what is wrong with it."""
+
+    part: str
+    text: str
+
+
+def difference(message: Message, frame: CanFrame) -> Difference | None:
+    """Why a frame is not a message; None when it is."""
+    if is_message(message, frame):
+        return None
+    if frame.extended is not message.id.extended:
+        return Difference("extended", f"{message.name} has {'a 29-bit' if message.id.extended else 'an 11-bit'} id")
+    if frame.remote is not message.remote:
+        return Difference("remote", f"{message.name} is {'a' if message.remote else 'no'} remote frame")
+    if not has_id(message, frame):
+        return Difference("id", f"0x{frame.id:X} is no id of {message.name}")
+    if len(frame.data) != message.dlc and not frame.remote:
+        return Difference(
+            "length", f"{formatting.counted(len(frame.data), 'byte')}, but {message.name} has {message.dlc}"
+        )
+    key = next(key for i, key in enumerate(message.keys) if not _key_holds(message, i, frame))
+    found = f"{formatting.place(key.space, key.segments)} is 0x{read_bits(key, frame):02X}"
+    return Difference("keys", f"{found}, but {message.name} has 0x{key.value:02X}")
+
+
+def _key_holds(message: Message, index: int, frame: CanFrame) -> bool:
+    key = message.keys[index]
+    found = read_bits(key, frame)
+    return found == key.value or (index == 0 and found in (*message.accept, *message.claims))

@@ -1,0 +1,214 @@
+"""The dispatch plan against a plain reading of its rule, on random frames and golden frames of every spec."""
+
+from __future__ import annotations
+
+import random
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pytest
+from canwright.model.edition import Edition
+from canwright.model.layout import Space, bits_of
+from canwright.model.message import Direction, Key, Message
+from canwright.model.refusal import Refusal
+from canwright.project.loader import described
+from canwright.semantics.decoder import Decoder, Rejection
+from canwright.semantics.dispatch import Found, Node, Select, dispatch_plan
+from canwright.semantics.frame import CanFrame
+
+from ..resolve.test_tables import TABLE
+from ..spec_texts import SPECS, called, edition
+
+FRAMES = 1000
+
+Outcome = tuple[str, int | None] | Refusal
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_random_and_golden_frames(spec: Path) -> None:
+    item = described(spec)
+    assert item.frames is not None
+    golden = [CanFrame(f.id, f.data, f.extended, f.remote) for f in item.frames.frames]
+    compare(item.edition, [*golden, *random_frames(item.edition, FRAMES)])
+
+
+LENGTHS = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
+selector: {at: 0, raw: u8}
+commands:
+  short: {code: 0x10, manual: "1", request: {dlc: 2}, reply: {dlc: 2, accept: [0x20], layout: {level: {at: 1, raw: u8}}}}
+  long: {code: 0x10, manual: "1", request: {dlc: 4}, reply: {dlc: 4, layout: {level: {at: 2, raw: u16}}}}
+  other: {code: 0x30, manual: "1", request: {dlc: 8}, reply: {dlc: 8, layout: {level: {at: 2, raw: u16}}}}
+"""
+PLACES = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses:
+  lamp: {id: 0x10000 + node, nodes: 0..3, extended: true, selector: {at: 0, raw: u4}}
+  same: {id: 0x10000 + node, nodes: 0..3, extended: true, selector: {at: 6, raw: u8}}
+commands:
+  first: {code: 1, manual: "1", request: {high: {at: 0.4, raw: u4}}, reply: echo}
+  read: {code: 2, manual: "1", request: {kind: {at: 1, raw: u8, constant: 1}, level: {at: 2, raw: u8}}, reply: echo}
+  write: {code: 2, manual: "1", request: {kind: {at: 1, raw: u8, constant: 2}, level: {at: 3, raw: u8}}, reply: echo}
+  general: {code: 2, manual: "1", request: {kind: {at: 1, raw: u8}, level: {at: 4, raw: u8}}, reply: echo}
+  wide: {code: 3, manual: "1", request: {small: {at: id.20, raw: i3}}, reply: none}
+  fixed: {code: 4, manual: "1", request: {mark: {at: 1.3, raw: i9, constant: -2}}, reply: none}
+  status: {manual: "1", request: none, reply: {level: {at: 0, raw: u8}}}
+  seven: {code: 7, address: same, manual: "1", request: {mark: {at: 0, raw: u4, constant: 9}}, reply: none}
+  eight: {code: 7, address: same, manual: "1", request: {mark: {at: 0, raw: u4, constant: 10}}, reply: none}
+"""
+UNUSED = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
+selector: {at: 0, raw: u8}
+commands:
+  plain: {code: 0x10, manual: "1", request: {dlc: 2}, reply: none}
+  wide: {code: 0x11, manual: "1", request: {dlc: 3, layout: {rank: {at: id.9, raw: u2}}}, reply: none}
+  both: {code: 0x12, manual: "1", request: {dlc: 2, layout: {rank: {at: id.9, raw: u2}}}, reply: none}
+  both_long: {code: 0x12, manual: "1", request: {dlc: 3}, reply: none}
+"""
+
+
+@pytest.mark.parametrize("text", [PLACES, LENGTHS, UNUSED, TABLE], ids=["places", "lengths", "unused", "table"])
+def test_random_frames_of_unusual_specs(text: str, tmp_path: Path) -> None:
+    of_text = edition(tmp_path, text)
+    compare(of_text, list(random_frames(of_text, FRAMES)))
+
+
+def test_only_the_length_decides_between_messages_of_one_code(tmp_path: Path) -> None:
+    """Whatever further codes are accepted for one of them."""
+    decoder = Decoder(edition(tmp_path, LENGTHS))
+    found = decoder.identify(Direction.REPLY, CanFrame(0x101, bytes.fromhex("10 00 00 00")))
+    assert not isinstance(found, Rejection) and found.message.command == "long"
+    found = decoder.identify(Direction.REPLY, CanFrame(0x101, bytes.fromhex("20 00 00 00")))
+    assert isinstance(found, Rejection) and found.reason is Refusal.WRONG_LENGTH
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_the_tree_has_every_message_that_claims_a_code(spec: Path) -> None:
+    of_spec = described(spec).edition
+    for direction in Direction:
+        entries = dispatch_plan(of_spec.messages(direction)).entries
+        there = {name for entry in entries for name in names(entry.then)}
+        assert there == {m.name for m in of_spec.messages(direction) if m.claims or not m.keys}
+
+
+def names(node: Node) -> Iterator[str]:
+    """The messages below a node."""
+    if isinstance(node, Found):
+        yield node.message.name
+    elif isinstance(node, Select):
+        for branch in (*(case.then for case in node.cases), node.otherwise):
+            yield from names(branch)
+
+
+def compare(of_spec: Edition, frames: Sequence[CanFrame]) -> None:
+    """Compares every frame in both directions; all messages and reasons have to occur."""
+    decoder = Decoder(of_spec)
+    by_rule = {direction: groups(of_spec.messages(direction)) for direction in Direction}
+    seen: Counter[str | Refusal] = Counter()
+    for frame in frames:
+        for direction in Direction:
+            found = decoder.identify(direction, frame)
+            outcome = found.reason if isinstance(found, Rejection) else (found.message.name, found.node)
+            wanted = expected(by_rule[direction], frame)
+            assert outcome == wanted, (direction, frame)
+            seen[wanted if isinstance(wanted, Refusal) else wanted[0]] += 1
+    assert {m.name for m in of_spec.all_messages() if m.claims or not m.keys} <= set(seen)
+    assert {Refusal.UNKNOWN_ID} < {one for one in seen if isinstance(one, Refusal)}
+
+
+Group = tuple[list[Message], set[int]]
+"""The messages of one id rule, and the bits of the id that keys and fields of some of them have."""
+
+
+def groups(messages: Sequence[Message]) -> list[Group]:
+    """The messages by id rule, fewest open bits first."""
+    found = {(m.id, m.remote): [o for o in messages if (o.id, o.remote) == (m.id, m.remote)] for m in messages}
+    return sorted(((group, _open(group)) for group in found.values()), key=lambda group: len(group[1]))
+
+
+def expected(of_direction: Sequence[Group], frame: CanFrame) -> Outcome:
+    """The id rule, the longest matching keys, the length, the message without keys; by trying every message."""
+    fitting = [(*group, node) for group in of_direction for node in _nodes(*group, frame)]
+    if not fitting:
+        return Refusal.UNKNOWN_ID
+    group, open_bits, node = fitting[0]
+    if not frame.remote and all(len(frame.data) != m.dlc for m in group):
+        return Refusal.WRONG_LENGTH
+    matching = [m for m in group if m.keys and _keys_match(m, frame)] or [m for m in group if not m.keys]
+    if not matching:
+        return Refusal.UNKNOWN_CODE
+    most = max(len(m.keys) for m in matching)
+    first = next(m for m in matching if len(m.keys) == most)
+    same = [m for m in matching if _where(m) == _where(first)]
+    found = next((m for m in same if len(frame.data) == m.dlc and not frame.remote), first)
+    if any(frame.id >> bit & 1 for bit in open_bits - _open([found])):
+        return Refusal.UNKNOWN_ID
+    return (found.name, node) if frame.remote or len(frame.data) == found.dlc else Refusal.WRONG_LENGTH
+
+
+def _open(messages: Sequence[Message]) -> set[int]:
+    """The bits of the id that keys and fields of messages have."""
+    found = {bit for m in messages for k in m.keys if k.space is Space.ID for bit in bits_of(k.segments)}
+    fields = (f for m in messages for f in m.layout.fields if f.space is Space.ID)
+    return found | {bit for f in fields for e in f.elements for bit in e.bits}
+
+
+def _nodes(group: Sequence[Message], open_bits: set[int], frame: CanFrame) -> list[int | None]:
+    """The node that an id is of, by trying all of them."""
+    rule = group[0].id
+    if (rule.extended, group[0].remote) != (frame.extended, frame.remote):
+        return []
+    rest = sum(1 << bit for bit in range(29) if frame.id >> bit & 1 and bit not in open_bits)
+    if rule.nodes is None:
+        return [None] if rest == rule.base else []
+    return [node for node in rule.nodes if rule.base + node * rule.node_step == rest]
+
+
+def _keys_match(message: Message, frame: CanFrame) -> bool:
+    first, *others = message.keys
+    return _held(first, frame) in message.claims and all(_held(key, frame) == key.value for key in others)
+
+
+def _held(key: Key, frame: CanFrame) -> int:
+    word = frame.id if key.space is Space.ID else int.from_bytes(frame.data, "little")
+    return sum((word >> bit & 1) << i for i, bit in enumerate(bits_of(key.segments)))
+
+
+def _where(message: Message) -> object:
+    return [(key.space, key.segments, key.value) for key in message.keys]
+
+
+def random_frames(of_spec: Edition, count: int) -> Iterator[CanFrame]:
+    """Frames that are nearly those of a message: most have its id, its length and its keys, or those of another."""
+    chance = random.Random(1)
+    messages = list(of_spec.all_messages())
+    for i in range(count):
+        message, other = messages[i % len(messages)], chance.choice(messages)
+        node = chance.choice(message.id.nodes) if message.id.nodes is not None else 0
+        can_id = message.id.base + node * message.id.node_step
+        length = message.dlc if chance.random() < 0.9 else chance.choice((other.dlc, chance.randrange(9)))
+        word = chance.getrandbits(8 * length) * (chance.random() < 0.6)
+        for key in (*message.keys, *(other.keys if chance.random() < 0.2 else ())):
+            values = (key.value,) * 8 + (*message.accept, *message.claims, 0, chance.getrandbits(key.width))
+            value = chance.choice(values)
+            for number, bit in enumerate(bits_of(key.segments)):
+                change = (value >> number & 1) << bit
+                if key.space is Space.ID:
+                    can_id = can_id & ~(1 << bit) | change
+                else:
+                    word = word & ~(1 << bit) | change
+        noise = 1 << chance.randrange(29 if message.id.extended else 11)
+        kind = chance.random()
+        extended = message.id.extended is not (kind > 0.98)
+        remote = message.remote is not (kind < 0.02)
+        data = b"" if remote else (word & (1 << 8 * length) - 1).to_bytes(length, "little")
+        yield CanFrame(can_id ^ noise * (chance.random() < 0.1), data, extended, remote)
