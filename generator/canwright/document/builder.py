@@ -1,4 +1,4 @@
-"""YAML events to plain data, in one pass; whatever is unsafe or in doubt becomes a finding of the document."""
+"""YAML events to plain data, in one pass; whatever is unsafe or ambiguous becomes a finding of the document."""
 
 from __future__ import annotations
 

@@ -156,7 +156,7 @@ def mapping(written: object, path: DocumentPath) -> str:
     """For what stands in place of a mapping: a parameter with its value, a number with its range, a word."""
     last = str(path[-1]) if path else ""
     if last == "selector" and str(written).lower() in ("none", "null", "no", "false", "id"):
-        return "leave `selector` out where nothing in a frame tells its command"
+        return "leave `selector` out where nothing in a frame identifies its command"
     if last == "number" and (low_high := span(_text(written)).split(".."))[1:]:
         return f"write {{min: {low_high[0]}, max: {low_high[1]}}}"
     if isinstance(written, (int, Decimal)) and (last == "number" or (path[:1] == ("parameters",) and len(path) == 2)):

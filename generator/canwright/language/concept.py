@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import types
 import typing
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, TypeVar, Union
+from typing import Any, ClassVar, TypeVar
 
 JsonSchema = dict[str, Any]
 
@@ -116,25 +115,3 @@ def keys(concept: type[Concept]) -> Mapping[str, Declared]:
 def metadata(annotation: Any, kind: type[T]) -> T | None:
     """The last annotation of a kind."""
     return next((one for one in reversed(getattr(annotation, "__metadata__", ())) if isinstance(one, kind)), None)
-
-
-@per_concept
-def inner_concepts(concept: type[Concept]) -> Mapping[str, type[Concept]]:
-    """The keys of a concept that take another one, and not several by name or in a list."""
-    found = {name: list(_forms(key.annotation)) for name, key in keys(concept).items()}
-    concepts = {
-        name: next((form for form in forms if isinstance(form, type) and issubclass(form, Concept)), None)
-        for name, forms in found.items()
-        if not any(typing.get_origin(form) in (dict, list) for form in forms)
-    }
-    return {name: inner for name, inner in concepts.items() if inner}
-
-
-def _forms(annotation: Any) -> Iterator[Any]:
-    """The members of a union, or the one type that there is."""
-    origin = typing.get_origin(annotation)
-    if origin in (Annotated, Union, types.UnionType):
-        for part in typing.get_args(annotation)[: 1 if origin is Annotated else None]:
-            yield from _forms(part)
-    else:
-        yield annotation

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from decimal import Decimal
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
-from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath
+from ..diagnostics.diagnostic import Diagnostic, DocumentPath
 from ..document.document import Document
 from .concept import Concept, keys
+from .findings import Findings
 from .forms import INVALID, Mapped, Place
 
 C = TypeVar("C", bound=Concept)
@@ -29,7 +28,7 @@ def decode(document: Document, concept: type[C]) -> Decoded[C]:
     other = _other_file(document, concept)
     if other:
         return Decoded(None, (*document.findings, other), frozenset({()}))
-    report = _Findings(document)
+    report = Findings(document)
     value = INVALID if report.is_unreadable(()) else Mapped(concept).decode(report, document.data, Place(()))
     return Decoded(None if value is INVALID else value, tuple(report.findings), frozenset(report.invalid))
 
@@ -46,40 +45,3 @@ def _other_file(document: Document, concept: type[Concept]) -> Diagnostic | None
         message = f"none of {', '.join(f'`{name}`' for name in needed)} is here, so this is something else"
         return document.finding((), "missing-key", message, "`canwright: 1` comes first")
     return None
-
-
-class _Findings:
-    """Collects the findings about a document, and the paths of what is invalid."""
-
-    def __init__(self, document: Document) -> None:
-        self._document = document
-        self.findings = list(document.findings)
-        self.invalid = set(document.unreadable)
-        self._most = len(self.findings) + MOST_FINDINGS
-
-    def finding(
-        self, path: DocumentPath, rule: str, message: str, hint: str = "", *, key: bool = False, about: str = ""
-    ) -> None:
-        self.invalid.add((*path, about) if about else path)
-        if len(self.findings) < self._most:
-            message = message[:1].lower() + message[1:]
-            self.findings.append(self._document.finding(path, rule, message, hint, key=key))
-
-    def is_unreadable(self, path: DocumentPath) -> bool:
-        return path in self._document.unreadable
-
-    def has_unreadable_key(self, path: DocumentPath, data: Mapping[str, Any]) -> bool:
-        return any(one[:-1] == path and one and one[-1] not in data for one in self._document.unreadable)
-
-    def is_type(self, name: object) -> bool:
-        data = self._document.data
-        types = data.get("types") if isinstance(data, dict) else None
-        return isinstance(types, dict) and name in types
-
-    def written(self, path: DocumentPath, value: object, *, key: bool = False) -> str:
-        """A number as it stands in the file: 0x80 and not 128."""
-        if not key and (isinstance(value, bool) or not isinstance(value, (int, Decimal))):
-            return str(value)
-        at = self._document.position(path, key=key)
-        text = at.text[at.column - 1 :][: at.length].strip("'\"")
-        return text if text and len(text) < 40 else str(value)

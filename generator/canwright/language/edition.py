@@ -104,6 +104,7 @@ class Bus(Concept):
 class NumberRange(Concept):
     """A number parameter's limits."""
 
+    called = "`number`"
     example = {"min": 1, "max": 10}
 
     min: Annotated[Rational | None, Key("Smallest value.")] = None

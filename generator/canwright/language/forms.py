@@ -10,36 +10,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import Enum
-from typing import Annotated, Any, Literal, NamedTuple, Protocol, Union
+from typing import Annotated, Any, Literal, NamedTuple, Union
 
 from ..diagnostics.diagnostic import DocumentPath
 from . import aliases, notation, suggestions
 from .concept import Choose, Concept, Declared, JsonSchema, Limits, Notation, keys, metadata, per_concept
+from .findings import Findings
 
 INVALID: Any = object()
 """In place of a value that could not be decoded; there is a finding about it."""
-
-
-class Report(Protocol):
-    """Takes the findings, and knows the document. `invalid` are the paths of what is left out."""
-
-    invalid: set[DocumentPath]
-
-    def finding(
-        self, path: DocumentPath, rule: str, message: str, hint: str = "", *, key: bool = False, about: str = ""
-    ) -> None:
-        """A finding at a path, `about` a key that is missing there."""
-
-    def is_unreadable(self, path: DocumentPath) -> bool:
-        """Whether there is a finding about what stands at a path already."""
-
-    def has_unreadable_key(self, path: DocumentPath, data: Mapping[str, Any]) -> bool:
-        """Whether the mapping at a path has a key that is not in its data."""
-
-    def is_type(self, name: object) -> bool:
-        """Whether the document defines a type of this name."""
-
-    def written(self, path: DocumentPath, value: object, *, key: bool = False) -> str: ...
 
 
 class Place(NamedTuple):
@@ -63,7 +42,7 @@ class Form:
     example: Any = None
     """How a concept in this form is written; None without a concept."""
 
-    def decode(self, report: Report, data: Any, place: Place) -> Any:
+    def decode(self, report: Findings, data: Any, place: Place) -> Any:
         """The value; INVALID after a finding."""
         raise NotImplementedError
 
@@ -82,11 +61,11 @@ class Form:
             return place.key.key.description + shown
         return f"Like {place.last}: {aliases.flow(self.example)}"
 
-    def _type(self, report: Report, place: Place, message: str, hint: str = "") -> Any:
+    def _type(self, report: Findings, place: Place, message: str, hint: str = "") -> Any:
         report.finding(place.path, "type", message, hint or self.describe(place), key=place.is_key)
         return INVALID
 
-    def _value(self, report: Report, place: Place, message: str, hint: str = "") -> Any:
+    def _value(self, report: Findings, place: Place, message: str, hint: str = "") -> Any:
         report.finding(place.path, "value", message, hint, key=place.is_key)
         return INVALID
 
@@ -97,7 +76,7 @@ class Text(Form):
 
     limits: Limits
 
-    def decode(self, report: Report, data: Any, place: Place) -> Any:
+    def decode(self, report: Findings, data: Any, place: Place) -> Any:
         if not isinstance(data, str):
             return self._type(report, place, "expected a text here", "put it in quotes" if is_scalar(data) else "")
         limits = self.limits
@@ -132,7 +111,7 @@ class Integer(Form):
 
     limits: Limits
 
-    def decode(self, report: Report, data: Any, place: Place) -> Any:
+    def decode(self, report: Findings, data: Any, place: Place) -> Any:
         if not isinstance(data, int) or isinstance(data, bool):
             shown = suggestions.as_yaml(data)
             text = f"`{shown}` is not a whole number" if is_scalar(data) else "expected a whole number here"
@@ -155,7 +134,7 @@ class Integer(Form):
 class Truth(Form):
     """`true` or `false`."""
 
-    def decode(self, report: Report, data: Any, place: Place) -> Any:
+    def decode(self, report: Findings, data: Any, place: Place) -> Any:
         if isinstance(data, bool):
             return data
         hint = f"write {aliases.truth(data) or 'true or false'}"
@@ -172,7 +151,7 @@ class Words(Form):
 
     words: Mapping[Any, Any]
 
-    def decode(self, report: Report, data: Any, place: Place) -> Any:
+    def decode(self, report: Findings, data: Any, place: Place) -> Any:
         if is_scalar(data) and not isinstance(data, bool) and data in self.words:
             return self.words[data]
         listed = [f"`{word}`" for word in self.words]
@@ -201,7 +180,7 @@ class Written(Form):
 
     notation: Notation
 
-    def decode(self, report: Report, data: Any, place: Place) -> Any:
+    def decode(self, report: Findings, data: Any, place: Place) -> Any:
         takes = isinstance(data, (str, int, Decimal)) and (self.notation.any_scalar or not isinstance(data, bool))
         try:
             if not takes:
@@ -230,7 +209,7 @@ class Items(Form):
     def __post_init__(self) -> None:
         object.__setattr__(self, "example", [self.item.example] if self.item.example else None)
 
-    def decode(self, report: Report, data: Any, place: Place) -> Any:
+    def decode(self, report: Findings, data: Any, place: Place) -> Any:
         if not isinstance(data, list):
             shown = report.written(place.path, data)
             hint = f"write [{shown}]" if is_scalar(data) else ""
@@ -257,7 +236,7 @@ class Names(Form):
     def __post_init__(self) -> None:
         object.__setattr__(self, "example", {"NAME": self.value.example} if self.value.example else None)
 
-    def decode(self, report: Report, data: Any, place: Place) -> Any:
+    def decode(self, report: Findings, data: Any, place: Place) -> Any:
         if not isinstance(data, dict):
             hint = aliases.named(data) or aliases.listed(data, place.last) or aliases.mapping(data, place.path)
             return self._type(report, place, "expected a mapping here", hint)
@@ -302,7 +281,7 @@ class Mapped(Form):
     def __post_init__(self) -> None:
         object.__setattr__(self, "example", self.concept.example or None)
 
-    def decode(self, report: Report, data: Any, place: Place) -> Any:
+    def decode(self, report: Findings, data: Any, place: Place) -> Any:
         if not isinstance(data, dict):
             hint = aliases.named(data) or aliases.mapping(data, place.path)
             return self._type(report, place, "expected a mapping here", hint)
@@ -324,9 +303,9 @@ class Mapped(Form):
             form = _rest(self.concept)
             rest = {name: value for name, value in data.items() if name not in known}
             values[cases] = form.decode(report, rest, place)
-        return self._made({name: value for name, value in values.items() if value is not INVALID})
+        return self._made(report, {name: value for name, value in values.items() if value is not INVALID})
 
-    def _unknown(self, report: Report, data: dict[str, Any], place: Place, values: dict[str, Any]) -> set[str]:
+    def _unknown(self, report: Findings, data: dict[str, Any], place: Place, values: dict[str, Any]) -> set[str]:
         """Reports unknown keys; the keys that they stand for. A slip of the pen is read as the key it is near to."""
         known = declared(self.concept)
         meant = set(known) if report.has_unreadable_key(place.path, data) else set()
@@ -350,7 +329,7 @@ class Mapped(Form):
                 report.invalid |= {(*place.path, one) for one in stands_for}
         return meant
 
-    def _made(self, values: dict[str, Any]) -> Any:
+    def _made(self, report: Findings, values: dict[str, Any]) -> Any:
         """The concept, with values of its example in place of invalid ones that it needs."""
         for name, (key, form) in declared(self.concept).items():
             if key.required and name not in values:
@@ -358,7 +337,7 @@ class Mapped(Form):
                     return INVALID
                 example = self.concept.example[name]
                 is_empty = example in ({}, [])
-                values[name] = example if is_empty else form.decode(_Silent(), example, Place((name,), key))
+                values[name] = example if is_empty else form.decode(report, example, Place(("", name), key))
         return self.concept(**values) if not self.concept.cases or self.concept.cases in values else INVALID
 
     def schema(self, definitions: dict[str, JsonSchema]) -> JsonSchema:
@@ -396,7 +375,7 @@ class Either(Form):
         examples = (form.example for form in (*self.mappings, *self.lists) if form.example)
         object.__setattr__(self, "example", next(examples, None))
 
-    def decode(self, report: Report, data: Any, place: Place) -> Any:
+    def decode(self, report: Findings, data: Any, place: Place) -> Any:
         if isinstance(data, dict) and self.mappings:
             index = self.choose.which(data) if self.choose else 0
             return self.mappings[index].decode(report, data, place)
@@ -466,35 +445,11 @@ def _rest(concept: type[Concept]) -> Names:
     return typing.cast(Names, form_of(hint))
 
 
-class _Silent:
-    """Takes no findings: an example has none."""
-
-    def __init__(self) -> None:
-        self.invalid: set[DocumentPath] = set()
-
-    def finding(
-        self, path: DocumentPath, rule: str, message: str, hint: str = "", *, key: bool = False, about: str = ""
-    ) -> None:
-        raise AssertionError(f"an example is invalid: {message}")
-
-    def is_unreadable(self, path: DocumentPath) -> bool:
-        return False
-
-    def has_unreadable_key(self, path: DocumentPath, data: Mapping[str, Any]) -> bool:
-        return False
-
-    def is_type(self, name: object) -> bool:
-        return False
-
-    def written(self, path: DocumentPath, value: object, *, key: bool = False) -> str:
-        return str(value)
-
-
 def is_scalar(value: object) -> bool:
     return not isinstance(value, (dict, list))
 
 
-def _has_room(form: Form, report: Report, data: Any, place: Place, limits: Limits) -> bool:
+def _has_room(form: Form, report: Findings, data: Any, place: Place, limits: Limits) -> bool:
     """Whether a collection has as many elements as it may have; a finding where it has not."""
     if len(data) < (limits.min_length or 0):
         form._value(report, place, "this is empty; at least one is needed here", form.describe(place))

@@ -16,7 +16,7 @@ JsonSchema = Mapping[str, Any]
 
 NAME_PATTERN = "^[a-z][a-z0-9_]*$"
 IN_ALL = frozenset(("title", "about"))
-"""Keys of nearly every concept, told once."""
+"""Keys of nearly every concept, explained once."""
 
 
 class Key(NamedTuple):
@@ -51,17 +51,17 @@ def concepts() -> tuple[Concept, ...]:
 
 
 def explained(word: str) -> Iterator[str]:
-    """What the language says of a key or of a concept, in lines; nothing when it has neither."""
+    """The description of a key or of a concept, in lines; nothing when it has neither."""
     every = concepts()
     for concept in every:
         if word in (concept.name, concept.name.replace(" ", "_")):
             yield f"{concept.name}: {concept.about}"
             yield from (f"  {line}" for key in concept.keys for line in _lines(key.name, key))
     own = [(concept, key) for concept in every for key in concept.keys if key.name == word]
-    told: set[Key] = set()
+    shown: set[Key] = set()
     for _, key in own:
-        if key not in told:
-            told.add(key)
+        if key not in shown:
+            shown.add(key)
             names = ", ".join(f"`{other.name}`" for other, same in own if same == key)
             yield from _lines(f"{word} of {names}", key)
 

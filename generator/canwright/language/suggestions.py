@@ -9,7 +9,7 @@ from decimal import Decimal
 from ..diagnostics.diagnostic import near, nearest
 from ..model.types import Unit
 from .aliases import REMOTE
-from .concept import Concept, inner_concepts, keys
+from .concept import Concept, keys
 
 LISTED_KEYS = 20
 """Up to so many keys are listed where none is near."""
@@ -115,8 +115,8 @@ def meant(written: str, known: Iterable[str], there: Collection[str] = (), value
     found = near(word, names)
     if found is None or (found not in (word, f"{word}s", f"{word}es") and word != f"{found}s"):
         has_format = any(name in there and name != written for name in ("type", "raw"))
-        said = {"type", "raw"} if has_format else set()
-        free = (name for name in _MEANT if name in names and name not in there and name not in said)
+        taken = {*there, "type", "raw"} if has_format else there
+        free = (name for name in _MEANT if name in names and name not in taken)
         found = next((name for name in free if word in _MEANT[name]), None if word in _ALL_MEANT else found)
     return found
 
@@ -149,10 +149,7 @@ def unknown_key(concept: type[Concept], written: str, value: object, there: Mapp
     format_key = next((name for name in ("type", "raw") if name in there and name in known and name != written), None)
     if format_key and written.lower() in _MEANT["raw"]:
         several = ", or write `array: 1..4` for several" if "array" in known else ""
-        return f"`{format_key}` says that: take it out{several}"
-    for name, inner in inner_concepts(concept).items():
-        if written in keys(inner):
-            return f"`{written}` stands in `{name}`: {{{name}: {{{written}: …}}}}"
+        return f"remove it: `{format_key}` has the width and the sign{several}"
     owners = _owners(written, known)
     if owners:
         return f"`{written}` belongs to {' or '.join(owners[:3])}" + (
