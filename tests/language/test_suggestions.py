@@ -47,7 +47,7 @@ WRONG = [
         'unit: "%"',
         "unit: furlong",
         "7:27 there is no unit `furlong`",
-        "say it in `title`, or take one of these: A, mA, ",
+        "name it in `title`, or use A, mA, ",
     ),
     ('unit: "%"', "unit: ticks/s", "7:27 there is no unit `ticks/s`", "did you mean `count/s`?"),
     ("raw_range: 0..1000", "min: 0", "7:44 unknown key `min`", "did you mean `range`?"),

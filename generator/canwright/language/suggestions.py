@@ -282,8 +282,8 @@ def unit(written: str, units: Mapping[str, Unit]) -> str:
     if meant:
         return f"did you mean `{meant.name}`?"
     close = near(written, units)
-    without = "leave `unit` out and say it in `title`, or take one of these: "
-    return f"did you mean `{close}`?" if close else without + ", ".join(units)
+    listed = ", ".join([*units][:LISTED_KEYS])
+    return f"did you mean `{close}`?" if close else f"leave `unit` out and name it in `title`, or use {listed}, …"
 
 
 def layout(written: str, known: Sequence[str], commands: Collection[str], types: Collection[str]) -> str:
