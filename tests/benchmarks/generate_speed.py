@@ -4,7 +4,7 @@ Beside it stands what cannot be avoided: a process that imports PyYAML and Jinja
 spends on compiling and rendering the templates. Specs of 1, 10 and 100 times the commands show how time and memory grow.
 
 Times are those of a clock, so that they are what a user waits; the least of a few runs. Processor seconds stand beside
-them: canwright uses several processors where there are any, and keeps its compiled templates.
+them. canwright keeps its compiled templates.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""`canwright copy`: a new edition begins as a copy of another one."""
+"""`canwright copy`: a new edition starts as a copy of another one."""
 
 from __future__ import annotations
 
@@ -56,15 +56,15 @@ def test_the_frames_may_be_left_behind(lamp: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("v1", "v1"), "spec/lamp/v1.yaml is there already; nothing was written"),
+        (("v1", "v1"), "spec/lamp/v1.yaml exists already; nothing was written"),
         (("v1", "v2.yaml"), "`v2.yaml` is a file; name the new edition, v2, and its file gets that name"),
-        (("v1", "../v2"), "`../v2` is no edition"),
-        (("v1", "v2", "--date", "soon"), "`soon` is no date"),
+        (("v1", "../v2"), "`../v2` is not a valid edition"),
+        (("v1", "v2", "--date", "soon"), "`soon` is not a valid date"),
         (("v11", "v2"), "did you mean `v1`?"),
-        (("bad", "v2"), "has to be right before it is copied"),
+        (("bad", "v2"), "has errors; correct them before you copy it"),
     ],
 )
-def test_what_is_refused(arguments: tuple[str, ...], says: str, lamp: Path) -> None:
+def test_what_is_rejected(arguments: tuple[str, ...], says: str, lamp: Path) -> None:
     (lamp / "bad.yaml").write_text(OLD.replace("reply: echo", "reply: eco"), "utf-8")
     before = sorted(file.name for file in lamp.iterdir())
     result = copy(*arguments)
@@ -74,6 +74,6 @@ def test_what_is_refused(arguments: tuple[str, ...], says: str, lamp: Path) -> N
 
 def test_frames_that_are_there_are_never_overwritten(lamp: Path) -> None:
     (lamp / "v2.frames.yaml").write_text("mine", "utf-8")
-    assert "v2.frames.yaml is there already" in copy("v1", "v2").output
+    assert "v2.frames.yaml exists already" in copy("v1", "v2").output
     assert not (lamp / "v2.yaml").exists()
     assert (lamp / "v2.frames.yaml").read_text("utf-8") == "mine"

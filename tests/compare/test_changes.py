@@ -99,30 +99,30 @@ USES_OTHER = (
         (
             ("2/65535*top", "2/65534*top"),
             [
-                "one step of `level` is 2/65534*top V, was 2/65535*top V",
-                "the raw range of `level` is 0..65534, was 0..65535",
+                "the resolution of `level` is 2/65534*top V (was 2/65535*top V)",
+                "the raw range of `level` is 0..65534 (was 0..65535)",
             ],
         ),
-        (("offset: -top, range: -top..top", "offset: -2*top"), ["raw 0 of `level` is -2*top V, was -top V"]),
+        (("offset: -top, range: -top..top", "offset: -2*top"), ["the offset of `level` is -2*top V (was -top V)"]),
         (
             ("2/65535*top, offset: -top, range: -top..top", "2/65535, offset: -1, range: -1..1"),
             [
-                "one step of `level` is 2/65535 V, was 2/65535*top V",
-                "raw 0 of `level` is -1 V, was -top V",
-                "`level` depends on nothing, did on top",
+                "the resolution of `level` is 2/65535 V (was 2/65535*top V)",
+                "the offset of `level` is -1 V (was -top V)",
+                "`level` depends on nothing (was top)",
             ],
         ),
         (
             ("2/65535*top, offset: -top, range: -top..top", "2/65535*other, offset: -other, range: -other..other"),
             [
-                "one step of `level` is 2/65535*other V, was 2/65535*top V",
-                "raw 0 of `level` is -other V, was -top V",
-                "`level` depends on other, did on top",
+                "the resolution of `level` is 2/65535*other V (was 2/65535*top V)",
+                "the offset of `level` is -other V (was -top V)",
+                "`level` depends on other (was top)",
             ],
         ),
-        (("range: -top..top", "range: 0..top"), ["the raw range of `level` is 32768..65535, was 0..65535"]),
-        (("2/65535*top", "4/131070*top"), ["`level` is given as 4/131070*top V, was as 2/65535*top V"]),
-        (("top: {number: {}}", "top: {number: {max: 9}}"), ["`top` lies in ..9, was .."]),
+        (("range: -top..top", "range: 0..top"), ["the raw range of `level` is 32768..65535 (was 0..65535)"]),
+        (("2/65535*top", "4/131070*top"), ["the scale of `level` is written as 4/131070*top V (was 2/65535*top V)"]),
+        (("top: {number: {}}", "top: {number: {max: 9}}"), ["the bounds of `top` are ..9 (were ..)"]),
     ],
 )
 def test_a_multiple_of_a_parameter(written: tuple[str, str], said: list[str], tmp_path: Path) -> None:

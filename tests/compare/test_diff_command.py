@@ -41,7 +41,7 @@ def test_ways_to_name_an_edition(old: str, new: str) -> None:
     result = diff(old, new)
     assert result.exit_code == 0
     assert result.output.startswith("lamp v1 -> v2\n")
-    assert "one step of `level` is 0.01 %, was 0.1 % [scale-changed]" in result.output
+    assert "the resolution of `level` is 0.01 % (was 0.1 %) [scale-changed]" in result.output
     assert "spec/lamp/v1.yaml:7:32 -> " in result.output
 
 
@@ -128,8 +128,8 @@ def test_markdown_and_changelog(specs: Path) -> None:
     assert "a \\| &lt;b&gt; c" in text
     section = diff("v1", "v2", "--format", "changelog").output
     assert section.startswith("## v2 (2026-01)\n\nSince v1, ")
-    assert "- **silent**, host sending: one step of `level` is 0.01 %, was 0.1 %" in section
-    assert "### Documents\n\n- A title is another one: `dim`" in section
+    assert "- **silent**, host sending: the resolution of `level` is 0.01 % (was 0.1 %)" in section
+    assert "### Documents\n\n- A title is changed: `dim`" in section
 
 
 def test_editions() -> None:

@@ -37,49 +37,49 @@ LINES = (
     Line(
         "replies come from ids of their own",
         (B, C),
-        ("address motor: the reply id is `0x180 + node`, was `0x140 + node`",),
+        ("address motor: the reply id is `0x180 + node` (was `0x140 + node`)",),
     ),
     Line(
         "gains and acceleration are gone",
         ALL,
         (
-            "command read_pid: `read_pid` (0x30) is gone",
-            "command write_pid_ram: `write_pid_ram` (0x31) is gone",
-            "command write_pid_rom: `write_pid_rom` (0x32) is gone",
-            "command read_acceleration: `read_acceleration` (0x33) is gone",
-            "command write_acceleration_ram: `write_acceleration_ram` (0x34) is gone",
+            "command read_pid: `read_pid` (0x30) is removed",
+            "command write_pid_ram: `write_pid_ram` (0x31) is removed",
+            "command write_pid_rom: `write_pid_rom` (0x32) is removed",
+            "command read_acceleration: `read_acceleration` (0x33) is removed",
+            "command write_acceleration_ram: `write_acceleration_ram` (0x34) is removed",
         ),
     ),
     Line(
         "control parameters by index, B0 and B1",
         (A,),
         (
-            "command read_control_parameter: `read_control_parameter` (0xB0) is new",
-            "command write_control_parameter_ram: `write_control_parameter_ram` (0xB1) is new",
+            "command read_control_parameter: `read_control_parameter` (0xB0) is added",
+            "command write_control_parameter_ram: `write_control_parameter_ram` (0xB1) is added",
         ),
     ),
     Line(
         "control parameters by index, C0 and C1",
         (B, C),
         (
-            "command read_control_parameter: `read_control_parameter` (0xC0) is new",
-            "command write_control_parameter_ram: `write_control_parameter_ram` (0xC1) is new",
+            "command read_control_parameter: `read_control_parameter` (0xC0) is added",
+            "command write_control_parameter_ram: `write_control_parameter_ram` (0xC1) is added",
         ),
     ),
     Line(
         "settings that are staged and saved",
         (C,),
         (
-            "command read_stored_setting: `read_stored_setting` (0x40) is new",
-            "command stage_stored_setting: `stage_stored_setting` (0x42) is new",
-            "command save_stored_settings: `save_stored_settings` (0x44) is new",
+            "command read_stored_setting: `read_stored_setting` (0x40) is added",
+            "command stage_stored_setting: `stage_stored_setting` (0x42) is added",
+            "command save_stored_settings: `save_stored_settings` (0x44) is added",
         ),
     ),
-    Line("the encoder can be calibrated", (C,), ("command calibrate_encoder: `calibrate_encoder` (0x18) is new",)),
+    Line("the encoder can be calibrated", (C,), ("command calibrate_encoder: `calibrate_encoder` (0x18) is added",)),
     Line(
         "the encoder zero cannot be written any more",
         (B, C),
-        ("command write_encoder_offset_rom: `write_encoder_offset_rom` (0x91) is gone",),
+        ("command write_encoder_offset_rom: `write_encoder_offset_rom` (0x91) is removed",),
     ),
     Line(
         "95 sets the angle that it carries",
@@ -93,7 +93,7 @@ LINES = (
         "95 carries nothing, sets the zero and stops",
         (C,),
         (
-            "command clear_angle: implemented: yes, was no",
+            "command clear_angle: implemented: yes (was no)",
             "command clear_angle: effects: sets_zero, stops, writes_ram; "
             "were: sets_zero, clears_turns, clears_position_commands, writes_ram",
         ),
@@ -102,18 +102,18 @@ LINES = (
         "9A has the voltage elsewhere and finer, a current and a state",
         ALL,
         (
-            "layout status_1: `voltage` moves from DATA[3..4] to DATA[2..3]",
-            "type voltage: `voltage` is signed, was unsigned",
-            "type voltage: one step of `voltage` is 0.01 V, was 0.1 V",
-            "layout status_1: `current` is new in DATA[4..5]",
-            "layout status_1: `motor_state` is new in DATA[6]",
+            "layout status_1: `voltage` is moved from DATA[3..4] to DATA[2..3]",
+            "type voltage: `voltage` is signed (was unsigned)",
+            "type voltage: the resolution of `voltage` is 0.01 V (was 0.1 V)",
+            "layout status_1: `current` is added at DATA[4..5]",
+            "layout status_1: `motor_state` is added at DATA[6]",
         ),
     ),
     Line(
         "9A has eight error bits",
         (B, C),
         tuple(
-            f"type error_flags: `{name}` ({bit}) is new in `error_flags`"
+            f"type error_flags: `{name}` ({bit}) is added to `error_flags`"
             for name, bit in (
                 ("over_voltage", 1),
                 ("driver_overheat", 2),
@@ -128,34 +128,34 @@ LINES = (
         "9B is answered with 9B",
         ALL,
         (
-            "command clear_errors: the reply has the code 0x9B, had 0x9A",
-            "command clear_errors: a receiver also takes the codes none, took 0x9B",
+            "command clear_errors: the reply code is 0x9B (was 0x9A)",
+            "command clear_errors: accepted reply codes: none (was 0x9B)",
         ),
     ),
     Line(
         "MS reports more power, and no range is printed for the current that is reported",
         ALL,
         (
-            "layout motion_feedback: the raw range of `power` is -1000..1000, was -850..850",
-            "layout motion_feedback: the raw range of `iq` is not limited, was -2048..2048",
+            "layout motion_feedback: the raw range of `power` is -1000..1000 (was -850..850)",
+            "layout motion_feedback: the raw range of `iq` is not limited (was -2048..2048)",
         ),
     ),
     Line(
         "9D has the scale of the motion replies, and nothing for MS",
         ALL,
         (
-            "command read_status_3: it is there for series MF, MH, MG, was for all",
-            "type phase_current: one step of `phase_current` [series MS, MH] is not given, was 1/64 A",
-            "type phase_current: one step of `phase_current` [series MF] is 33/4096 A, was 1/64 A",
-            "type phase_current: one step of `phase_current` [series MG] is 66/4096 A, was 1/64 A",
+            "command read_status_3: the command is available for series MF, MH, MG (was all)",
+            "type phase_current: the resolution of `phase_current` [series MS, MH] is not given (was 1/64 A)",
+            "type phase_current: the resolution of `phase_current` [series MF] is 33/4096 A (was 1/64 A)",
+            "type phase_current: the resolution of `phase_current` [series MG] is 66/4096 A (was 1/64 A)",
         ),
     ),
-    Line("there is a brake", ALL, ("command brake: `brake` (0x8C) is new",)),
+    Line("there is a brake", ALL, ("command brake: `brake` (0x8C) is added",)),
     Line(
         "A2 carries a limit of the current",
         (B, C),
         (
-            "command set_speed: `iq_limit` is new in DATA[2..3]",
+            "command set_speed: `iq_limit` is added at DATA[2..3]",
             "command set_speed: limited by: max_speed, max_acceleration; "
             "was: max_speed, max_acceleration, max_torque_current, max_power",
         ),
@@ -163,14 +163,14 @@ LINES = (
     Line(
         "speed with a limit is a command of its own",
         (A,),
-        ("command set_speed_limited: `set_speed_limited` (0xAD) is new",),
+        ("command set_speed_limited: `set_speed_limited` (0xAD) is added",),
     ),
     Line(
         "the broadcast is gone",
         ALL,
         (
-            "address broadcast: the address `broadcast`, `0x280`, is gone",
-            "command broadcast_torque: `broadcast_torque` is gone",
+            "address broadcast: the address `broadcast`, `0x280`, is removed",
+            "command broadcast_torque: `broadcast_torque` is removed",
         ),
     ),
 )
@@ -186,24 +186,24 @@ SAME = {
 
 LATER = {
     (A, B): {
-        "command set_speed_limited: `set_speed_limited` (0xAD) is gone",
-        "command read_control_parameter: the code is 0xC0, was 0xB0",
-        "command write_control_parameter_ram: the code is 0xC1, was 0xB1",
-        "entry control_parameters.angle_pid: `angle_pid`, index 0x0A, is new",
-        "entry control_parameters.torque_limit: `torque_limit`, index 0x0A, is gone",
+        "command set_speed_limited: `set_speed_limited` (0xAD) is removed",
+        "command read_control_parameter: the code is 0xC0 (was 0xB0)",
+        "command write_control_parameter_ram: the code is 0xC1 (was 0xB1)",
+        "entry control_parameters.angle_pid: `angle_pid`, index 0x0A, is added",
+        "entry control_parameters.torque_limit: `torque_limit`, index 0x0A, is removed",
     },
     (B, C): {
         "command set_angle: the code of `set_angle` (0x95) now means `set_zero_ram`: Set present position as zero in RAM",
-        "entry control_parameters.max_angle: `max_angle` is called `upper_angle`",
-        "entry control_parameters.lower_angle: `lower_angle`, index 0x23, is new",
-        "entry control_parameters.current_ramp: `current_ramp`, index 0x24, is gone",
-        "type gain: the raw range of `gain` is 0..2000, was not limited",
-        "entry control_parameters.max_torque_current: the raw range of `max_torque_current` [series MS] is 0..850, was not limited",
+        "entry control_parameters.max_angle: `max_angle` is renamed to `upper_angle`",
+        "entry control_parameters.lower_angle: `lower_angle`, index 0x23, is added",
+        "entry control_parameters.current_ramp: `current_ramp`, index 0x24, is removed",
+        "type gain: the raw range of `gain` is 0..2000 (was not limited)",
+        "entry control_parameters.max_torque_current: the raw range of `max_torque_current` [series MS] is 0..850 (was not limited)",
         "entry control_parameters.max_torque_current: "
-        "the raw range of `max_torque_current` [series MF, MH, MG] is 0..2000, was not limited",
-        "entry control_parameters.max_speed: the raw range of `max_speed` is 0..600000, was not limited",
-        "entry control_parameters.speed_ramp: the raw range of `speed_ramp` is 0..600000, was not limited",
-        "command calibrate_encoder: `calibrate_encoder` (0x18) is new",
+        "the raw range of `max_torque_current` [series MF, MH, MG] is 0..2000 (was not limited)",
+        "entry control_parameters.max_speed: the raw range of `max_speed` is 0..600000 (was not limited)",
+        "entry control_parameters.speed_ramp: the raw range of `speed_ramp` is 0..600000 (was not limited)",
+        "command calibrate_encoder: `calibrate_encoder` (0x18) is added",
     },
 }
 
@@ -244,8 +244,8 @@ def test_what_is_the_same(name: str) -> None:
 def test_the_same_scale_written_otherwise_breaks_nothing() -> None:
     found = [c for c in changes("v2.35", A) if c.rule.id == "scale-rewritten"]
     assert [c.says() for c in found] == [
-        "`iq` [series MF] is given as 33/4096 A, was as 16.5/2048 A",
-        "`iq` [series MG] is given as 66/4096 A, was as 33/2048 A",
+        "the scale of `iq` [series MF] is written as 33/4096 A (was 16.5/2048 A)",
+        "the scale of `iq` [series MG] is written as 66/4096 A (was 33/2048 A)",
     ]
     assert all(c.impact.value == "safe" for c in found)
 

@@ -62,7 +62,7 @@ class Runs:
         self._folder = folder
         self._count = 0
         self._texts: dict[int, Path] = {}
-        command = [*inside, sys.executable, "-m", "tests.runs", *([str(watched)] if watched else []), *arguments]
+        command = [*inside, sys.executable, "-m", "tests.output.runs", *([str(watched)] if watched else []), *arguments]
         self._process = subprocess.Popen(command, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.process = self._process.pid
 
@@ -179,6 +179,7 @@ def _drop_rights() -> None:
 
 
 def _main() -> None:
+    import filelock  # noqa: F401  # which the writer imports only when it writes, in each forked run
     from canwright.cli import main
 
     status: object = 0

@@ -162,7 +162,7 @@ def test_example_builds_and_runs(tmp_path: Path) -> None:
 
 def test_an_id_that_code_or_fields_go_into_is_said_to_lack_them() -> None:
     said = [o.text for o in c.generate([described(CASES / "packed.yaml")], {}) if o.path == "include/drive/v1.h"]
-    assert "/** The id of a request to a node, less the bits of code and fields. */" in said[0]
+    assert "/** The id of a request to a node, without the bits of code and fields. */" in said[0]
     assert "/** The id of a request. */" in said[0]
 
 

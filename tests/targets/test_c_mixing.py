@@ -81,5 +81,5 @@ def test_headers_of_different_specs_do_not_compile_together(tmp_path: Path) -> N
     arguments = (f"-I{tmp_path / 'include'}", "-c", unit, "-o", tmp_path / "unit.o")
     ZIG.run("c99", *arguments)
     (tmp_path / "include/mwd_motor/v2_35.h").write_text(made["include/mwd_motor/v2_35.h"], "utf-8")
-    with pytest.raises(AssertionError, match=r"v2_35\.h and v2_35_float\.h come of different specs"):
+    with pytest.raises(AssertionError, match=r"v2_35\.h and v2_35_float\.h were generated from different specs"):
         ZIG.run("c99", *arguments)

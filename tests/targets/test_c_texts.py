@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from canwright.project.loader import described
 from canwright.targets import c
+from canwright.targets.c.text import fold
 
 from ..compilers import WARNINGS, ZIG
 from .test_c_compiles import everything, headers, write
@@ -108,3 +109,13 @@ def test_two_things_with_one_name_in_c_are_refused(tmp_path: Path) -> None:
     file.write_text(text, "utf-8")
     with pytest.raises(Exception, match="lamp_v1_parameters_t"):
         list(c.generate([described(file)], {}))
+
+
+def test_long_code_is_folded_and_comments_and_directives_are_not() -> None:
+    name, word = "a" * 60, "b" * 60
+    head = f"static inline void {name}(int one, int {word})"
+    assert fold(head) == f"static inline void {name}(\n    int one, int {word})"
+    assert fold(f"    if ({name} && {word}) {{") == f"    if ({name}\n        && {word}) {{"
+    assert fold(f"    {name}(1, {word}, 2);") == f"    {name}(1,\n        {word}, 2);"
+    for line in (f"/* {name}, {word} */", f" * {name}, {word}", f"#error {name}, {word}", f"typedef {name} {word};"):
+        assert fold(line) == line

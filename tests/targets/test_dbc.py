@@ -63,7 +63,7 @@ def test_of_very_many_nodes_the_first_are_listed(tmp_path: Path) -> None:
     spec.write_text(MINIMAL.replace("nodes: 1..4}", "nodes: 1..65535, extended: true}"), "utf-8")
     written = made(spec)
     assert written["lamp-v1-command.dbc"].count("\nBO_ ") == 256
-    assert "of the nodes up to 65535, the files list those up to 256" in written["README.md"]
+    assert "the files list the nodes up to 256 of 65535" in written["README.md"]
 
 
 def test_a_choice_among_names_splits_the_files() -> None:
@@ -97,7 +97,7 @@ def test_a_multiple_of_a_number_that_is_not_set_stays_raw_and_says_so() -> None:
     plain = files(arm)["arm-v1-star-command.dbc"]
     assert ' SG_ c_position : 7|16@0+ (1,0) [0|65535] "raw" Arm1' in plain
     assert (
-        'CM_ SG_ 1 c_position "Move: Position. Raw: one step is 2/65535*p_max rad, counted from -p_max rad. Manual 2.";'
+        'CM_ SG_ 1 c_position "Move: Position. Raw integer: resolution (1 LSB) 2/65535*p_max rad, offset -p_max rad. Manual 2.";'
         in plain
     )
     texts = files(arm, p_max="12.5", t_max="18")
@@ -107,13 +107,13 @@ def test_a_multiple_of_a_number_that_is_not_set_stays_raw_and_says_so() -> None:
     assert ' SG_ c_torque : 51|12@0+ (0.008791208791208791,-18) [-16.197802197802197|16.197802197802197] "Nm"' in made
     assert 'c_position "Move: Position. Manual 2."' in made
     reply = texts["arm-v1-star-p_max_12.5-t_max_18-reply.dbc"]
-    assert "Current. Raw: one step is 1/32767*i_max A." in reply
-    assert "Raw" not in texts["arm-v1-delta-p_max_12.5-t_max_18-reply.dbc"].split("r_current")[-1]
+    assert "Current. Raw integer: resolution (1 LSB) 1/32767*i_max A." in reply
+    assert "Raw integer" not in texts["arm-v1-delta-p_max_12.5-t_max_18-reply.dbc"].split("r_current")[-1]
 
 
 def test_the_guide_says_how_to_set_numbers() -> None:
     text = made(next(spec for spec in SMALL if spec.parent.name == "arm"))["README.md"]
-    assert "`p_max`, `v_max`, `t_max`, `i_max`: fields that are multiples of these are in counts" in text
+    assert "`p_max`, `v_max`, `t_max`, `i_max`: fields that are multiples of these parameters" in text
     assert "--set p_max=12.5 --set v_max=65 --set t_max=18 --set i_max=40 --out out" in text
 
 
@@ -250,11 +250,11 @@ def test_an_id_that_both_directions_use_is_said_to_be_one() -> None:
 def test_what_has_no_form_is_left_out_and_named() -> None:
     texts = made(CASES / "packed.yaml")
     assert "read_precise" not in texts["drive-v1-command.dbc"]
-    assert "- `read_precise` (command): left out: a remote frame" in texts["README.md"]
+    assert "- `read_precise` (command): omitted: a remote frame" in texts["README.md"]
 
 
 def test_a_message_that_is_shorter_than_others_of_its_id_is_named() -> None:
-    assert "- `short` (command): it has 2 bytes, the file says 8." in made(CASES / "tiny.yaml")["README.md"]
+    assert "- `short` (command): it has 2 bytes, but the file lists 8," in made(CASES / "tiny.yaml")["README.md"]
     assert " SG_ c1D_reserved m29 : 8|8@1+ " in files(CASES / "tiny.yaml")["lamp-v1-small-command.dbc"]
 
 

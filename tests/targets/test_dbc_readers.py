@@ -221,7 +221,7 @@ def test_selectors_side_by_side_have_a_file_that_reads_them_as_one() -> None:
     assert "lamp-v1-small-reply-index-node1.dbc" in texts
     assert "- `index`: `shine` and 1 more\n" in texts["README.md"]
     comment = plain.get_message_by_frame_id(0x101).get_signal_by_name("r1B_data").comment
-    assert comment == "Bits whose meaning the other selector tells; another file has them as fields."
+    assert comment == "Bits whose meaning depends on the other selector; a separate file shows them as fields."
 
 
 @pytest.mark.parametrize("spec", [*SPECS, *SMALL], ids=called)
@@ -262,7 +262,7 @@ def test_selectors_apart_leave_the_bits_between_undecided() -> None:
     assert not any("index" in path for path in texts)
     read = loaded(texts["lamp-v1-small-reply.dbc"]).decode_message(0x101, bytes.fromhex("1B 01 0A 02 00 00 00 80"))
     assert read == {"r_code": 0x1B, "r1B_index": "shine", "r1B_data": 1, "r1B_data_2": 0x80_0000_0002}
-    assert "`turn` (reply): its fields are shown as bare bits" in texts["README.md"]
+    assert "`turn` (reply): its fields are shown as raw bits" in texts["README.md"]
     with pytest.raises(Cannot, match="selectors_apart"):
         DbcAdapter(with_second_selector(2)).encode_raw(Direction.REPLY, "turn", 1, {"turn": 0, "faults": 0}, {})
 

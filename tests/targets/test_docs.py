@@ -56,7 +56,7 @@ def test_pictures_are_drawings_that_show_every_field(pages: dict[str, str]) -> N
         assert f">{label}<" in picture
 
 
-def test_few_members_are_told_where_they_stand(pages: dict[str, str]) -> None:
+def test_few_members_are_listed_in_the_row_of_their_field(pages: dict[str, str]) -> None:
     text = pages["en/v2.35/commands/read_status_1.md"]
     assert "| Errors<br>bits `0` `low_voltage` · `3` `over_temperature` |" in text
 
@@ -97,13 +97,13 @@ def test_what_stands_in_the_id_is_in_table_and_picture(tmp_path: Path) -> None:
     text = pages["en/v1/commands/set.md"]
     assert "| `id bits 0..7` |  | `u8` |  | `0x21` |" in text
     assert "| `id bits 12..17` | `part` |" in text
-    assert "tells the command; also accepted `0x23`" in text
+    assert "identifies the command; also accepted `0x23`" in text
     picture = re.findall(r"<text[^>]*>([^<]*)</text>", pages["en/v1/pictures/set-request.svg"])
     assert picture[8:12] == ["id 28..24", "0", "0", "0"]
     assert {"0x21", "node", "part [3:0]", "part [5:4]", "level [3:0]", "level [7:4]"} <= set(picture)
 
 
-def test_an_id_that_holds_the_code_is_told_as_it_is_on_the_bus(tmp_path: Path) -> None:
+def test_an_id_that_contains_the_code_is_shown_as_it_is_on_the_bus(tmp_path: Path) -> None:
     spec = tmp_path / "spec.yaml"
     spec.write_text(IN_THE_ID, "utf-8")
     text = {output.path: output.text for output in docs.generate([described(spec)], {})}["en/v1/commands/set.md"]
@@ -153,7 +153,7 @@ def _shown(text: str) -> str:
 def test_what_fixed_frames_leave_over_says_so() -> None:
     joint = described(ROOT / "tests/specs/joint/v1.yaml")
     pages = {output.path: output.text for output in docs.generate([joint], {})}
-    said = "being none of the other commands with this id"
+    said = "matches no other command"
     left_over = [path.rpartition("/")[2] for path, text in pages.items() if said in text]
     assert left_over == ["enable.md", "disable.md", "control.md"]  # the reply of all three is what `read_word` is not
 
@@ -163,7 +163,7 @@ def test_a_multiple_of_a_number_is_shown_as_one() -> None:
     assert "| `u16 big-endian` | `rad` radian | `2/65535*p_max rad - p_max rad` |" in pages["en/v1/types.md"]
     assert "| `0..1000` | `0..t_max N·m` |" in pages["en/v1/types.md"]
     assert "star: `-i_max..i_max A`<br>delta: `-327.67..327.67 A`" in pages["en/v1/types.md"]
-    assert pages["en/v1/parameters.md"].count("A scale is a multiple of it, so it is above 0.") == 4
+    assert pages["en/v1/parameters.md"].count("so it must be greater than 0") == 4
     worked = "`p_max = 12.5`, `v_max = 65`, `t_max = 18` | `node = 2`<br>`position = 12.5 rad` (`raw 65535`)"
     assert worked in pages["en/v1/commands/move.md"]
 
@@ -186,13 +186,13 @@ def test_the_front_page_tells_editions_apart(tmp_path: Path) -> None:
     rows = [line for line in pages["en/index.md"].splitlines() if line.startswith("| [")]
     assert rows == [
         "| [lamp `v1`](v1/index.md) | `2023-01` | Lamp | `0x100 + node` | `0x11` | |",
-        "| [lamp `v2`](v2/index.md) | `2024-01` | Lamp | `0x180 + node` | `0x12` | [What changed](v2/changes.md) |",
+        "| [lamp `v2`](v2/index.md) | `2024-01` | Lamp | `0x180 + node` | `0x12` | [Changes](v2/changes.md) |",
     ]
     assert "Edition [v1](../index.md) · also in [v2](../../v2/commands/dim.md)\n" in pages["en/v1/commands/dim.md"]
 
 
 def test_a_frame_is_written_as_can_utils_take_it() -> None:
-    """They tell a 29-bit id by its eight digits."""
+    """They recognise a 29-bit id by its eight digits."""
     found: dict[tuple[str, str], str] = {}
     for name in ("cells", "blower"):
         for page in docs.generate([described(ROOT / f"tests/specs/{name}/v1.yaml")], {}):

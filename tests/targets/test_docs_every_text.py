@@ -140,6 +140,7 @@ def test_a_change_is_told_in_the_language_of_its_page(rule: str, tmp_path: Path)
     assert rows or rule == "languages-changed"  # both are in two languages here
     for row in rows:
         assert not ENGLISH.search(re.sub(r"`[^`]*`", "", row)), row
+        assert not re.search(r"[\u4e00-\u9fff] [\u4e00-\u9fff]", row), row
 
 
 def test_chinese_pages_are_chinese_throughout() -> None:

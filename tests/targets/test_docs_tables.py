@@ -67,7 +67,7 @@ def test_the_overview_has_the_entries_of_a_table_by_index(pages: dict[str, str])
     assert section.splitlines()[:6] == [
         "What the lamp starts with.",
         "",
-        "| Index | Entry | What it is | `read_setting` | `write_setting` | Effects |",
+        "| Index | Entry | Description | `read_setting` | `write_setting` | Effects |",
         "| --- | --- | --- | --- | --- | --- |",
         "| `0xA0` | `gains` | Gains | [`0x40`](commands/read_setting_gains.md) | "
         "[`0x42`](commands/write_setting_gains.md) | `wears` |",
@@ -81,10 +81,10 @@ def test_a_page_says_what_is_said_of_its_table_entry_and_command(pages: dict[str
     entry = "**Entry:** `gains` `0xA0` · [Things \\| set](../index.md#tables.settings) · [write_setting]"
     for said in (entry, "What the lamp starts with.", "Both at once.", "Slow.", "Two of them."):
         assert said in page
-    assert "| `DATA[0]` |  | `u8` |  | `0x40` | tells the command |" in page
-    assert "| `DATA[1]` |  | `u8` |  | `0xA0` | tells the entry |" in page
+    assert "| `DATA[0]` |  | `u8` |  | `0x40` | identifies the command |" in page
+    assert "| `DATA[1]` |  | `u8` |  | `0xA0` | identifies the entry |" in page
     level = pages["commands/write_setting_level.md"]
-    assert level.count("| tells the entry |") == 4
+    assert level.count("| identifies the entry |") == 4
 
 
 def test_sections_of_the_manual_are_shown_where_they_differ(pages: dict[str, str]) -> None:
@@ -118,7 +118,7 @@ def test_errata_reach_the_commands_that_meet_them(pages: dict[str, str]) -> None
 
 
 def test_bits_are_called_reserved_where_some_are_left(pages: dict[str, str]) -> None:
-    said = "Other bits are reserved"
+    said = "bits are reserved"
     assert pages["commands/write_setting_gains.md"].count(said) == 2
     assert pages["commands/write_setting_level.md"].count(said) == 0
     assert pages["commands/read_setting_level.md"].count(said) == 1

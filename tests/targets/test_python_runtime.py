@@ -382,11 +382,11 @@ def test_an_answer_comes_from_the_node_of_the_request() -> None:
     [
         (Answer(DimReply, (), (2, 3), False), 0x203, True),
         (Answer(DimReply, (), (2, 3), False), 0x201, False),
-        (Answer(DimReply, (), (), False, asked=(addressed, 0xFF)), 0x202, True),
-        (Answer(DimReply, (), (), False, asked=(addressed, 0xFF)), 0x201, False),
-        (Answer(DimReply, (), (), False, told=(addressed, 0xFF)), 0x201, True),
-        (Answer(DimReply, (), (2,), False, told=(addressed, 0xFF)), 0x202, False),
-        (Answer(DimReply, (), (2,), False, told=(addressed, 0xFC)), 0x202, True),
+        (Answer(DimReply, (), (), False, request_node=(addressed, 0xFF)), 0x202, True),
+        (Answer(DimReply, (), (), False, request_node=(addressed, 0xFF)), 0x201, False),
+        (Answer(DimReply, (), (), False, reply_node=(addressed, 0xFF)), 0x201, True),
+        (Answer(DimReply, (), (2,), False, reply_node=(addressed, 0xFF)), 0x202, False),
+        (Answer(DimReply, (), (2,), False, reply_node=(addressed, 0xFC)), 0x202, True),
     ],
 )
 def test_the_node_of_an_answer_may_be_listed_or_in_a_field(answer: Answer, source: int, accepted: bool) -> None:

@@ -43,15 +43,15 @@ def main() -> None:
     \b
     Start here:
       canwright generate                              everything in spec/ into generated/
-      canwright check                                 is generated/ what spec/ says?
-      canwright explain RULE                          what a finding means; or a key of a spec
+      canwright check                                 whether generated/ agrees with spec/
+      canwright explain RULE                          the meaning of a finding or of a key
       canwright copy OLD NEW                          start a new edition
-      canwright diff OLD NEW                          what changed between editions, and who is hit
+      canwright diff OLD NEW                          what changed between editions, and who is affected
       canwright identify LOG                          which edition a recorded exchange fits
-      canwright editions                              the editions there are
+      canwright editions                              a list of the editions
       canwright show COMMAND                          one command, in the terminal
       canwright site                                  the pages as a site, for a browser
       canwright generate --spec my.yaml --out out     your own protocol, in any folder
 
-    Exit status: 0 when all is well, 1 when there are findings, 2 when it could not run.
+    Exit status: 0 without findings, 1 with findings, 2 if it could not run.
     """

@@ -1,4 +1,4 @@
-"""What the commands of the command line share: options, reading specs, leaving."""
+"""Shared by all commands: options, reading specs, errors and exit status."""
 
 from __future__ import annotations
 
@@ -29,6 +29,8 @@ class FilePath(click.Path):
         super().__init__(path_type=Path, **arguments)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if value == "":
+            self.fail("The path is empty; `.` is the current folder.", param, ctx)
         try:
             return super().convert(value, param, ctx)
         except click.BadParameter as error:
@@ -41,7 +43,7 @@ class FilePath(click.Path):
 
 
 class OfSpecs(click.Command):
-    """A command that has no arguments: specs are named by an option."""
+    """A command without arguments: specs are named by an option."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         try:
@@ -84,7 +86,7 @@ set_option = click.option(
 
 
 def read(specs: Sequence[Path], printer: str = "text") -> list[Described]:
-    """The editions of the given specs, or of all there are. Errors are printed and end the run."""
+    """The editions of the given specs, or of all specs. Errors are printed and end the run."""
     return [one.described for one in load(specs, printer)]
 
 
@@ -111,8 +113,8 @@ def show_findings(findings: Sequence[Diagnostic], printer: str) -> None:
         return
     click.echo(PRINTERS[printer](findings), err=True)
     counts = Counter(finding.severity.value for finding in findings)
-    told = " and ".join(counted(count, kind) for kind, count in sorted(counts.items()))
-    click.echo(f"{told}; `canwright explain RULE` says more", err=True)
+    total = " and ".join(counted(count, kind) for kind, count in sorted(counts.items()))
+    click.echo(f"{total}; run `canwright explain RULE` for more", err=True)
 
 
 def stop(message: str) -> NoReturn:

@@ -19,12 +19,14 @@ from .common import SPEC_FOLDER, show_findings, stop
 @click.argument("old")
 @click.argument("new")
 @click.option("--date", help="Date of the new manual: 2023-03 or 2023-03-21.")
-@click.option("--no-frames", is_flag=True, help="Leave the golden frames behind, where most of them would be wrong.")
+@click.option(
+    "--no-frames", is_flag=True, help="Do not copy the golden frames, for an edition where most of them are wrong."
+)
 def copy(old: str, new: str, date: str | None, no_frames: bool) -> None:
     """Start the edition NEW as a copy of OLD, with its golden frames.
 
-    OLD is a file or an edition of spec/; the copy stands beside it. What the new manual says otherwise is yours to edit;
-    `canwright diff OLD NEW` shows it then, and `canwright check` the golden frames that contradict it.
+    OLD is a file or an edition in spec/; the copy is written beside it. Edit it where the new manual differs. Then
+    `canwright diff OLD NEW` shows the changes, and `canwright check` the golden frames that contradict them.
     """
     _fits("edition", new)
     if Path(new).suffix in (".yaml", ".yml"):
@@ -34,26 +36,26 @@ def copy(old: str, new: str, date: str | None, no_frames: bool) -> None:
     try:
         source = Path(find(old, SPEC_FOLDER).document.name)
         if not source.is_file():
-            stop(f"`{old}` is no file that a copy could stand beside; name a file or an edition")
+            stop(f"`{old}` is not a file, so the copy has no folder; name a file or an edition")
         target = source.with_name(f"{new}.yaml")
         made = {target: _renamed(source, new, date)}
         if frames_file(source).is_file() and not no_frames:
             made[frames_file(target)] = _renamed(frames_file(source), new, None)
         for file in made:
             if file.exists():
-                stop(f"{file.as_posix()} is there already; nothing was written")
+                stop(f"{file.as_posix()} exists already; nothing was written")
         for file, text in made.items():
             file.write_text(text, "utf-8")
             click.echo(f"wrote {file.as_posix()}")
         load(target)
         beside = target.as_posix() if Path(old).is_file() else target.stem
         click.echo(
-            f"Edit what the new manual says otherwise, its title included; then: canwright diff {old} {beside}",
+            f"Edit it where the new manual differs, its title included; then: canwright diff {old} {beside}",
             err=True,
         )
     except SpecError as error:
         show_findings(error.diagnostics, "text")
-        stop(f"`{old}` has to be right before it is copied")
+        stop(f"`{old}` has errors; correct them before you copy it")
     except (UnknownEditionError, OSError) as error:
         stop(str(error))
 
@@ -62,7 +64,7 @@ def _fits(key: str, value: str) -> None:
     """Stops unless the schema takes `value` for `key`."""
     pattern = keys(EditionSpec)[key].limits.pattern
     if not re.fullmatch(str(pattern), value):
-        stop(f"`{value}` is no {key}; it has to fit {pattern}")
+        stop(f"`{value}` is not a valid {key}; it must match {pattern}")
 
 
 def _renamed(file: Path, edition: str, date: str | None) -> str:

@@ -33,7 +33,7 @@ FAILS = (*(c.value for c in Category), Impact.SILENT.value, Impact.LOUD.value)
     "--fail-on", metavar="KIND,KIND", default="", help=f"Exit 1 on changes of these kinds: {', '.join(FAILS)}."
 )
 def diff(old: str, new: str, report: str, fail_on: str) -> None:
-    """Say what changed from OLD to NEW, and who is hit by it.
+    """Show what changed from OLD to NEW, and who is affected.
 
     Both are a file, an edition of spec/ by its name, or a revision of a file in git:
 
@@ -42,7 +42,7 @@ def diff(old: str, new: str, report: str, fail_on: str) -> None:
       canwright diff spec/lamp/v1.yaml my.yaml --fail-on wire,value
       canwright diff HEAD~1:spec/lamp/v1.yaml spec/lamp/v1.yaml
 
-    Golden frames are not looked at, so a new edition can be compared before they fit it.
+    Golden frames are ignored, so a new edition can be compared before they fit it.
 
     wire is about bits, value about their meaning, api about names in the bindings, doc about texts. A silent change lets
     a program of the old edition run on and read or command something else; a loud one gives it no answer, or an error.
@@ -50,7 +50,7 @@ def diff(old: str, new: str, report: str, fail_on: str) -> None:
     kinds = [kind.strip() for kind in fail_on.split(",") if kind.strip()]
     for kind in kinds:
         if kind not in FAILS:
-            stop(f"--fail-on knows no `{kind}`; there are: {', '.join(FAILS)}")
+            stop(f"--fail-on has no kind `{kind}`; there are: {', '.join(FAILS)}")
     before, after = _find(old), _find(new)
     families = [one.described.edition.family for one in (before, after)]
     if families[0] != families[1]:

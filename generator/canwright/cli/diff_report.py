@@ -55,7 +55,7 @@ def _position(loaded: Loaded, path: DocumentPath | None) -> Position:
 
 
 def _grouped(changes: Sequence[Change]) -> dict[Item, list[Change]]:
-    """Changes by item, the items that are hit most first."""
+    """Changes by item, the most affected items first."""
     groups: dict[Item, list[Change]] = {}
     for change in by_impact(tuple(changes)):
         groups.setdefault(change.item, []).append(change)
@@ -100,9 +100,11 @@ def summary(changes: Sequence[Change]) -> str:
     categories = Counter(change.rule.category for change in changes)
     impacts = Counter(change.impact for change in changes)
     kinds = ", ".join(f"{categories[c]} {c.value}" for c in Category if categories[c])
-    hits = ", ".join(f"{impacts[i]} {i.value}" for i in (Impact.SILENT, Impact.LOUD) if impacts[i])
+    broken = ", ".join(f"{impacts[i]} {i.value}" for i in (Impact.SILENT, Impact.LOUD) if impacts[i])
     count = formatting.counted(len(changes), "change")
-    return count + (f": {kinds}" if kinds else "") + (f"; {hits}" if hits else "; nothing breaks" if changes else "")
+    return (
+        count + (f": {kinds}" if kinds else "") + (f"; {broken}" if broken else "; nothing breaks" if changes else "")
+    )
 
 
 def markdown(found: Comparison) -> str:
@@ -151,9 +153,9 @@ def _heading(change: Change) -> str:
 
 
 def _entry(change: Change) -> str:
-    hit = f"**{change.impact.value}**, {_who(change)}: " if change.impact in (Impact.SILENT, Impact.LOUD) else ""
+    impact = f"**{change.impact.value}**, {_who(change)}: " if change.impact in (Impact.SILENT, Impact.LOUD) else ""
     named = "" if change.item.name and f"`{change.item.name}`" in change.says() else f"{change.item}: "
-    return f"- {hit}{named}{change.says(escape=markdown_text)}"
+    return f"- {impact}{named}{change.says(escape=markdown_text)}"
 
 
 def as_json(found: Comparison) -> str:

@@ -15,7 +15,7 @@ _FILES = (
     ("With it, bad.frames.yaml", "bad.frames.yaml"),
     ("Before, previous.yaml", "previous.yaml"),
     ("After, current.yaml", "current.yaml"),
-    ("What canwright says", "expected.txt"),
+    ("What canwright reports", "expected.txt"),
     ("Good, good.yaml", "good.yaml"),
     ("With it, good.frames.yaml", "good.frames.yaml"),
 )
@@ -24,7 +24,7 @@ _FILES = (
 @click.command()
 @click.argument("rule", metavar="[RULE|KEY]", required=False)
 def explain(rule: str | None) -> None:
-    """Say what a RULE wants, by example, or what a KEY means.
+    """Explain a RULE by example, or the meaning of a KEY.
 
     Without either, list all rules. The rule stands in brackets behind every finding of `check`, and every change of `diff`.
     """

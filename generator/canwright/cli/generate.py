@@ -9,11 +9,9 @@ from pathlib import Path
 import click
 
 from ..diagnostics.diagnostic import Diagnostic, Position, Severity
-from ..model.types import Assignment
 from ..output.paths import OutputError
-from ..output.writer import Content, difference, held, write
+from ..output.writer import difference, write
 from ..project.pipeline import generate as make
-from ..targets.base import Described
 from ..targets.registry import target_names
 from .common import (
     FINDINGS,
@@ -50,13 +48,13 @@ def generate(
 ) -> None:
     """Write the bindings and documents of the specs.
 
-    Nothing is written unless every spec is right. Files of an earlier run that are no longer generated are removed;
-    files that canwright did not make are never touched.
+    Nothing is written if a spec has errors. Files of an earlier run that are no longer generated are removed;
+    files that canwright did not generate are never changed.
     """
     described = read(specs, printer)
     set_parameters = assignment(described, settings)
     try:
-        content = _content(described, targets, set_parameters, out)
+        content = make(described, targets or target_names(), set_parameters)
         changes = write(out, content, force=force)
     except OutputError as error:
         stop(str(error))
@@ -90,15 +88,15 @@ def check(
     names = ", ".join(f"{d.edition.family} {d.edition.name}" for d in described)
     set_parameters = assignment(described, settings)
     if specs and out is None:
-        _report(warnings, f"{names}: right", printer, strict)
+        _report(warnings, f"{names}: OK", printer, strict)
         return
     out = out or OUT_FOLDER
     try:
-        found = list(difference(out, _content(described, targets, set_parameters, out)))
+        found = list(difference(out, make(described, targets or target_names(), set_parameters)))
     except OutputError as error:
         stop(str(error))
     if not found:
-        _report(warnings, f"{names}: right, and {out.as_posix()}/ is what would be generated", printer, strict)
+        _report(warnings, f"{names}: OK, and {out.as_posix()}/ is up to date", printer, strict)
         return
     if printer == "text":
         for text in found:
@@ -117,8 +115,3 @@ def _report(warnings: Sequence[Diagnostic], message: str, printer: str, strict: 
         click.echo(message)
     if warnings and strict:
         sys.exit(FINDINGS)
-
-
-def _content(described: Sequence[Described], targets: Sequence[str], set_parameters: Assignment, out: Path) -> Content:
-    """What is made for a folder, beside what it holds. Raises OutputError."""
-    return make(described, targets or target_names(), set_parameters, held(out))

@@ -25,12 +25,12 @@ SHOWN = 4
 @spec_option
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True)
 def identify(log: Path, specs: Sequence[Path], form: str) -> None:
-    """Say which editions a recorded exchange fits, and why.
+    """Show which editions a recorded exchange fits, and why.
 
-    Each node is looked at by itself. LOG is what candump writes, or any format that python-can reads. No frame says its edition; this reasons from ids,
-    codes, reserved bits and plausible ranges, and says so when it cannot tell.
+    Each node is judged separately. LOG is a log of candump or any format that python-can reads. No frame names its
+    edition; the verdict follows from ids, codes, reserved bits and plausible ranges, and may be undecided.
 
-    Exit status: 0 when every node is told, 1 when not, 2 when it could not run.
+    Exit status: 0 if the edition of every node is identified, 1 if not, 2 if it could not run.
     """
     editions = [one.edition for one in read(specs)]
     families = dict.fromkeys(edition.family for edition in editions)
@@ -58,8 +58,8 @@ def _text(family: str, findings: Sequence[Finding], foreign: Counter[int], count
         node = "no node" if finding.node is None else f"node {finding.node}"
         click.echo(f"{family}, {node}, {counted(finding.frames, 'frame')}: {_verdict(finding)}")
         if finding.strange:
-            told = _some([f"{sent(frame)} ({n})" for frame, n in finding.strange])
-            click.echo(f"  no edition has {counted(finding.frames - finding.judged, 'frame')}, left out: {told}")
+            ignored = _some([f"{sent(frame)} ({n})" for frame, n in finding.strange])
+            click.echo(f"  no edition has {counted(finding.frames - finding.judged, 'frame')}, left out: {ignored}")
         for candidate in finding.candidates if finding.judged else ():
             click.echo(f"  {candidate.edition.name:<16} {_summary(candidate, finding.judged)}")
             for evidence in candidate.against[:SHOWN]:

@@ -19,7 +19,7 @@ from .common import read, spec_option, stop
 def show(command: str, specs: Sequence[Path], edition: str | None, lang: str) -> None:
     """Show one COMMAND, by name or by code (0x10).
 
-    Its bytes in both directions, what it does, and what to mind.
+    Its bytes in both directions, what it does, and what to take care of.
     """
     from .command_view import find, show_command
 

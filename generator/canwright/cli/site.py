@@ -12,7 +12,11 @@ from .common import OUT_FOLDER, FilePath, stop
 
 @click.command()
 @click.option(
-    "--docs", type=FilePath(file_okay=False), default=OUT_FOLDER / "docs", show_default=True, help="The pages."
+    "--docs",
+    type=FilePath(file_okay=False),
+    default=OUT_FOLDER / "docs",
+    show_default=True,
+    help="Folder of the pages.",
 )
 @click.option(
     "--out",
@@ -25,8 +29,8 @@ from .common import OUT_FOLDER, FilePath, stop
 def site(docs: Path, out: Path, force: bool) -> None:
     """Build the pages into a site, with search, in every language.
 
-    It fetches nothing from elsewhere, and a link that leads nowhere stops it. The folder has to be new, empty, or that
-    of an earlier site; files that canwright did not make are never touched.
+    Nothing is downloaded. A broken link is an error. The folder must be new, empty, or an earlier site; files that
+    canwright did not generate are never changed.
     """
     from ..project.site import SiteError, build
 

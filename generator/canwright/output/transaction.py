@@ -1,69 +1,36 @@
-"""A change of many files that is made whole or not at all.
+"""A change of many files that is made completely or not at all.
 
-New files, and copies of those they replace, are staged in the output folder. The journal comes last: with it the change
-is decided, and a run that is cut short after that is completed by the next one. What the file system refuses on the way
-is undone.
+New files are staged in the output folder. The journal, which is the new manifest, comes last: it decides the change. A
+run that is interrupted after that is completed by the next one. If the file system rejects a step, all are undone.
 """
 
 from __future__ import annotations
 
-import itertools
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
 
-from pydantic import AfterValidator
+from .manifest import Manifest, damaged, read_manifest
+from .paths import JOURNAL, MANIFEST, STAGING, conflict, digest_of, is_interrupted, refuse_obstacles
 
-from .paths import (
-    JOURNAL,
-    MANIFEST,
-    STAGING,
-    Digest,
-    OutputError,
-    Record,
-    content_of,
-    digest,
-    digest_of,
-    edited,
-    foreign,
-    outside,
-    record,
-    refuse_in_the_way,
-)
+_NEW = f"{STAGING}/new"
+_OLD = f"{STAGING}/old"
 
 
-def _step_path(path: str) -> str:
-    if path != MANIFEST and outside(path):
-        raise ValueError(f"{path[:80]!r} is not a path inside the folder")
-    return path
+def removed_files(out: Path, old: Manifest, new: Manifest) -> list[str]:
+    """Files that are no longer generated. A link in place of one was made by the user."""
+    gone = [path for path in old.files if path not in new.files]
+    return [path for path in gone if (out / path).is_file() and not (out / path).is_symlink()]
 
 
-class Step(Record):
-    """One file: what it was and what it becomes; None is no file."""
-
-    old: Digest | None
-    new: Digest | None
-
-
-class Journal(Record):
-    steps: dict[Annotated[str, AfterValidator(_step_path)], Step]
-
-
-def stage(out: Path, files: Mapping[str, bytes | None]) -> None:
-    """Decides the change to `files`, in their order; None removes one. `complete` carries it out."""
-    steps = {}
+def stage(out: Path, files: Mapping[str, bytes], manifest: Manifest) -> None:
+    """Decides to write `files` and to remove those that are not in the new manifest. `complete` carries it out."""
     try:
         for path, data in files.items():
-            there = content_of(out / path)
-            if there is not None:
-                _back_up(out, path)
-            if data is not None:
-                _save(_new(out, path), data)
-            steps[path] = Step(old=None if there is None else digest(there), new=None if data is None else digest(data))
+            _save(out / _NEW / path, data)
         journal = out / JOURNAL
         unfinished = journal.with_suffix(".tmp")
-        _save(unfinished, Journal(steps=steps).json_bytes())
+        _save(unfinished, manifest.json_bytes())
         unfinished.replace(journal)
     except BaseException:
         shutil.rmtree(out / STAGING, ignore_errors=True)
@@ -71,104 +38,91 @@ def stage(out: Path, files: Mapping[str, bytes | None]) -> None:
 
 
 def complete(out: Path, *, force: bool) -> None:
-    """Carries out a journal, if there is one; whatever else was staged was not decided and goes.
+    """Carries out a decided change, if there is one, and removes the staged files.
 
-    Raises OutputError, with nothing changed, when a file was edited since, unless `force`. OSError leaves the old
-    files, or at worst the journal for the next run.
+    Raises OutputError, with nothing changed, where a file was edited since, unless `force`. After an OSError the old
+    files are back; where that is impossible too, the journal remains for the next run.
     """
-    refuse_in_the_way(out, JOURNAL)
-    journal = record(
-        out / JOURNAL,
-        Journal,
-        f"remove {(out / STAGING).as_posix()}, left by a run that was cut short, and run again",
-    )
-    if journal is not None:
-        places = [(path, f"{STAGING}/new/{path}", f"{STAGING}/old/{path}") for path in journal.steps]
-        refuse_in_the_way(out, *itertools.chain.from_iterable(places))
-        left = [(path, step) for path, step in journal.steps.items() if _is_left(out, path, step, force)]
+    refuse_obstacles(out, JOURNAL)
+    if is_interrupted(out):
+        old, new = read_manifest(out), read_manifest(out, JOURNAL)
+        refuse_obstacles(out, *(f"{folder}/{path}" for path in new.files for folder in (_NEW, _OLD)))
+        written = [path for path in new.files if _is_pending(out, path, old, new, force=force)]
+        removed = removed_files(out, old, new)
+        refuse_obstacles(out, *written, *removed)
+        for path in removed:
+            if digest_of(out / path) != old.files[path] and not force:
+                raise conflict(out, path, generated=True)
         try:
-            for path, step in left:
-                _do(out, path, step)
+            for path in written:
+                _move(out / path, out / _OLD / path)
+                _move(out / _NEW / path, out / path)
+            for path in removed:
+                _move(out / path, out / _OLD / path)
+                _remove_empty(out, (out / path).parent)
+            (out / JOURNAL).replace(out / MANIFEST)
         except OSError:
-            for path, step in reversed(journal.steps.items()):
-                _undo(out, path, step)
+            _undo(out, old, new)
             _clear(out)
             raise
     _clear(out)
 
 
-def _is_left(out: Path, path: str, step: Step, force: bool) -> bool:
-    """Whether a step has still to be done. One that was, and whose file was edited since, is left as it is."""
+def _is_pending(out: Path, path: str, old: Manifest, new: Manifest, *, force: bool) -> bool:
+    """Whether a staged file has still to take its place."""
+    staged = digest_of(out / _NEW / path)
+    before, after = old.files.get(path), new.files[path]
+    if staged is None and before == after:
+        return False
     there = digest_of(out / path)
-    if there not in (None, step.old, step.new) and not force:
-        raise foreign(out, path) if step.old is None else edited(out, path)
-    is_staged = there == step.new or step.new is None or digest_of(_new(out, path)) == step.new
-    if there in (None, step.old) and not is_staged:
-        raise OutputError(
-            f"{_new(out, path).as_posix()} is damaged: it is not what the run that was cut short had made; remove "
-            f"{(out / STAGING).as_posix()} and run again"
-        )
-    return there != step.new and is_staged
+    if there not in (None, before, after) and not force:
+        raise conflict(out, path, generated=before is not None)
+    if staged != after and (staged is not None or there in (None, before)):
+        raise damaged(out, f"{_NEW}/{path}", "it is not the file that was staged")
+    return staged is not None
 
 
-def _do(out: Path, path: str, step: Step) -> None:
-    file = out / path
-    there = digest_of(file)
-    if there is not None and digest_of(_old(out, path)) != there:
-        _back_up(out, path)
-    if step.new is None:
-        file.unlink()
-        _remove_empty(out, file.parent)
-    else:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        _new(out, path).replace(file)
+def _undo(out: Path, old: Manifest, new: Manifest) -> None:
+    """Moves, because there may be no space to copy. At any moment the journal can still be carried out."""
+    for path in {**old.files, **new.files}:
+        file, new_file, old_file = out / path, out / _NEW / path, out / _OLD / path
+        if old_file.is_file() or old.files.get(path) != new.files.get(path):
+            if path in new.files and not new_file.exists():
+                _move(file, new_file)
+            _move(old_file, file)
+            _remove_empty(out, file.parent)
 
 
-def _undo(out: Path, path: str, step: Step) -> None:
-    """Moves, for there may be no room to copy. At any moment the journal can still be carried out."""
-    file, old, new = out / path, _old(out, path), _new(out, path)
-    if digest_of(file) == step.new:
-        if step.new is not None:
-            file.replace(new)
-        if old.is_file():
-            file.parent.mkdir(parents=True, exist_ok=True)
-            old.replace(file)
-    _remove_empty(out, file.parent)
-
-
-def _new(out: Path, path: str) -> Path:
-    return out / STAGING / "new" / path
-
-
-def _old(out: Path, path: str) -> Path:
-    return out / STAGING / "old" / path
-
-
-def _back_up(out: Path, path: str) -> None:
-    old = _old(out, path)
-    old.parent.mkdir(parents=True, exist_ok=True)
-    shutil.copy2(out / path, old)
+def _move(file: Path, to: Path) -> None:
+    """Does nothing where there is no file."""
+    if file.is_file():
+        _make_folder(to.parent)
+        file.replace(to)
 
 
 def _save(file: Path, data: bytes) -> None:
-    """Does not wait for the disk, which takes longer than all else: what was lost with the power shows by its digest."""
-    file.parent.mkdir(parents=True, exist_ok=True)
+    """Does not wait for the disk, which would take longer than all else: the digest shows what a power cut destroyed."""
+    _make_folder(file.parent)
     try:
-        with file.open("wb") as stream:
-            stream.write(data)
-    except OSError as error:  # of a write, it does not tell which file
+        file.write_bytes(data)
+    except OSError as error:  # of a write, it does not name the file
         raise OSError(error.errno, error.strerror, str(file)) from error
 
 
+def _make_folder(folder: Path) -> None:
+    if not folder.is_dir():
+        folder.mkdir(parents=True)
+
+
 def _clear(out: Path) -> None:
-    """The journal goes first: without it the rest is only rubbish."""
+    """The journal first: without it the rest has no meaning."""
     (out / JOURNAL).unlink(missing_ok=True)
     if (out / STAGING).is_dir():
         shutil.rmtree(out / STAGING)
 
 
 def _remove_empty(out: Path, folder: Path) -> None:
-    """Up to `out`, as long as nothing is left in the folder."""
+    """The folder and those above it, up to `out`, as long as they are empty."""
     while folder != out:
         try:
             folder.rmdir()

@@ -14,10 +14,11 @@ from fractions import Fraction
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Element, Field, ReservedRole, Space, Variant
-from ..model.message import Direction, Key, Message
+from ..model.message import Direction, Message
 from ..model.types import Assignment, Encoding, Type
+from ..semantics.candidates import Candidates
 from ..semantics.decoder import value_of
-from ..semantics.frame import CanFrame, data_bits, has_id, node_of
+from ..semantics.frame import CanFrame, data_bits, node_of
 
 WEAK = 1
 """Unusual: a reserved byte of a reply that is not 0, a raw integer beyond its printed range."""
@@ -58,20 +59,18 @@ class Reader:
 
     def __init__(self, edition: Edition) -> None:
         self.edition = edition
-        self._replies_first = sorted(edition.all_messages(), key=lambda m: m.direction is Direction.REQUEST)
-        self._forms: dict[tuple[int, bool, bool], _Id] = {}
+        self._candidates = Candidates(edition)
+        self._forms: dict[tuple[Message, int], list[_Form]] = {}
         self._asked: dict[str, bool] = {}
 
     def read(self, frame: CanFrame) -> Reading:
         """What the next frame is taken for: of all readings, the one with the least against it."""
-        known = self._forms.get((frame.id, frame.extended, frame.remote))
-        if known is None:
-            known = self._forms[frame.id, frame.extended, frame.remote] = _Id(self._of(frame))
-        if not known.forms:
+        if not self._candidates.has_id(frame):
             kind = f"0x{frame.id:X}"
             return Reading(kind, (Reason(STRONG, kind, f"{kind} is no id of this edition"),))
         data = int.from_bytes(frame.data, "little")
-        readings = [(form, form.read(frame, data)) for form in known.that_fit(frame, data)]
+        forms = (form for message in self._candidates.of(frame) for form in self._forms_of(message, frame))
+        readings = [(form, form.read(frame, data)) for form in forms]
         if not readings:
             start = frame.data[:1].hex().upper()
             kind = f"0x{frame.id:X} {start}"
@@ -95,34 +94,12 @@ class Reader:
             return min(replies, key=lambda reading: reading.points)
         return min((reading for _, reading in readings), key=lambda reading: reading.points)
 
-    def _of(self, frame: CanFrame) -> list[_Form]:
-        return [
-            _Form(self.edition, message, variant, frame)
-            for message in self._replies_first
-            if has_id(message, frame)
-            for variant in message.layout.variants
-        ]
-
-
-class _Id:
-    """All forms of the frames of one id, found by the bits that hold the first key of any of them."""
-
-    def __init__(self, forms: list[_Form]) -> None:
-        self.forms = forms
-        self._bits = 0
-        for form in forms:
-            self._bits |= form.first
-        self._fit: dict[tuple[int, int], list[_Form]] = {}
-
-    def that_fit(self, frame: CanFrame, data: int) -> list[_Form]:
-        """The forms with the length and the keys of a frame."""
-        at = (len(frame.data), data & self._bits)
-        fit = self._fit.get(at)
-        if fit is None:
-            fit = self._fit[at] = [
-                f for f in self.forms if (frame.remote or f.dlc == at[0]) and data & f.first in f.codes
-            ]
-        return [form for form in fit if data & form.rest == form.keys]
+    def _forms_of(self, message: Message, frame: CanFrame) -> list[_Form]:
+        """A form for each variant of the layout, made once for an id."""
+        known = (message, frame.id)
+        if known not in self._forms:
+            self._forms[known] = [_Form(self.edition, message, v, frame) for v in message.layout.variants]
+        return self._forms[known]
 
 
 class _Form:
@@ -132,16 +109,9 @@ class _Form:
         self.kind = message.name
         self.command = message.command
         self.is_request = message.direction is Direction.REQUEST
-        self.dlc = message.dlc
-        keys = [key for key in message.keys if key.space is Space.DATA]
-        leads = keys[:1] if message.keys[:1] == tuple(keys[:1]) else []
-        self.first = data_bits((key.space, key.segments) for key in leads)
-        self.codes = {_placed(k, v) for k in leads for v in (k.value, *message.accept, *message.claims)} or {0}
-        others = keys[len(leads) :]
-        self.rest = data_bits((key.space, key.segments) for key in others)
-        self.keys = sum(_placed(key, key.value) for key in others)
+        keys = data_bits((key.space, key.segments) for key in message.keys)
         fields = data_bits((f.space, e.segments) for f in variant.fields for e in f.elements)
-        self._reserved = ~(self.first | self.rest | fields)
+        self._reserved = ~(keys | fields)
         self.elsewhere = _elsewhere(edition, message, frame)
         self._where = f"{message.direction.value} of {message.command}" + (self.elsewhere if self.is_request else "")
         self._per_byte = UNNAMED if self.is_request else WEAK
@@ -205,11 +175,6 @@ def _elsewhere(edition: Edition, message: Message, frame: CanFrame) -> str:
     if reply is None or reply.id == message.id or reply.id.nodes is None or node is None:
         return ""
     return f", though replies come on 0x{reply.id.base + node * reply.id.node_step:X}"
-
-
-def _placed(key: Key, value: int) -> int:
-    """A key's value where it stands."""
-    return sum((value >> s.raw_low & (1 << s.width) - 1) << (s.byte * 8 + s.low) for s in key.segments)
 
 
 def _parts(element: Element) -> list[tuple[int, int, int]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
 from ..model.message import Command, Direction
+from ..semantics.dispatch import selection
 from .rule import Finding, Found, Subject
 
 
@@ -48,11 +49,7 @@ def sends_the_same(one: Command, other: Command) -> bool:
 
 def _sent(command: Command) -> object:
     """What tells the request of a command from others; None where it has none."""
-    request = command.request
-    if request is None:
-        return None
-    length = None if request.remote else request.dlc
-    return request.id, request.remote, length, tuple((k.space, k.segments, k.value) for k in request.keys)
+    return selection(command.request) if command.request is not None else None
 
 
 def _finding(command: Command, other: Command) -> Finding:

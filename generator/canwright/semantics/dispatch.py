@@ -112,6 +112,12 @@ def dispatch_plan(messages: Iterable[Message]) -> DispatchPlan:
     return DispatchPlan(tuple(sorted(entries, key=lambda entry: entry.mask.bit_count())))
 
 
+def selection(message: Message) -> tuple[object, ...]:
+    """All that the plan decides by: id rule, kind of frame, length and keys. Of messages with the same, one is found."""
+    length = None if message.remote else message.dlc
+    return message.id, message.remote, length, tuple((_bits(key), key.value) for key in message.keys)
+
+
 def node_of_id(rule: IdRule, id_: int) -> int | None:
     """The node of an id without the bits of keys and fields; None when there is none."""
     if rule.nodes is None:

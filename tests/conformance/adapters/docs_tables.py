@@ -188,7 +188,7 @@ def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> Me
     lines = [dict(zip(rows[0], row, strict=True)) for row in rows[1:]]
     base, step = _id(plain(said["Id"]))
     first, last = plain(said["Nodes"]).split("..") if "Nodes" in said else ("", "")
-    each = plain(said.get("One from each of", ""))
+    each = plain(said.get("One reply from each of", ""))
     return MessagePage(
         base,
         step,
@@ -215,8 +215,8 @@ def _id(text: str) -> tuple[int, int]:
 
 
 def _key(line: Mapping[str, str]) -> Key:
-    accepted = tuple(int(code, 16) for code in re.findall(r"`0x([0-9A-F]+)`", line["What it is"]))
-    return Key(bits(plain(line["Place"]), plain(line["Raw"])), int(plain(line["Raw range"]), 0), accepted)
+    accepted = tuple(int(code, 16) for code in re.findall(r"`0x([0-9A-F]+)`", line["Description"]))
+    return Key(bits(plain(line["Position"]), plain(line["Raw"])), int(plain(line["Raw range"]), 0), accepted)
 
 
 def _field(line: Mapping[str, str]) -> FieldRow:
@@ -231,13 +231,13 @@ def _field(line: Mapping[str, str]) -> FieldRow:
         int(match[2]) if match[2] else None,
         re.sub(r"\[(.*)\]\(.*", r"\1", line.get("Type", "")).replace("\\", ""),
         plain(line["Raw"]),
-        bits(plain(line["Place"]), plain(line["Raw"])),
-        {name: scale(text) for name, text in cases(line.get("One raw step", "")).items()},
+        bits(plain(line["Position"]), plain(line["Raw"])),
+        {name: scale(text) for name, text in cases(line.get("Resolution (1 LSB)", "")).items()},
         {}
         if constant is not None
         else {name: ends(text.partition(" ")[0] if is_float else text) for name, text in cases(limits).items() if text},
         constant,
-        "ignored when read" not in line.get("Value range", ""),
+        "ignored when received" not in line.get("Value range", ""),
         (parameter, tuple(values.split(", "))),
-        "the node: an answer comes from" in line["What it is"],
+        "node number" in line["Description"],
     )

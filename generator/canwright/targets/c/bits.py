@@ -74,6 +74,7 @@ def write_fields(fields: Sequence[Field], members: Mapping[str, str], shared: It
     """Writes fields into a frame whose data bytes are 0, except for the key in those that are `shared` with one."""
     terms: dict[int, list[str]] = {}
     fixed: dict[int, int] = {}
+    partial: set[int] = set()
     for field in fields:
         for number, element in enumerate(field.elements):
             for s in element.segments:
@@ -83,10 +84,12 @@ def write_fields(fields: Sequence[Field], members: Mapping[str, str], shared: It
                     fixed[s.byte] = fixed.get(s.byte, 0) | _piece(field.fixed, s)
                 else:
                     terms.setdefault(s.byte, []).append(_write(field, _member(field, members, number), s))
+                    partial.update([s.byte] if s.width < 8 else [])
     for byte in sorted({*terms, *fixed}):
         before = [f"frame->data[{byte}]"] if byte in shared else []
         constant = [f"0x{fixed[byte]:02X}u"] if byte in fixed else []
-        yield Write(byte, _as_byte([*before, *terms.get(byte, []), *constant]))
+        every = [*before, *terms.get(byte, []), *constant]
+        yield Write(byte, f"(uint8_t)({' | '.join(every)})" if len(every) > 1 or byte in partial else every[0])
 
 
 def _id_bits(field: Field, members: Mapping[str, str], number: int, s: Segment) -> str:
@@ -124,14 +127,6 @@ def _write(field: Field, member: str, s: Segment) -> str:
 
 def _as(wanted: Integer, kind: Integer, expression: str) -> str:
     return expression if kind == wanted else f"({wanted.name}){expression}"
-
-
-def _as_byte(terms: Sequence[str]) -> str:
-    if len(terms) == 1 and not terms[0].startswith("("):
-        return terms[0]
-    if len(terms) == 1 and terms[0].startswith("(uint8_t)"):
-        return terms[0]
-    return f"(uint8_t)({' | '.join(terms)})"
 
 
 def _read(space: Space, segments: Sequence[Segment], width: int, frame: str) -> str:

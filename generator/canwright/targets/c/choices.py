@@ -104,13 +104,17 @@ def _parameter(names: Names, parameter: Parameter) -> ParameterView:
     title, about = english(parameter.title), english(parameter.about)
     doc = tuple(text for text in (title + ".", about) if text)
     if not parameter.is_choice:
-        return ParameterView("canwright_ratio_t", member(parameter.name), doc, title, "", ())
+        return ParameterView(
+            kind="canwright_ratio_t", member=member(parameter.name), doc=doc, title=title, unknown="", enumerators=()
+        )
     numbers = enumerator_numbers(parameter)
     return ParameterView(
-        names.lower(parameter.name, "t"),
-        member(parameter.name),
-        doc,
-        title,
-        names.upper(parameter.name, "unknown"),
-        tuple(EnumeratorView(names.upper(parameter.name, v.name), numbers[v.name]) for v in parameter.values),
+        kind=names.lower(parameter.name, "t"),
+        member=member(parameter.name),
+        doc=doc,
+        title=title,
+        unknown=names.upper(parameter.name, "unknown"),
+        enumerators=tuple(
+            EnumeratorView(names.upper(parameter.name, v.name), numbers[v.name]) for v in parameter.values
+        ),
     )

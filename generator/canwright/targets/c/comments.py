@@ -1,4 +1,4 @@
-"""What comments say of types and fields: unit, range and place, in sentences."""
+"""Comments on types and fields: unit, resolution, range and position, in sentences."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .text import english
 
 
 def type_facts(type_: Type, among: Sequence[str] = ()) -> list[str]:
-    """What one step is worth and which raw integers there are; `among` leaves out other values of the parameter."""
+    """Resolution and range of a type; `among` leaves out other values of the parameter."""
     return [sentence for sentence in (_scale(type_, among), _range(type_, among)) if sentence]
 
 
@@ -57,7 +57,7 @@ def _scale(type_: Type, among: Sequence[str]) -> str:
         return "No scale is known." if lacking else ""
     if given == ["1"]:
         return ""
-    sentence = f"One step is {' or '.join(given)}."
+    sentence = f"Resolution (1 LSB): {' or '.join(given)}."
     return sentence + (f" None is known for {lacking[0]}." if lacking else "")
 
 

@@ -126,11 +126,11 @@ class _Example:
                 node, sent, answered = found
                 shown.append(reply.layout.name)
                 yield ExchangeView(
-                    command.name,
-                    self._names.upper("command", command.name),
-                    node,
-                    self._side(request, sent),
-                    self._side(reply, answered),
+                    command=command.name,
+                    enumerator=self._names.upper("command", command.name),
+                    node=node,
+                    request=self._side(request, sent),
+                    reply=self._side(reply, answered),
                 )
 
     def _golden_pair(self, command: Command) -> tuple[int, Raw, Raw] | None:
@@ -171,11 +171,12 @@ class _Example:
 
     def _shown(self, fields: list[Field]) -> Iterator[ShownView]:
         for field in fields:
-            for place in [f"[{i}]" for i in range(len(field.elements))] if field.is_array else [""]:
-                type_ = self._types[self._names.lower(field.type.name)]
-                number = place.strip("[]")
-                variable = f"value_{number}_{field.name}" if number else f"value_{field.name}"
-                yield ShownView(f"{field.name}{place}", f"{member(field.name)}{place}", variable, type_)
+            type_ = self._types[self._names.lower(field.type.name)]
+            if not field.is_array:
+                yield ShownView(field.name, member(field.name), f"value_{field.name}", type_)
+                continue
+            for i in range(len(field.elements)):
+                yield ShownView(f"{field.name}[{i}]", f"{member(field.name)}[{i}]", f"value_{i}_{field.name}", type_)
 
 
 def _plain_raw(type_: Type) -> int:

@@ -83,7 +83,11 @@ class AddressView(NamedTuple):
 
 
 class MessageView(NamedTuple):
-    """A message. `matches` are the conditions on its codes, any of which it meets; `other_constant` is one to refuse."""
+    """A message.
+
+    `codes` are the values of its keys, then again with each other value that a receiver accepts for the first key.
+    `other_constant` is the condition for a frame with another value in a constant field.
+    """
 
     name: str
     struct: str
@@ -149,11 +153,19 @@ def addresses(names: Names, edition: Edition, messages: Messages) -> list[Addres
         used = messages.at(address)
         nodes = address.request.nodes or address.reply.nodes
         rules = dict.fromkeys(pattern.rule for pattern in used)
-        ends = (("node_min", nodes[0], "First node."), ("node_max", nodes[-1], "Last node.")) if nodes else ()
+        ends = (
+            (("node_min", nodes[0], "Lowest node number."), ("node_max", nodes[-1], "Highest node number."))
+            if nodes
+            else ()
+        )
         heading = english(address.title) + (f" ({address.manual})" if address.manual else "")
         if used:
             macros = tuple(MacroView(names.upper(address.name, ending), f"{node}u", doc) for ending, node, doc in ends)
-            found.append(AddressView(heading, english(address.about), tuple(rules), used, macros))
+            found.append(
+                AddressView(
+                    heading=heading, doc=english(address.about), rules=tuple(rules), patterns=used, nodes=macros
+                )
+            )
     return found
 
 
@@ -194,7 +206,6 @@ def frame_id(message: Message, frame: str = "frame") -> str:
 
 
 def _codes(message: Message) -> Iterator[tuple[str, ...]]:
-    """The values of all keys of a message, then again with each value that a receiver takes for the first."""
     if not message.keys:
         yield ()
         return

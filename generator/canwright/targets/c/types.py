@@ -65,19 +65,19 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
     about = " ".join(text for text in (english(type_.about), *facts, lacking) if text)
     macros = [*_limits(names, type_, kind), *_members(names, type_, kind)]
     return TypeView(
-        names.lower(type_.name),
-        title + (f", {unit}" if unit else ""),
-        tuple(text for text in (about, *errata(edition, type_.path)) if text),
-        facts,
-        kind.name,
-        tuple(macros),
-        tuple(NameView(names.upper(type_.name, m.name), m.name) for m in type_.enum),
-        check,
-        thousandths,
-        f"thousandths of {unit}" if unit else "thousandths",
-        double(names, type_, check),
-        bool(lacking),
-        unit,
+        name=names.lower(type_.name),
+        heading=title + (f", {unit}" if unit else ""),
+        doc=tuple(text for text in (about, *errata(edition, type_.path)) if text),
+        facts=facts,
+        kind=kind.name,
+        macros=tuple(macros),
+        names=tuple(NameView(names.upper(type_.name, m.name), m.name) for m in type_.enum),
+        valid=check,
+        milli=thousandths,
+        milli_unit=f"thousandths of {unit}" if unit else "thousandths",
+        double=double(names, type_, check),
+        only_double=bool(lacking),
+        unit=unit,
     )
 
 
@@ -94,7 +94,7 @@ def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
     found = type_.raw_range
     cases = found.cases.items() if found.parameter else [("", found.constant)]
     for case, limits in cases:
-        ends = (("RAW_MIN", "Least", limits.low), ("RAW_MAX", "Greatest", limits.high)) if limits else ()
+        ends = (("RAW_MIN", "Lowest", limits.low), ("RAW_MAX", "Highest", limits.high)) if limits else ()
         under = f" ({found.parameter} {case})" if case else ""
         for ending, word, bound in ends:
             if bound.parameter is None and bound.constant.denominator == 1:

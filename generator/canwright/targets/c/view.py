@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from ...model import formatting
@@ -72,18 +73,18 @@ class CommandView(NamedTuple):
     frames: tuple[FrameView, ...]
 
 
-class MaskView(NamedTuple):
+class EffectsView(NamedTuple):
     """Commands that have the same effects."""
 
     commands: tuple[str, ...]
     value: str
 
 
-class OnlyView(NamedTuple):
-    """Commands that are there under the same conditions."""
+class AvailabilityView(NamedTuple):
+    """Commands that a node has under the same condition."""
 
     commands: tuple[str, ...]
-    there: str
+    condition: str
 
 
 class ContentView(NamedTuple):
@@ -129,8 +130,8 @@ class EditionView(NamedTuple):
     layouts: tuple[LayoutView, ...]
     commands: tuple[CommandView, ...]
     effects: tuple[MacroView, ...]
-    masks: tuple[MaskView, ...]
-    only: tuple[OnlyView, ...]
+    command_effects: tuple[EffectsView, ...]
+    availability: tuple[AvailabilityView, ...]
     directions: tuple[DirectionView, ...]
     answers: tuple[AnswerView, ...]
 
@@ -154,25 +155,25 @@ def edition_view(edition: Edition) -> EditionView:
     types_ = {view.name: view for view in types(names, edition)}
     views = {layout: layout_view(names, edition, layout, types_) for layout in used}
     return EditionView(
-        header(edition),
-        edition.hash[:8],
-        names.lower(""),
-        names.upper(""),
-        edition.family,
-        edition.identifier,
-        english(edition.title),
-        tuple(_edition_doc(edition)),
-        tuple(parameters(names, edition)),
-        tuple(addresses(names, edition, messages)),
-        tuple(types_.values()),
-        tuple((names.upper("field", name), name) for name in fields_named(used)),
-        tuple(views[layout] for layout in used if layout.shared),
-        tuple(_command(names, edition, messages, command, views) for command in edition.commands),
-        tuple(_effects(names, edition)),
-        tuple(_masks(names, edition)),
-        tuple(_only(names, edition)),
-        tuple(_direction(names, edition, messages, direction, views) for direction in Direction),
-        tuple(answers(names, edition, messages)),
+        header=header(edition),
+        spec=edition.hash[:8],
+        prefix=names.lower(""),
+        PREFIX=names.upper(""),
+        family=edition.family,
+        file=edition.identifier,
+        title=english(edition.title),
+        doc=tuple(_edition_doc(edition)),
+        parameters=tuple(parameters(names, edition)),
+        addresses=tuple(addresses(names, edition, messages)),
+        types=tuple(types_.values()),
+        fields=tuple((names.upper("field", name), name) for name in fields_named(used)),
+        layouts=tuple(views[layout] for layout in used if layout.shared),
+        commands=tuple(_command(names, edition, messages, command, views) for command in edition.commands),
+        effects=tuple(_effects(names, edition)),
+        command_effects=tuple(_command_effects(names, edition)),
+        availability=tuple(_availability(names, edition)),
+        directions=tuple(_direction(names, edition, messages, direction, views) for direction in Direction),
+        answers=tuple(answers(names, edition, messages)),
     )
 
 
@@ -183,26 +184,35 @@ def _edition_doc(edition: Edition) -> list[str]:
 
 
 def _command(
-    names: Names, edition: Edition, message_views: Messages, command: Command, views: dict[Layout, LayoutView]
+    names: Names, edition: Edition, message_views: Messages, command: Command, views: Mapping[Layout, LayoutView]
 ) -> CommandView:
     messages = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
     code = None
     if command.code is not None:
-        code = MacroView(names.upper(command.name, "code"), f"0x{command.code:02X}u", "The code.")
+        code = MacroView(
+            names.upper(command.name, "code"), f"0x{command.code:02X}u", "Identifies the command in a frame."
+        )
     frames: list[FrameView] = []
     for message in messages:
-        own = not message.layout.shared and all(f.layout is not views[message.layout] for f in frames)
-        of_its_own = message.name == message.layout.name
-        what = f"The {message.direction.value}" if of_its_own else "Request and reply"
-        title = f"{what} of {command.name}"
-        frames.append(FrameView(message_views.message(message), views[message.layout], own, of_its_own, title))
+        layout = views[message.layout]
+        own_struct = message.name == message.layout.name
+        what = f"The {message.direction.value}" if own_struct else "Request and reply"
+        frames.append(
+            FrameView(
+                message=message_views.message(message),
+                layout=layout,
+                own_layout=not message.layout.shared and all(f.layout is not layout for f in frames),
+                own_struct=own_struct,
+                title=f"{what} of {command.name}",
+            )
+        )
     return CommandView(
-        command.name,
-        names.upper("command", command.name),
-        english(command.title) + (f" ({command.manual})" if command.manual else ""),
-        tuple(_command_doc(edition, command)),
-        code,
-        tuple(frames),
+        name=command.name,
+        enumerator=names.upper("command", command.name),
+        heading=english(command.title) + (f" ({command.manual})" if command.manual else ""),
+        doc=tuple(_command_doc(edition, command)),
+        code=code,
+        frames=tuple(frames),
     )
 
 
@@ -248,16 +258,16 @@ def _mask(value: int, digits: int) -> str:
     return f"UINT64_C(0x{value:016X})" if digits == 16 else f"0x{value:08X}u"
 
 
-def _masks(names: Names, edition: Edition) -> list[MaskView]:
+def _command_effects(names: Names, edition: Edition) -> list[EffectsView]:
     grouped: dict[str, list[str]] = {}
     for command in edition.commands:
         if command.effects:
             value = " | ".join(names.upper("effect", effect.name) for effect in command.effects)
             grouped.setdefault(value, []).append(names.upper("command", command.name))
-    return [MaskView(tuple(commands), value) for value, commands in grouped.items()]
+    return [EffectsView(tuple(commands), value) for value, commands in grouped.items()]
 
 
-def _only(names: Names, edition: Edition) -> list[OnlyView]:
+def _availability(names: Names, edition: Edition) -> list[AvailabilityView]:
     grouped: dict[str, list[str]] = {}
     for command in edition.commands:
         if command.only:
@@ -269,23 +279,27 @@ def _only(names: Names, edition: Edition) -> list[OnlyView]:
             ]
             if lacking:
                 grouped.setdefault(" && ".join(lacking), []).append(names.upper("command", command.name))
-    return [OnlyView(tuple(commands), there) for there, commands in grouped.items()]
+    return [AvailabilityView(tuple(commands), condition) for condition, commands in grouped.items()]
 
 
 def _direction(
-    names: Names, edition: Edition, messages: Messages, direction: Direction, views: dict[Layout, LayoutView]
+    names: Names, edition: Edition, messages: Messages, direction: Direction, views: Mapping[Layout, LayoutView]
 ) -> DirectionView:
-    grouped: dict[Layout, list[str]] = {}
-    order: dict[Layout, str] = {}
+    commands: dict[Layout, list[str]] = {}
     for message in edition.messages(direction):
-        view = views[message.layout]
-        if view.members or view.depends:
-            grouped.setdefault(message.layout, []).append(message.command)
-            order[message.layout] = member(message.layout.name)
-    contents = [
+        if views[message.layout].members or views[message.layout].depends:
+            commands.setdefault(message.layout, []).append(message.command)
+    contents = (
         ContentView(
-            tuple(names.upper("command", one) for one in commands), f"{', '.join(commands)}.", order[key], views[key]
+            commands=tuple(names.upper("command", command) for command in names_),
+            doc=f"Fields of {', '.join(names_)}.",
+            member=member(layout.name),
+            layout=views[layout],
         )
-        for key, commands in grouped.items()
-    ]
-    return DirectionView(direction.value, tuple(entries(names, edition, messages, direction)), tuple(contents))
+        for layout, names_ in commands.items()
+    )
+    return DirectionView(
+        word=direction.value,
+        entries=tuple(entries(names, edition, messages, direction)),
+        contents=tuple(contents),
+    )

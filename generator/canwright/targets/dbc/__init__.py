@@ -1,7 +1,7 @@
-"""DBC files for CAN analysers: two for an edition, one a direction, for each value of the parameters that decide.
+"""The DBC target: one file for each direction and each value of the parameters with named values.
 
-A choice among names splits the set. A choice among numbers, or a number, is left open and its fields stay raw, unless
-it is set: then the files are a variant with it in their name.
+A parameter with numbers does not multiply the files: its fields are raw unless the parameter is set. If it is set, its
+value is part of the file name.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .text import text
 
 
 def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
-    """The files of every edition, and a README.md that says which to load and how."""
+    """The files of every edition, and a README.md with instructions."""
     env = environment("dbc", {"text": text})
     template = env.get_template("file.dbc.j2")
     made = [_made(one, set_parameters) for one in described]

@@ -18,16 +18,16 @@ from .text import in_ascii, number
 from .view import Signal
 
 RAW_UNIT = "raw"
-"""Stands for the unit where there is no scale, so that counts are not taken for a quantity."""
+"""Unit of values without a scale, so that raw integers are not mistaken for a quantity."""
 
 LETTER = {Direction.REPLY: "r", Direction.REQUEST: "c"}
-"""What the names of signals start with, so that those of the two directions differ."""
+"""First letter of signal names, so that the names of the two directions differ."""
 
 _FLOAT_KINDS = {32: 1, 64: 2}
 
 
 class Place(NamedTuple):
-    """A signal's name, the selector value it stands under, and its bits from the least significant up."""
+    """Name, selector value and bits of a signal, least significant bit first."""
 
     name: str
     mux: str
@@ -40,7 +40,7 @@ class Place(NamedTuple):
 
 
 class _Numbers(NamedTuple):
-    """The numbers of a signal, as text, and what they are in."""
+    """The numbers of a signal as text, and their unit."""
 
     signed: bool
     factor: str
@@ -51,7 +51,7 @@ class _Numbers(NamedTuple):
 
 
 class _Reading(NamedTuple):
-    """What all signals of a type have; `step` is a sentence on the scale of what stays raw."""
+    """Properties of all signals of a type; `step` is a sentence on the scale of a signal that stays raw."""
 
     numbers: _Numbers
     values: tuple[tuple[int, str], ...]
@@ -63,13 +63,13 @@ class _Reading(NamedTuple):
 def bare(
     place: Place, comment: str, values: Sequence[tuple[int, str]] = (), limits: tuple[int, int] | None = None
 ) -> Signal:
-    """A signal of bits without a type."""
+    """A signal without a type: plain bits."""
     low, high = limits or (0, (1 << len(place.bits)) - 1)
     return _signal(place, comment, _Numbers(False, "1", "0", str(low), str(high), ""), tuple(values))
 
 
 class Fields:
-    """Makes the signals of messages under some parameter values, with names that may be too long or not unique."""
+    """Builds the signals of messages for given parameter values; names may be too long or not unique."""
 
     def __init__(self, direction: Direction, assignment: Assignment, numbers: Mapping[str, Fraction]) -> None:
         self._direction = direction
@@ -79,7 +79,7 @@ class Fields:
         self._types: dict[Type, _Reading] = {}
 
     def of(self, part: Part, mux: str, taken: range = range(0)) -> Sequence[Signal]:
-        """The fields of a message that are not `taken`; where there is none, the reserved bits, for readers' sake."""
+        """The fields of a message outside the `taken` bits; the reserved bits if there are none, as readers need a signal."""
         key = (part, mux, taken)
         if key not in self._messages:
             self._messages[key] = list(self._message(*key)) or list(self._reserved(*key))
@@ -106,7 +106,7 @@ class Fields:
         return f"{LETTER[self._direction]}{part.code}"
 
     def _sent(self, limits: tuple[int, int]) -> tuple[int, int] | None:
-        """Limits that encoders are held to; None for what is only decoded, where any bits are read."""
+        """Limits for encoders; None for a direction that is only decoded, where all bit patterns are valid."""
         return limits if self._direction is Direction.REQUEST else None
 
     def _field(self, name: str, mux: str, title: str, field: Field, element: Element, about: str) -> Iterator[Signal]:
@@ -114,8 +114,8 @@ class Fields:
         index = "" if element.index is None else str(element.index)
         place = Place(f"{name}_{index}" if index else name, mux, element.bits, type_.order)
         which = f"{in_ascii(field.title)} {index}".strip()
-        is_told = f": {title}".lower().endswith(f": {which}".lower())
-        whole = title if is_told else f"{title}: {which}"
+        is_included = f": {title}".lower().endswith(f": {which}".lower())
+        whole = title if is_included else f"{title}: {which}"
         reading = self._reading(type_)
         comment = f"{whole}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{reading.step}{about}"
         if field.fixed is not None:
@@ -128,7 +128,7 @@ class Fields:
             yield _signal(place, comment, reading.numbers, reading.values, reading.start_value, reading.float_kind)
 
     def _flags(self, place: Place, comment: str, type_: Type) -> Iterator[Signal]:
-        """One signal for each flag, and one for each run of bits without a name, so that none is lost."""
+        """One signal for each flag, and one for each run of bits without a name, so that no bit is missing."""
         named = {flag.value: flag for flag in type_.flags}
         for run in runs(range(type_.width), split=named):
             raw_bits = tuple(place.bits[i] for i in run)
@@ -155,7 +155,7 @@ class Fields:
         return _Reading(numbers, values, start_value, 0, self._step(type_))
 
     def _documented(self, type_: Type) -> tuple[int, int]:
-        """The raw integers that the spec allows, as far as the parameters that are set tell."""
+        """The raw integers that the spec allows, as far as the set parameters determine them."""
         low, high = type_.raw_limits
         first, last = self._range(type_)
         return (
@@ -164,12 +164,12 @@ class Fields:
         )
 
     def _range(self, type_: Type) -> tuple[Fraction | None, Fraction | None]:
-        """The ends of a type's range; None where there is no such end, or a parameter that is not set decides."""
+        """The ends of the range of a type; None if an end does not exist or depends on a parameter that is not set."""
         span = type_.raw_range.at(self._assignment)
         return (span.low.at(self._numbers), span.high.at(self._numbers)) if span else (None, None)
 
     def _integers(self, type_: Type, documented: tuple[int, int]) -> tuple[_Numbers, int]:
-        """The numbers of integers, and that to start with."""
+        """The numbers of an integer signal, and its start value."""
         limits = self._sent(documented) or type_.raw_limits
         linear, unit = self._scale(type_)
         low, high = sorted(end * linear.scale + linear.offset for end in limits)
@@ -193,13 +193,13 @@ class Fields:
         return linear, type_.unit.dbc if type_.unit else ""
 
     def _step(self, type_: Type) -> str:
-        """The scale of a signal that stays raw since the number that it is a multiple of is not set."""
+        """The scale of a signal that stays raw because its scale is a multiple of a parameter that is not set."""
         line = type_.linear.at(self._assignment)
         if line is None or line.at(self._numbers) is not None:
             return ""
         unit = f" {type_.unit.dbc}" if type_.unit else ""
-        offset = f", counted from {formatting.offset(line)}{unit}" if line.offset else ""
-        return _sentence(f"Raw: one step is {formatting.step(line)}{unit}{offset}")
+        offset = f", offset {formatting.offset(line)}{unit}" if line.offset else ""
+        return _sentence(f"Raw integer: resolution (1 LSB) {formatting.step(line)}{unit}{offset}")
 
 
 def _signal(
@@ -226,12 +226,12 @@ def _signal(
 
 
 def _about(part: Part) -> str:
-    """What is worth knowing of a command before it is sent, as sentences with a space before."""
+    """Warnings and manual section of a command, as sentences with a leading space."""
     command = part.command
     sentences: list[str] = []
     if part.message.direction is Direction.REQUEST:
         sentences += [in_ascii(e.title) for e in command.effects if e.level is not Level.NOTE]
-        sentences += [] if command.implemented else ["Not implemented yet, the manual says"]
+        sentences += [] if command.implemented else ["Not implemented yet according to the manual"]
     sentences += [f"Manual {command.manual}"] if command.manual else []
     return "".join(map(_sentence, sentences))
 

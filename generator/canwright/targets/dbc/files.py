@@ -1,4 +1,4 @@
-"""The files of an edition: which there are, and each one's frames, named and spread over the nodes."""
+"""The files of an edition, and the messages of each file for every node."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from .text import camel, fitting, in_ascii, number
 from .view import EXTENDED, File, Message, Signal, fitted
 
 KIND = {Direction.REPLY: "reply", Direction.REQUEST: "command"}
-"""What a direction is called in names of files and messages."""
+"""Direction as it appears in names of files and messages."""
 
 _OTHER = {Direction.REPLY: Direction.REQUEST, Direction.REQUEST: Direction.REPLY}
-_NOBODY = "Vector__XXX"
+_NO_NODE = "Vector__XXX"
 
 
 Traffics = Mapping[Direction, Traffic]
 
 
 def traffics(edition: Edition) -> Traffics:
-    """Both directions of an edition, the one first whose files come first."""
+    """Both directions of an edition, in the order of their files."""
     return {direction: Traffic(edition, direction) for direction in KIND}
 
 
 def files(edition: Edition, both: Traffics, set_parameters: Assignment) -> Iterator[File]:
-    """All files of an edition, those for every node before those for the first one alone; none without a frame."""
+    """All files of an edition that contain frames; files for all nodes precede those for the first node."""
     return (file for file in _files(edition, both, set_parameters) if file.messages)
 
 
@@ -68,7 +68,7 @@ def _assignments(edition: Edition, set_parameters: Assignment) -> Iterator[Assig
 
 
 def node_name(address: str, node: int | None) -> str:
-    """The name of a node: its address's, and its number."""
+    """The name of a node: the name of its address and its number."""
     number_ = "" if node is None else str(node)
     return fitting(camel(address), (), room=len(number_)) + number_
 
@@ -78,9 +78,9 @@ Contents = Sequence[tuple[Frame, tuple[Signal, ...]]]
 
 
 def _contents(frames: Sequence[Frame], signals: Signals, assignment: Assignment) -> Iterator[tuple[str, Contents]]:
-    """What a file that knows the first selector has, and one for each place where all selectors are read as one number.
+    """The contents of the file of the first selector, and of one file for each span of selectors read as one number.
 
-    Each comes with what its name says of that.
+    Each comes with the part of the file name that names the joined selectors.
     """
     yield "", [(frame, signals.of(frame.parts, assignment)) for frame in frames]
     joined: dict[range, list[tuple[Frame, tuple[Signal, ...]]]] = {}
@@ -103,7 +103,7 @@ def _contents(frames: Sequence[Frame], signals: Signals, assignment: Assignment)
 def _file(
     scope: Scope, joined: str, part: tuple[str, ...], found: Contents, shared: Container[tuple[IdRule, int]]
 ) -> File:
-    """A file with some frames; `shared` are the ids that the other direction has as well."""
+    """A file with the frames `found`; `shared` are the ids that are also used by the other direction."""
     edition = scope.edition
     host = fitting(edition.bus.host, ())
     messages = fitted(
@@ -111,7 +111,7 @@ def _file(
         for frame, signals in found
         for message in _messages(scope, frame, host, signals, (frame.rule, frame.id_bits) in shared)
     )
-    ends = [end for message in messages for end in (*message.senders, *message.receivers) if end != _NOBODY]
+    ends = [end for message in messages for end in (*message.senders, *message.receivers) if end != _NO_NODE]
     return File(
         f"{edition.family}-{edition.name}",
         tuple(_known(scope)),
@@ -126,8 +126,7 @@ def _file(
 
 
 def _messages(scope: Scope, frame: Frame, host: str, signals: tuple[Signal, ...], shared: bool) -> Iterator[Message]:
-    """A frame of each node; it is called after the direction and a code in the id, or after the command where that is
-    all."""
+    """One message for each node, named by direction and a code in the id, or by the command if there is no selector."""
     first = frame.parts[0]
     address = first.message.address
     ending = "_".join((KIND[scope.direction], *first.codes_in_id)) if first.selectors else first.command.name
@@ -138,7 +137,7 @@ def _messages(scope: Scope, frame: Frame, host: str, signals: tuple[Signal, ...]
         nodes: tuple[str, ...] = (name,)
         if node is None:
             ends = (node_name(*end) for part in frame.parts for end in partners(scope, part))
-            nodes = tuple(dict.fromkeys(ends)) or (_NOBODY,)
+            nodes = tuple(dict.fromkeys(ends)) or (_NO_NODE,)
         is_request = scope.direction is Direction.REQUEST
         yield Message(
             frame.id(node) | (EXTENDED if frame.rule.extended else 0),
@@ -160,7 +159,7 @@ def _comment(scope: Scope, frame: Frame, shared: bool) -> str:
 
 
 def _known(scope: Scope) -> Iterator[str]:
-    """The parameter values in file names: a name stands for itself, a number needs its parameter's."""
+    """The parameter values in file names: a name alone, a number together with the name of its parameter."""
     for name, value in scope.assignment.items():
         yield f"{name}_{value}" if scope.edition.parameter(name).is_numeric else value
     for name, fixed in scope.numbers.items():
@@ -171,6 +170,6 @@ def _about(scope: Scope) -> str:
     kind, other = KIND[scope.direction], KIND[_OTHER[scope.direction]]
     known = "".join(f", {word}" for word in _known(scope))
     return (
-        f"{scope.edition.family} {scope.edition.name}{known}: {kind} frames only. A DBC does not know directions: "
-        f"a {other} frame read with this file shows values that nobody sent."
+        f"{scope.edition.family} {scope.edition.name}{known}: {kind} frames only. "
+        f"DBC files do not specify directions: a {other} frame decoded with this file shows meaningless values."
     )

@@ -1,4 +1,4 @@
-"""Which frames a file has: one for every CAN id, with the messages that share it."""
+"""The frames of a file: one for every CAN id, with the messages that share it."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ...model.message import Address, Command, Direction, IdRule, Key, Message
 from ...model.types import Assignment
 
 MOST_NODES = 256
-"""A DBC names every id, so the files list the first nodes of an address that has more."""
+"""A DBC lists every id, so the files contain at most this number of nodes of an address."""
 
 
 @dataclass(frozen=True)
 class Scope:
-    """What one file is about: a direction of an edition, and what is known of its nodes."""
+    """The scope of one file: a direction of an edition, with the known parameters of its nodes."""
 
     edition: Edition
     direction: Direction
@@ -27,12 +27,12 @@ class Scope:
     first_node_only: bool = False
 
     def nodes(self, rule: IdRule) -> range | None:
-        """The nodes of a rule that the file is for, as many as a file can list; None when the id is fixed."""
+        """The nodes of a rule that the file lists; None if the id is fixed."""
         return rule.nodes[: 1 if self.first_node_only else MOST_NODES] if rule.nodes else rule.nodes
 
 
 class Part:
-    """A message under one code; `values` are those of its keys, `selectors` the keys in the data with theirs."""
+    """A message with one code; `selectors` are its keys in the data with their values."""
 
     def __init__(self, command: Command, message: Message, values: tuple[int, ...]) -> None:
         self.command = command
@@ -42,12 +42,12 @@ class Part:
 
     @property
     def code(self) -> str:
-        """The values of the keys in hexadecimal, as a part of names."""
+        """The values of the keys in hexadecimal, for names."""
         return "_".join(self._codes(Space.DATA, Space.ID))
 
     @property
     def codes_in_id(self) -> tuple[str, ...]:
-        """The values of the keys that stand in the id, in hexadecimal."""
+        """The values of the keys in the id, in hexadecimal."""
         return tuple(self._codes(Space.ID))
 
     def _codes(self, *spaces: Space) -> Iterator[str]:
@@ -55,16 +55,16 @@ class Part:
 
     @property
     def id_bits(self) -> int:
-        """What keys and constant fields put into the id."""
+        """The bits of the id that are set by keys and constant fields."""
         placed = [(key.segments[0].low, value) for key, value in self._keys if key.space is Space.ID]
         placed += [(f.elements[0].segments[0].low, f.fixed or 0) for f in fields_in_id(self.message)]
         return sum(value << low for low, value in placed)
 
 
 class Frame(NamedTuple):
-    """All that stands under one id of each node: `rule` and `id_bits` make the id.
+    """The messages of one id of each node; `rule` and `id_bits` define the id.
 
-    `hidden` are messages that one multiplexor does not tell apart from the others there, each with what alone does.
+    `hidden` are messages that one multiplexor cannot distinguish from the others, each with the only difference.
     """
 
     rule: IdRule
@@ -77,7 +77,7 @@ class Frame(NamedTuple):
 
 
 class Traffic:
-    """One direction of an edition: its parts in spec order, made once for all files."""
+    """One direction of an edition: its parts in the order of the spec, computed once for all files."""
 
     def __init__(self, edition: Edition, direction: Direction) -> None:
         self.edition = edition
@@ -85,7 +85,7 @@ class Traffic:
         self._parts = [(part, (part.message.id, part.id_bits)) for part in _parts(edition, direction)]
 
     def frames(self, assignment: Assignment) -> list[Frame]:
-        """Those of the commands that there are under an assignment, in the order their first messages have in the spec."""
+        """Frames of the commands that an assignment has, in the order of their first messages in the spec."""
         available = [command for command in self.edition.commands if command.available(assignment)]
         used = {m.name for c in available for m in (c.request, c.reply) if m is not None}
         by_id: dict[tuple[IdRule, int], list[Part]] = {}
@@ -100,11 +100,11 @@ def fields_in_id(message: Message) -> Iterator[Field]:
 
 
 def obstacle(message: Message) -> str:
-    """Why no DBC can say this message; empty when it can."""
+    """Why a DBC cannot describe this message; empty if it can."""
     if message.remote:
-        return "a remote frame has no data, and a DBC does not tell it from a data frame"
+        return "a remote frame has no data, and a DBC cannot distinguish it from a data frame"
     varying = [f.name for f in fields_in_id(message) if f.fixed is None]
-    return f"the id carries {', '.join(varying)}, and a DBC has fixed ids only" if varying else ""
+    return f"the id contains {', '.join(varying)}, and a DBC has fixed ids only" if varying else ""
 
 
 def _parts(edition: Edition, direction: Direction) -> Iterator[Part]:
@@ -116,8 +116,10 @@ def _parts(edition: Edition, direction: Direction) -> Iterator[Part]:
 
 
 def _frame(rule: IdRule, id_bits: int, parts: Sequence[Part]) -> Frame:
-    """What is shown of the parts of an id: those without a selector, else those with it in one place; the first of
-    those with one selector."""
+    """The parts of an id that are shown: those without a selector, otherwise those with the same selector position.
+
+    Of parts with the same selector values, the first is shown.
+    """
     places = [part.selectors[0][0].segments if part.selectors else () for part in parts]
     shown_place = () if () in places else places[0]
     shown: list[Part] = []
@@ -128,7 +130,7 @@ def _frame(rule: IdRule, id_bits: int, parts: Sequence[Part]) -> Frame:
         if first.dlc != part.message.dlc:
             hidden[part.message.name] = "only its length"
         elif place != shown_place:
-            hidden[part.message.name] = "only what it holds elsewhere"
+            hidden[part.message.name] = "only the data at other positions"
         elif first is not part.message:
             hidden[part.message.name] = "nothing"
         else:
@@ -137,9 +139,9 @@ def _frame(rule: IdRule, id_bits: int, parts: Sequence[Part]) -> Frame:
 
 
 def partners(scope: Scope, part: Part) -> Sequence[tuple[str, int | None]]:
-    """The nodes at the other end of a fixed id, as address and node: who hears a request, who sends a reply.
+    """The receivers of a request or the senders of a reply with a fixed id, as address and node.
 
-    That is the nodes of the command's addresses; where these have none, a request is heard by every node there is.
+    These are the nodes of the addresses of the command. If there are none, every node receives the request.
     """
     command, message, edition = part.command, part.message, scope.edition
     other = command.reply if message.direction is Direction.REQUEST else command.request

@@ -1,4 +1,4 @@
-"""What README.md says of the files: which there are, what they leave out, and examples from golden frames."""
+"""Variables of README.md: the files, the parts of the spec they omit, and examples from golden frames."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ _HIGHEST_STANDARD_ID = 0x7FF
 class Section(NamedTuple):
     """The files of one edition as a table: a row for each combination of parameter values.
 
-    `joined` are what names say of joined selectors, with the commands of such a file.
-    `open_choices` are parameters that are not set, with their values; `open_numbers` those that scales are multiples of,
-    with an example; `lacking` is direction, command and reason.
+    `joined` are the name parts of joined selectors, with the commands of such a file.
+    `open_choices` are parameters that are not set, with their values; `open_numbers` are parameters that scales are
+    multiples of, with an example; `lacking` is direction, command and reason.
     """
 
     edition: str
@@ -42,14 +42,14 @@ class Section(NamedTuple):
 
 
 class Example(NamedTuple):
-    """A golden frame with one of the files: the selector's signal and text, and each other signal's value."""
+    """A golden frame and a file that describes it, with the selector and the values of all other signals."""
 
     file: File
     frame: GoldenFrame
     message: Message
     selector: tuple[str, str] | None
     values: tuple[tuple[Signal, str, bool], ...]
-    """Signals and their values as text; True where the value is a name."""
+    """Signals and their values as text; True if the value is a name."""
 
     @property
     def digits(self) -> int:
@@ -61,7 +61,7 @@ class Example(NamedTuple):
 
     @property
     def is_seen_in_a_log(self) -> bool:
-        """False for a 29-bit id that fits 11 bits: `cantools decode` takes it for one of 11."""
+        """False for a 29-bit id that fits into 11 bits: `cantools decode` reads it as an 11-bit id."""
         return not self.message.extended or self.frame.id > _HIGHEST_STANDARD_ID
 
     @property
@@ -70,7 +70,7 @@ class Example(NamedTuple):
 
 
 class Made(NamedTuple):
-    """What there is of an edition."""
+    """An edition with its files."""
 
     described: Described
     traffics: Traffics
@@ -78,7 +78,7 @@ class Made(NamedTuple):
 
 
 class Guide(NamedTuple):
-    """All that README.md shows; an example is None where there is no golden frame for it."""
+    """Content of README.md; an example is None if there is no golden frame for it."""
 
     sections: tuple[Section, ...]
     first: File | None
@@ -99,7 +99,7 @@ def guide(made: Sequence[Made]) -> Guide:
 
 
 def _usual(described: Described, parameter: Parameter) -> str:
-    """A value of a number parameter: that of the first golden frame that has one."""
+    """A typical value of a number parameter: that of the first golden frame with one."""
     golden = described.frames.frames if described.frames else ()
     texts = (str(f.parameters[parameter.name]) for f in golden if parameter.name in f.parameters)
     found = (parameters.number(described.edition, parameter, text) for text in texts)
@@ -134,18 +134,18 @@ def _joined(files: Sequence[File]) -> dict[str, list[str]]:
 
 
 def _lacking(edition: Edition, traffics: Traffics) -> Iterator[tuple[str, str, str]]:
-    """Direction, command and reason of what the files lack, or say less of than the spec."""
+    """Direction, command and reason of every part of the spec that is missing or incomplete in the files."""
     for direction, kind in KIND.items():
         for message in edition.messages(direction):
             reason = obstacle(message)
             if reason:
-                yield kind, message.command, f"left out: {reason}"
+                yield kind, message.command, f"omitted: {reason}"
         frames = traffics[direction].frames({})
         hidden = {name: what for frame in frames for name, what in frame.hidden.items()}
         for message in edition.messages(direction):
             if message.name in hidden:
-                what = f"{hidden[message.name]} tells it from the other messages of its id"
-                yield kind, message.command, f"left out: {what}, which no multiplexor can say"
+                what = f"{hidden[message.name]} distinguishes it from the other messages of its id"
+                yield kind, message.command, f"omitted: {what}, which a multiplexor cannot express"
         for frame in frames:
             nodes = frame.rule.nodes or range(0)
             if len(nodes) > MOST_NODES:
@@ -153,18 +153,26 @@ def _lacking(edition: Edition, traffics: Traffics) -> Iterator[tuple[str, str, s
                 yield (
                     kind,
                     frame.parts[0].command.name,
-                    f"of the nodes up to {nodes[-1]}, the files list those up to {last}",
+                    f"the files list the nodes up to {last} of {nodes[-1]}",
                 )
             length = max(part.message.dlc for part in frame.parts)
             for part in frame.parts:
                 if len(part.selectors) > 1 and joined_span(part) is None:
-                    yield kind, part.command.name, "its fields are shown as bare bits: its selectors stand apart"
+                    yield (
+                        kind,
+                        part.command.name,
+                        "its fields are shown as raw bits, because its selectors are not adjacent",
+                    )
                 if part.message.dlc < length:
-                    yield kind, part.command.name, f"it has {part.message.dlc} bytes, the file says {length}"
+                    yield (
+                        kind,
+                        part.command.name,
+                        f"it has {part.message.dlc} bytes, but the file lists {length}, the longest frame on its id",
+                    )
 
 
 def _examples(described: Described, files: Sequence[File], direction: Direction) -> Iterator[Example]:
-    """Golden frames that a file of this run reads without any other parameter than those in its name."""
+    """Golden frames that a file describes without other parameters than those in its name."""
     golden = [f for f in described.frames.frames if f.direction is direction] if described.frames else []
     whole = [
         (file, set(file.known), {message.id & ~EXTENDED: message for message in reversed(file.messages)})

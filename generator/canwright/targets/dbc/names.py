@@ -1,4 +1,4 @@
-"""Names that are longer than DBC readers take, and are cut."""
+"""Signal names that exceed the limit of DBC readers and are truncated."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from .text import NAME_LENGTH
 
 
 def long_names(edition: Edition) -> Iterator[NameProblem]:
-    """Every field whose signal would have a longer name, each once."""
+    """A problem for every field with a signal name that is too long."""
     seen: set[DocumentPath] = set()
     for message in edition.all_messages():
         for field in message.layout.fields:
             name = max((n for e in field.elements for n in _signals(edition, message, field, e)), key=len)
             if field.space is Space.DATA and len(name) > NAME_LENGTH and field.path not in seen:
                 seen.add(field.path)
-                text = f"the signal `{name}` has {len(name)} characters, a DBC name has at most {NAME_LENGTH}"
-                yield NameProblem(field.path, text, "it is cut there; a shorter name would be whole", Severity.WARNING)
+                text = f"the signal name `{name}` has {len(name)} characters; the maximum in a DBC is {NAME_LENGTH}"
+                yield NameProblem(field.path, text, "use a shorter name; this one is truncated", Severity.WARNING)
 
 
 def _signals(edition: Edition, message: Message, field: Field, element: Element) -> Iterator[str]:

@@ -1,7 +1,7 @@
-"""The selectors of a message as bits and numbers, one by one and read as one.
+"""The selectors of a message as bits and numbers, separate or joined.
 
-Readers that know nested multiplexors are few. Where all selectors of a message stand side by side, they can be read as
-one number, which is a plain multiplexor.
+Few readers support nested multiplexors. If all selectors of a message are adjacent, they can be read as one number,
+which is a plain multiplexor.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def selector_bits(part: Part) -> set[int]:
 
 
 def joined_span(part: Part) -> range | None:
-    """The bits from the first selector to the last; None where there is one only, or more than constants between."""
+    """The bits from the first selector to the last; None if there is only one, or if bits between them can vary."""
     if len(part.selectors) < 2:
         return None
     span = range(min(selector_bits(part)), max(selector_bits(part)) + 1)
@@ -34,13 +34,13 @@ def joined_span(part: Part) -> range | None:
 
 
 def joined_value(part: Part, span: range) -> int:
-    """What `span` reads, lowest bit first, in every frame of this part."""
+    """The number in `span`, lowest bit first, in every frame of this part."""
     ones = {bit for places, value in _fixed(part) for i, bit in enumerate(places) if value >> i & 1}
     return sum(1 << i for i, bit in enumerate(span) if bit in ones)
 
 
 def runs(numbers: Iterable[int], split: Iterable[int] = ()) -> list[tuple[int, ...]]:
-    """Neighbouring numbers together; those in `split` by themselves."""
+    """Runs of adjacent numbers; each number in `split` is a run of its own."""
     found: list[list[int]] = []
     for n in sorted(numbers):
         if found and found[-1][-1] == n - 1 and n not in split and n - 1 not in split:
@@ -51,7 +51,7 @@ def runs(numbers: Iterable[int], split: Iterable[int] = ()) -> list[tuple[int, .
 
 
 def _fixed(part: Part) -> Iterator[tuple[tuple[int, ...], int]]:
-    """Bits that are the same in every frame of the part, with what they hold: selectors and constants."""
+    """Bits with the same value in every frame of the part, and that value: selectors and constants."""
     yield from ((bits(key), value) for key, value in part.selectors)
     for field in part.message.layout.fields:
         if field.demanded is not None and field.space is Space.DATA and not field.only:

@@ -13,7 +13,7 @@ from .names import long_names
 
 
 class DbcTarget(Target):
-    """DBC files; see the package."""
+    """Generates DBC files."""
 
     title = "DBC"
 
@@ -24,7 +24,7 @@ class DbcTarget(Target):
         return long_names(edition)
 
     def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
-        """Signals without the prefix of direction and code, which is shown as `…_`."""
+        """Signal names with `…_` in place of the prefix of direction and code."""
         names: dict[DocumentPath, str] = {("bus", "host"): edition.bus.host}
         for message in edition.all_messages():
             names |= {field.path: f"…_{field.name}" for field in message.layout.fields}

@@ -1,4 +1,4 @@
-"""Names, numbers and texts as every DBC reader takes them."""
+"""Names, numbers and texts in the form that every DBC reader accepts."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ASCII = str.maketrans(
 
 
 def number(value: Fraction) -> str:
-    """A number without exponent: every digit of a finite decimal, otherwise those of the nearest double."""
+    """A number without exponent: all digits of a finite decimal, otherwise those of the nearest double."""
     if value.denominator == 1:
         return str(value.numerator)
     places = value.denominator.bit_length()
@@ -32,7 +32,7 @@ def number(value: Fraction) -> str:
 
 @functools.lru_cache(maxsize=1 << 16)
 def text(written: str) -> str:
-    """A text on one line of ASCII without quotes and backslashes; nothing where it has letters beyond ASCII."""
+    """A text as one line of ASCII without quotes and backslashes; empty if it has letters outside ASCII."""
     if written.isascii() and written.isprintable():
         return " ".join(written.translate(_ASCII).split())
     plain = unicodedata.normalize("NFKD", written).translate(_ASCII)
@@ -43,7 +43,7 @@ def text(written: str) -> str:
 
 
 def in_ascii(texts: Mapping[str, str]) -> str:
-    """What a DBC can hold of a text in several languages: the English one, or the first."""
+    """The ASCII form of a text in several languages: the English one, or the first."""
     return text(texts.get("en") or next(iter(texts.values()), ""))
 
 
@@ -53,7 +53,7 @@ def camel(name: str) -> str:
 
 
 def fitting(name: str, taken: Collection[str], room: int = 0) -> str:
-    """`name` cut to what readers take, less `room`, with a number at the end where it is `taken` or a keyword."""
+    """`name` cut to the limit of readers minus `room`, with a number appended if it is `taken` or a keyword."""
     length = NAME_LENGTH - room
     fitted, count = name[:length], 1
     while fitted in taken or _KEYWORD.fullmatch(fitted):

@@ -1,4 +1,4 @@
-"""What the templates lay out: the parts of one DBC file, every number already text."""
+"""Variables of the templates: the parts of one DBC file, with all numbers as text."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ EXTENDED = 1 << 31
 
 
 class Signal(NamedTuple):
-    """An SG_ line and what hangs on it. `mux` is empty, `M`, or `m` and a selector value."""
+    """An SG_ line with its comment, values and attributes. `mux` is empty, `M`, or `m` and a selector value."""
 
     name: str
     mux: str
@@ -33,7 +33,7 @@ class Signal(NamedTuple):
 
 
 class Message(NamedTuple):
-    """A BO_ line with its signals. `id` has bit 31 set when it is a 29-bit one."""
+    """A BO_ line with its signals. `id` has bit 31 set if it is a 29-bit id."""
 
     id: int
     name: str
@@ -52,7 +52,7 @@ Named = TypeVar("Named", Signal, Message)
 
 
 def fitted(views: Iterable[Named]) -> tuple[Named, ...]:
-    """The signals of a message, or the messages of a file, under names that readers take and that are unique there."""
+    """The signals of a message, or the messages of a file, with unique names that readers accept."""
     found: dict[str, Named] = {}
     for view in views:
         name = fitting(view.name, found)
@@ -61,9 +61,9 @@ def fitted(views: Iterable[Named]) -> tuple[Named, ...]:
 
 
 class File(NamedTuple):
-    """One DBC file. `known` are the parameter values it holds for, `part` is what it is restricted to, if anything.
+    """One DBC file. `known` are the parameter values it is valid for; `part` is the rest of its name.
 
-    `joined` is what the name says of selectors that are read as one number; empty in a file of first selectors.
+    `joined` is the name of selectors that are read as one number; empty in a file of the first selector.
     """
 
     edition: str

@@ -1,4 +1,4 @@
-"""The docs target: Markdown that reads well on its own and builds into a site, in every language of the spec."""
+"""The docs target: Markdown pages, readable on their own or as a site, in every language of the spec."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ _PAGES = ("types", "parameters", "errata", "bus")
 
 
 class _Book(NamedTuple):
-    """The documents in one language; `listed` are its editions with their folders, the oldest first."""
+    """The documents in one language; `listed` are its editions with their folders, oldest first."""
 
     language: str
     labels: Labels
-    says: editions.Says
+    wording: editions.Wording
     listed: Sequence[tuple[str, Edition]]
     view: Mapping[str, object]
-    """What every template is given."""
+    """Variables of every template."""
 
 
 def generate(described: Sequence[Described], set_parameters: Assignment) -> Iterator[Output]:
-    """A folder for each language, in it one for each edition."""
+    """One folder for each language, with one folder for each edition."""
     env = environment(
         "docs",
         {
@@ -62,23 +62,23 @@ def generate(described: Sequence[Described], set_parameters: Assignment) -> Iter
 
 
 def _books(described: Sequence[Described], folders: Mapping[Edition, str]) -> Iterator[_Book]:
-    says: Mapping[str, editions.Says] = _words("changes")
+    wordings: Mapping[str, editions.Wording] = _words("changes")
     for language, labels in _words("labels").items():
         here = editions.in_order(d.edition for d in described if language in d.edition.languages)
         if here:
             listed = [(folders[edition], edition) for edition in here]
             view = {"lang": language, "labels": labels, "by_command": editions.by_command(listed)}
-            yield _Book(language, labels, says.get(language, editions.ENGLISH), listed, view)
+            yield _Book(language, labels, wordings.get(language, editions.ENGLISH), listed, view)
 
 
 def _words(name: str) -> Any:
-    """A file of words of the documents, by language."""
+    """A file with texts of the documents, by language."""
     text = (resources.TEMPLATES / "docs" / f"{name}.yaml").read_text("utf-8")
     return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
 
 
 def _front(env: jinja2.Environment, book: _Book) -> Iterator[Output]:
-    """The pages that are about no edition alone."""
+    """Pages that are not about a single edition."""
     language = book.language
     tables = list(editions.support(book.listed, book.labels, language))
     lines = list(editions.front(book.listed))
@@ -108,5 +108,5 @@ def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) 
             for picture in half.pictures:
                 yield Output(f"{folder}/pictures/{picture.file}", picture.svg)
     if old is not None:
-        changes = editions.changes(old, common.since(old), book.language, book.labels, book.says)
+        changes = editions.changes(old, common.since(old), book.language, book.labels, book.wording)
         yield Output(f"{folder}/changes.md", env.get_template("changes.md.j2").render(view, changes=changes))

@@ -1,4 +1,4 @@
-"""What the pages of an edition say alike in every language, worked out once."""
+"""Content of the pages of an edition that is the same in every language, computed once."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .text import code, markdown
 
 
 class Drawn(NamedTuple):
-    """A picture without its title, its file, and under which parameter values it holds where there are several."""
+    """A picture without its title, its file, and the parameter values it is valid for if there are several pictures."""
 
     file: str
     drawing: Drawing
@@ -36,17 +36,17 @@ class Side(NamedTuple):
     fields: Sequence[tuple[Field, Sequence[Cells]]]
     id: str
     nodes: str
-    """Which there are; empty where the id is fixed."""
+    """The range of nodes; empty if the id is fixed."""
     is_rest: bool
-    """Whether it has no selector, and others of its ids have one."""
+    """Whether the message has no selector while other messages on its ids have one."""
     has_free_bits: bool
-    """Whether some data bit belongs to no key and, under some parameter value that has the command, to no field."""
+    """Whether a data bit belongs to no key and, for a parameter value that has the command, to no field."""
     drawn: Sequence[Drawn]
     examples: Sequence[Worked]
 
 
 class Sheet(NamedTuple):
-    """A command: what its page lays out, but for the two sides, and these."""
+    """The page of a command: the variables of its template except the two sides, and the sides."""
 
     command: Command
     view: Mapping[str, Any]
@@ -54,13 +54,13 @@ class Sheet(NamedTuple):
 
 
 class Common:
-    """Works it out, all of it before any page is written: that is faster than in between."""
+    """Computes everything before the first page is written: that is faster than between pages."""
 
     def __init__(self, edition: Edition, golden: GoldenFrames | None) -> None:
         self.edition = edition
         self.golden = golden
         self.touched: dict[str, list[str]] = {}
-        """The commands that an erratum touches."""
+        """Names of the commands that each erratum affects."""
         self._errata = {command.name: edition.errata_of(command) for command in edition.commands}
         for name, errata in self._errata.items():
             for erratum in errata:
@@ -72,12 +72,12 @@ class Common:
             if command.entry:
                 self._of_entry.setdefault(command.entry.path, []).append(command)
         self._fields: dict[Layout, Sequence[tuple[Field, Sequence[Cells]]]] = {}
-        """Those of a layout: many messages share one."""
+        """Rows by layout: many messages share one."""
         self._since: dict[Edition, Sequence[Change]] = {}
         self.sheets = list(self._sheets())
 
     def since(self, old: Edition) -> Sequence[Change]:
-        """What changed since an edition."""
+        """Changes since an older edition."""
         if old not in self._since:
             self._since[old] = compare(old, self.edition, own_targets())
         return self._since[old]
@@ -102,7 +102,7 @@ class Common:
             yield Sheet(command, view, [(direction, self._side(command, direction)) for direction in Direction])
 
     def _side(self, command: Command, direction: Direction) -> Side | None:
-        """One direction of a command; None where it has no frame in that direction."""
+        """One direction of a command; None if the command has no frame in that direction."""
         message = command.message(direction)
         if message is None:
             return None

@@ -1,4 +1,4 @@
-"""Pages about several editions: what changed from one to the next, and which command is in which."""
+"""Pages about several editions: changes from one to the next, and the commands of each."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from ...model import formatting
 from ...model.edition import Edition
 from ...model.message import Command, Direction, KeyRole
 from .tables import code_of, index as index_of
-from .text import code, markdown
+from .text import code, markdown, spaced
 
-Says = Mapping[Literal["sentences", "words"], Mapping[str, str]]
-"""The sentences of changes by rule, and the words that fill them, in one language."""
-ENGLISH: Says = {"sentences": {}, "words": {}}
-"""What the comparison says as it is."""
+Wording = Mapping[Literal["sentences", "words"], Mapping[str, str]]
+"""Sentences of changes by rule, and the words inserted into them, in one language."""
+ENGLISH: Wording = {"sentences": {}, "words": {}}
+"""The sentences of the comparison, unchanged."""
 
 
 class ChangeLine(NamedTuple):
@@ -28,7 +28,7 @@ class ChangeLine(NamedTuple):
 
 
 class Changes(NamedTuple):
-    """What changed since the edition before, by impact; texts and errata apart."""
+    """Changes since the previous edition, by impact; texts and errata separately."""
 
     previous: Edition
     sections: tuple[tuple[Impact, tuple[ChangeLine, ...]], ...]
@@ -36,14 +36,14 @@ class Changes(NamedTuple):
 
 
 class SupportLine(NamedTuple):
-    """A command or an entry with its title, and what each edition has of it, in Markdown."""
+    """A command or an entry with its title and one cell for each edition, in Markdown."""
 
     name: str
     cells: tuple[str, ...]
 
 
 class Support(NamedTuple):
-    """Which command is in which edition of a family."""
+    """Commands and entries of the editions of a family."""
 
     family: str
     editions: tuple[tuple[str, Edition], ...]
@@ -52,19 +52,19 @@ class Support(NamedTuple):
 
 
 def in_order(editions: Iterable[Edition]) -> list[Edition]:
-    """The oldest edition first."""
+    """Editions by family and date, oldest first."""
     return sorted(editions, key=lambda e: (e.family, e.date, e.name))
 
 
 def previous(edition: Edition, editions: Sequence[Edition]) -> Edition | None:
-    """The edition of the same family before this one."""
+    """The previous edition of the same family, or None."""
     family = [e for e in in_order(editions) if e.family == edition.family]
     at = family.index(edition)
     return family[at - 1] if at else None
 
 
 class FrontLine(NamedTuple):
-    """An edition on the first page, in Markdown: what tells it from others, and whether others came before."""
+    """A row of the front page, in Markdown: reply ids and codes unique to the edition, and whether it has a predecessor."""
 
     folder: str
     edition: Edition
@@ -74,7 +74,7 @@ class FrontLine(NamedTuple):
 
 
 def front(editions: Sequence[tuple[str, Edition]]) -> Iterator[FrontLine]:
-    """The rows of the first page. `editions` come with their folders."""
+    """The rows of the front page. `editions` come with their folders."""
     for folder, edition in editions:
         family = [other for _, other in editions if other.family == edition.family and other is not edition]
         codes, others = _codes([edition]), _codes(family)
@@ -94,7 +94,7 @@ def _codes(editions: Iterable[Edition]) -> set[int]:
 
 
 def by_command(editions: Sequence[tuple[str, Edition]]) -> Mapping[tuple[str, str], list[tuple[str, Edition]]]:
-    """The editions, with their folders, that have a command of a name, by family and name."""
+    """Editions with their folders, by family and by the name of a command they have."""
     found: dict[tuple[str, str], list[tuple[str, Edition]]] = {}
     for folder, edition in editions:
         for command in edition.commands:
@@ -102,14 +102,16 @@ def by_command(editions: Sequence[tuple[str, Edition]]) -> Mapping[tuple[str, st
     return found
 
 
-def changes(old: Edition, found: Sequence[Change], language: str, labels: Mapping[str, str], says: Says) -> Changes:
-    """What changed since an edition, as it was `found`; `says` are the sentences and words in this language."""
+def changes(
+    old: Edition, found: Sequence[Change], language: str, labels: Mapping[str, str], wording: Wording
+) -> Changes:
+    """The page of changes since `old` from the changes `found`, with the `wording` of the language."""
 
     def line(change: Change) -> ChangeLine:
-        sentence = change.says(language, says["sentences"].get(change.rule.id), says["words"], markdown)
+        sentence = change.says(language, wording["sentences"].get(change.rule.id), wording["words"], markdown)
         host = labels["listed"].join(labels[f"host_{side.value}"] for side in change.sides)
         what = f"{labels[f'item_{change.item.kind}']} {code(change.item.name)}".rstrip()
-        return ChangeLine(what, sentence, labels[f"kind_{change.rule.category.value}"], host)
+        return ChangeLine(what, spaced(sentence), labels[f"kind_{change.rule.category.value}"], host)
 
     def is_document(change: Change) -> bool:
         return change.rule.category is Category.DOC

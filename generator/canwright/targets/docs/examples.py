@@ -1,4 +1,4 @@
-"""Worked examples: golden frames of a command, in words."""
+"""Worked examples: golden frames of a command with their values."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MOST = 4
 
 
 class Example(NamedTuple):
-    """A frame and what it means, its parts in Markdown."""
+    """A frame and its meaning; all parts are Markdown."""
 
     frame: str
     given: str
@@ -25,7 +25,7 @@ class Example(NamedTuple):
 
 
 class Worked(NamedTuple):
-    """An example before it is put into a language: `means % labels` is what it means; `source` is a name."""
+    """An example without a language: `means % labels` is its meaning; `source` is the name of a source."""
 
     frame: str
     given: str
@@ -40,7 +40,7 @@ class Worked(NamedTuple):
 
 
 def worked(golden: GoldenFrames, message: Message, command: str) -> Iterator[Worked]:
-    """The first few golden frames of one direction of a command, those with most to say first."""
+    """At most `MOST` golden frames of one direction of a command, those with most values first."""
     found = golden.of_command.get((command, message.direction), [])
     usual = [f for f in found if not f.decode_only] or found
     units = {f.name: f" {f.type.unit.symbol}" for f in message.layout.fields if f.type.unit}
@@ -55,21 +55,21 @@ def worked(golden: GoldenFrames, message: Message, command: str) -> Iterator[Wor
 
 
 def sources(golden: GoldenFrames, language: str) -> Mapping[str, str]:
-    """Where frames are from, by name."""
+    """Texts of the sources in one language, by name."""
 
-    def said(source: Text) -> str:
+    def in_language(source: Text) -> str:
         return source if isinstance(source, str) else "".join(text for of, text in source.items() if of == language)
 
-    return {name: said(source) for name, source in golden.sources.items()}
+    return {name: in_language(source) for name, source in golden.sources.items()}
 
 
 def _source(source: str, note: str | None) -> str:
-    """Where a frame is from, and what is noted of it."""
+    """The source of a frame with its note."""
     return f"{markdown(source.removesuffix('.'))} ({markdown(note)})" if note else markdown(source)
 
 
 def _meanings(frame: Frame, units: Mapping[str, str]) -> Iterator[str]:
-    """What the node and each field is, with labels to be filled in by `%`."""
+    """The node and each field with its value; labels are inserted later by `%`."""
     if frame.node is not None:
         yield code(f"node = {frame.node}")
     for name, raw in frame.raw.items():
@@ -79,8 +79,8 @@ def _meanings(frame: Frame, units: Mapping[str, str]) -> Iterator[str]:
         elif value == "none":
             yield f"{code(f'{name}: raw {_list(raw)}')}, %(raw_only)s"
         else:
-            said = _value(value, units.get(name, "")).replace("%", "%%") or "%(none)s"
-            yield code(f"{name} = {said}") + _raw(raw, value)
+            shown = _value(value, units.get(name, "")).replace("%", "%%") or "%(none)s"
+            yield code(f"{name} = {shown}") + _raw(raw, value)
 
 
 def _raw(raw: int | list[int], value: Value) -> str:

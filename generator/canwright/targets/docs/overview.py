@@ -1,4 +1,4 @@
-"""The first page of an edition: its commands as the spec has them, and the entries of its tables."""
+"""The first page of an edition: commands in the order of the spec, and the entries of tables."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .text import code, markdown
 
 @dataclass(frozen=True)
 class Line:
-    """A command as the spec has it, in Markdown: name and title, and its entries where a table gives it forms."""
+    """A row of a command, in Markdown; a command with a table lists its entries."""
 
     code: str
     command: str
@@ -28,7 +28,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Entries:
-    """The entries of a table, in Markdown; columns that would be empty are left out."""
+    """The entries of a table, in Markdown; empty columns are omitted."""
 
     table: Table
     columns: tuple[str, ...]
@@ -36,7 +36,7 @@ class Entries:
 
 
 def overview(edition: Edition, labels: Labels, language: str) -> Mapping[str, Any]:
-    """What the template lays out."""
+    """Variables of the template."""
     groups: dict[str, list[Command]] = {}
     for command in edition.commands:
         groups.setdefault(command.group, []).append(command)
@@ -64,7 +64,7 @@ def _line(forms: Sequence[Command], labels: Labels, language: str) -> Line:
 
 
 def _common(forms: Sequence[Command]) -> list[Effect]:
-    """The effects that all forms of a command have."""
+    """Effects that all forms of a command have."""
     return [effect for effect in forms[0].effects if all(effect in form.effects for form in forms)]
 
 

@@ -1,4 +1,4 @@
-"""The pages of one edition in one language: what the templates lay out."""
+"""Variables of the templates for the pages of one edition in one language."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .text import code, markdown, xml
 
 
 class Picture(NamedTuple):
-    """A picture file, and under which parameter values it holds."""
+    """A picture file and the parameter values it is valid for."""
 
     file: str
     svg: str
@@ -26,7 +26,7 @@ class Picture(NamedTuple):
 
 
 class Half(NamedTuple):
-    """One direction of a command. Of its byte table, columns that would be empty are left out."""
+    """One direction of a command. Empty columns of its byte table are omitted."""
 
     title: str
     about: str
@@ -39,7 +39,7 @@ class Half(NamedTuple):
 
 
 class Pages:
-    """Builds what the templates of an edition are given."""
+    """Builds the variables of the templates of an edition."""
 
     def __init__(self, common: Common, labels: Labels, language: str) -> None:
         self._common = common
@@ -53,7 +53,7 @@ class Pages:
         return overview(self._common.edition, self._labels, self._language)
 
     def half(self, command: Command, direction: Direction, side: Side | None) -> Half:
-        """One direction of a command; `side` is what it says in every language."""
+        """One direction of a command; `side` is its content for every language."""
         labels = self._labels
         title = labels[direction.value]
         facts = list(tables.facts(side.message, side.id, side.nodes, labels)) if side else []
@@ -68,7 +68,7 @@ class Pages:
         layout = side.message.layout
         if layout.manual not in ("", command.manual, command.entry.manual if command.entry else ""):
             facts.append((labels["manual"], markdown(layout.manual)))
-        about = self.said(layout) if layout.shared else markdown(layout.about[self._language])
+        about = self.description(layout) if layout.shared else markdown(layout.about[self._language])
         rows = [*tables.key_rows(side.keys, side.message, command, labels), *self._rows_of_fields(command, side)]
         columns = zip(Row._fields, zip(*rows, strict=True), strict=False)
         kept = [(name, cells) for name, cells in columns if any(cells)]
@@ -84,7 +84,7 @@ class Pages:
         )
 
     def _rows_of_fields(self, command: Command, side: Side) -> Sequence[Row]:
-        """Worked out once for all commands that say the same of a layout."""
+        """Computed once for all commands that show a layout alike."""
         layout = side.message.layout
         manual = command.entry.manual if command.entry else ""
         key = (layout, command.manual, manual, *command.only.items())
@@ -98,23 +98,23 @@ class Pages:
         alt = self._title(markdown, command.name, side, drawn.only)
         return Picture(drawn.file, drawn.drawing.svg(title), alt, code(drawn.only))
 
-    def _title(self, said: Callable[[str], str], command: str, side: str, only: str) -> str:
-        """What a picture shows, in the language that `said` puts a text into."""
-        about = (said(command), side, said(only)) if only else (said(command), side)
+    def _title(self, escape: Callable[[str], str], command: str, side: str, only: str) -> str:
+        """The title of a picture, each part escaped for its format."""
+        about = (escape(command), side, escape(only)) if only else (escape(command), side)
         return f"{self._labels['picture']} {self._labels['comma'].join(about)}"
 
     def types(self) -> Mapping[str, Any]:
         """The page of types."""
         return {"named_types": [t for t in self._common.edition.types if t.path[0] == "types"], "tables": tables}
 
-    def said(self, thing: tables.Titled) -> str:
-        """The title of a thing, and what else is said of it."""
-        return tables.said(thing, self._labels, self._language)
+    def description(self, thing: tables.Titled) -> str:
+        """Title and description of an object, in Markdown."""
+        return tables.description(thing, self._labels, self._language)
 
     def condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
-        """Under which parameter values something is there."""
+        """The parameter values that an object is limited to."""
         return code(formatting.condition(only))
 
     def erratum_links(self, erratum: Erratum) -> Sequence[str]:
-        """The commands that an erratum touches."""
+        """Names of the commands that an erratum affects."""
         return self._common.touched.get(erratum.id, ())

@@ -21,7 +21,7 @@ _STYLE = (
 
 
 class _Run(NamedTuple):
-    """Adjacent bits of one row that belong together."""
+    """Adjacent bits of one row with one label."""
 
     row: int
     low: int
@@ -31,7 +31,7 @@ class _Run(NamedTuple):
 
 
 class _Row(NamedTuple):
-    """Up to eight bits: a byte of the data, or a part of the id. What nobody takes has the bits of `rest`."""
+    """Up to eight bits: a byte of the data, or a part of the id. `rest` has the values of unassigned bits."""
 
     title: str
     width: int
@@ -39,7 +39,7 @@ class _Row(NamedTuple):
 
 
 class Drawing(NamedTuple):
-    """A picture but for its title, which is all that depends on the language."""
+    """A picture without its title, the only part that depends on the language."""
 
     size: str
     body: str
@@ -53,11 +53,11 @@ class Drawing(NamedTuple):
 
 
 class Drawings:
-    """Draws frames with their fields: the id where keys or fields stand in it, and the data bytes."""
+    """Draws frames with their fields: the id if it contains keys or fields, and the data bytes."""
 
     def __init__(self) -> None:
         self._fields: dict[tuple[Variant, int], tuple[_Run, ...]] = {}
-        """Those of a variant, below so many rows of the id. Many messages share one."""
+        """Runs by variant, which many messages share, and number of id rows above it."""
 
     def drawing(self, message: Message, variant: Variant) -> Drawing:
         """The frame of a message under some parameter values."""
@@ -86,7 +86,7 @@ def _drawn(id_rows: tuple[_Row, ...], dlc: int, runs: tuple[_Run, ...]) -> Drawi
 
 
 def _id_rows(message: Message, variant: Variant) -> tuple[_Row, ...]:
-    """The id from its upper bits down, eight to a row; none where the id has nothing but node and base."""
+    """The id from its upper bits down, eight to a row; empty if the id contains only base and node."""
     if Space.ID not in {*(key.space for key in message.keys), *(field.space for field in variant.fields)}:
         return ()
     width, base = (29 if message.id.extended else 11), message.id.base
@@ -108,13 +108,13 @@ def _fields(variant: Variant, id_rows: int) -> Iterator[_Run]:
 
 
 def _node(rule: IdRule, nodes: range) -> Segment:
-    """The bits of the id that differ from node to node."""
+    """The bits of the id that depend on the node."""
     low = (rule.node_step & -rule.node_step).bit_length() - 1
     return Segment(0, low, max(1, (nodes[-1] * rule.node_step).bit_length() - low), 0)
 
 
 def _places(space: Space, segments: Sequence[Segment], label: str, style: str, id_rows: int) -> Iterator[_Run]:
-    """The runs of some segments; a label says which raw bits are there when there is more than one run."""
+    """The runs of segments; if there are several, each label states its raw bits."""
     found = []
     for s in segments:
         bit, end = s.low, s.low + s.width

@@ -1,4 +1,4 @@
-"""Byte tables and type tables: everything a reader, or a parser, needs to decode a frame."""
+"""Byte tables and type tables: everything that a reader or a parser needs to decode a frame."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from .text import code, markdown
 Labels = Mapping[str, str]
 _FORM_LABELS = {EchoReply: "echo", OwnReply: "own", SharedReply: "layout", OtherReply: "other"}
 MOST_MEMBERS = 8
-"""How many members are told in a row of a byte table; the page of types has them all, with their titles."""
+"""Most members shown in a row of a byte table; the page of types has all members with their titles."""
 
 
 class Titled(Protocol):
-    """What people read of a thing."""
+    """An object with texts."""
 
     @property
     def title(self) -> Text: ...
@@ -43,17 +43,17 @@ class Row(NamedTuple):
 
 
 def code_of(command: Command) -> str:
-    """The code of a command, or a mark where it has none."""
+    """The code of a command, or a check mark if it has none."""
     return f"0x{command.code:02X}" if command.code is not None else "✓"
 
 
 def index(message: Message | None) -> str:
-    """The bytes that tell the entry: `0x05 0x0A`."""
+    """The bytes that identify the entry: `0x05 0x0A`."""
     return " ".join(f"0x{key.value:02X}" for key in message.keys if key.role is KeyRole.INDEX) if message else ""
 
 
 class Cells(NamedTuple):
-    """What is told alike in every language of some bits, in Markdown: the start of their row."""
+    """The first cells of a row, in Markdown; they are the same in every language."""
 
     place: str
     field: str
@@ -62,13 +62,13 @@ class Cells(NamedTuple):
 
 
 def key_cells(key: Key) -> Cells:
-    """A key as it stands in the frame."""
+    """The cells of a key."""
     order = " big-endian" if key.order is Order.BIG and len(key.segments) > 1 else ""
     return Cells(code(formatting.place(key.space, key.segments)), "", "", code(f"u{key.width}{order}"))
 
 
 def field_cells(field: Field) -> list[Cells]:
-    """A field as it stands in its layout; an array has several places."""
+    """The cells of a field; an array has one row for each element."""
     type_ = field.type
     link = f"[{markdown(type_.name)}](../types.md#types.{type_.name})" if type_.path[0] == "types" else ""
     return [
@@ -83,7 +83,7 @@ def field_cells(field: Field) -> list[Cells]:
 
 
 def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels: Labels) -> Iterator[Row]:
-    """The selector of a frame."""
+    """The rows of the keys of a frame."""
     for i, (key, start) in enumerate(zip(message.keys, cells, strict=True)):
         note = labels["selector_of_entry" if command.entry and key.role is KeyRole.INDEX else "selector"]
         if i == 0 and message.accept:
@@ -95,12 +95,12 @@ def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels:
 def field_rows(
     fields: Sequence[tuple[Field, Sequence[Cells]]], layout: Layout, command: Command, labels: Labels, language: str
 ) -> Iterator[Row]:
-    """The fields of a layout that a command has, in the order of the spec."""
+    """The rows of the fields that a command has, in the order of the spec."""
     for field, places in fields:
-        if _there(layout, field, command):
+        if _is_available(layout, field, command):
             numbers = _numbers(field, layout, command, labels)
             what = (
-                said(field, labels, language)
+                description(field, labels, language)
                 + (f"{labels['and']}{labels['holds_node']}" if isinstance(field.role, NodeRole) else "")
                 + _section(field, layout, command, labels)
                 + _members(field.type, labels)
@@ -108,8 +108,8 @@ def field_rows(
             yield from (Row(*cells, *numbers, _only(layout, field), what) for cells in places)
 
 
-def _there(layout: Layout, field: Field, command: Command) -> bool:
-    """Whether a field is there under some parameter value that has the command."""
+def _is_available(layout: Layout, field: Field, command: Command) -> bool:
+    """Whether the field exists for a parameter value that has the command."""
     having = command.only.get(layout.parameter or "", field.only)
     return not field.only or bool(set(field.only) & set(having))
 
@@ -118,23 +118,23 @@ def _only(layout: Layout, field: Field) -> str:
     return code(f"{layout.parameter} {', '.join(field.only)}") if field.only else ""
 
 
-def said(thing: Titled, labels: Labels, language: str) -> str:
-    """The title of a thing, and what else is said of it."""
+def description(thing: Titled, labels: Labels, language: str) -> str:
+    """Title and description of an object, in Markdown."""
     about = thing.about[language]
     return markdown(thing.title[language] + (labels["stop"] + about if about else ""))
 
 
 def _members(type_: Type, labels: Labels) -> str:
-    """The names of values or bits, where they are few: `0` `on` · `16` `off`."""
+    """The names of values or bits if there are few: `0` `on` · `16` `off`."""
     members = type_.enum or type_.flags
     if not members or len(members) > MOST_MEMBERS:
         return ""
-    told = " · ".join(f"{code(str(member.value))} {code(member.name)}" for member in members)
-    return f"<br>{labels['bits'] if type_.flags else ''}{told}"
+    listed = " · ".join(f"{code(str(member.value))} {code(member.name)}" for member in members)
+    return f"<br>{labels['bits'] if type_.flags else ''}{listed}"
 
 
 def _section(field: Field, layout: Layout, command: Command, labels: Labels) -> str:
-    """Where in the manual a field is, when not where its layout or command is."""
+    """The section of the manual of a field if it differs from that of its layout and command."""
     known = ("", layout.manual, command.manual, command.entry.manual if command.entry else "")
     return "" if field.manual in known else f" ({labels['manual']} {markdown(field.manual)})"
 
@@ -148,12 +148,12 @@ def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> 
 
 
 def cases(pairs: Sequence[tuple[str, str]]) -> str:
-    """`A: 16.5/2048 V`, one line a case."""
+    """`A: 16.5/2048 V`, one line for each case."""
     return "<br>".join(f"{names}: {code(text)}" if names else code(text) for names, text in pairs)
 
 
 def scale(type_: Type, labels: Labels, among: tuple[str, ...] = ()) -> str:
-    """What one raw step is worth, exact."""
+    """The exact resolution, with the offset."""
     if not type_.is_number:
         return ""
     found = formatting.scale(type_, among)
@@ -164,13 +164,13 @@ def scale(type_: Type, labels: Labels, among: tuple[str, ...] = ()) -> str:
 
 
 def raw_range(type_: Type) -> str:
-    """The raw range, exact; a float has none, for its range is that of its value."""
+    """The exact raw range; empty for a float, whose range is that of its value."""
     return "" if type_.encoding is Encoding.FLOAT else cases(formatting.ranges(type_))
 
 
 @functools.lru_cache(maxsize=1 << 12)
 def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
-    """The range in the unit, where scale and range allow to say it."""
+    """The range in the unit; empty if scale or range is not known."""
     unit = f" {type_.unit.symbol}" if type_.unit else ""
     if type_.encoding is Encoding.FLOAT:
         return cases([(names, limits + unit) for names, limits in formatting.ranges(type_)])
@@ -189,7 +189,7 @@ def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
 
 
 def _id_with_code(message: Message) -> IdRule | None:
-    """The id as it is on the bus, where a key stands in it; None where no key does, or a field varies it."""
+    """The id on the bus if it contains a key; None if it contains no key, or a field with a variable value."""
     placed = [(key.segments[0].low, key.value) for key in message.keys if key.space is Space.ID]
     fields = [field for field in message.layout.fields if field.space is Space.ID]
     if not placed or any(field.fixed is None for field in fields):
@@ -212,7 +212,7 @@ def facts(message: Message, id_: str, nodes: str, labels: Labels) -> Iterator[tu
 
 
 def reply_form(command: Command, labels: Labels, commands: str) -> str:
-    """The form of the reply, with the layout or the command that it is shared with; `commands` leads to its page."""
+    """The form of the reply with its shared layout or the linked command; `commands` is the folder of the link."""
     form = labels[_form_label(command)]
     for reply in command.replies:
         if isinstance(reply, OtherReply):
@@ -227,7 +227,7 @@ def _form_label(command: Command) -> str:
 
 
 def reply_facts(command: Command, labels: Labels) -> Iterator[tuple[str, str]]:
-    """How the reply comes about."""
+    """Form and senders of the reply."""
     yield (
         labels["form"],
         reply_form(command, labels, "") + labels["comma"] + labels[f"means_{_form_label(command)}"],

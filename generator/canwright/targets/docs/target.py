@@ -10,7 +10,7 @@ from . import generate
 
 
 class DocsTarget(Target):
-    """Markdown documents; see the package."""
+    """Generates Markdown documents."""
 
     title = "Markdown"
 

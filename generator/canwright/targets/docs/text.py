@@ -1,4 +1,4 @@
-"""Text that is only text in Markdown, in its tables, and in SVG."""
+"""Escaping of text for Markdown, its tables, and SVG."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ _MARKS = re.compile(r"[{}~$]|\^(?=\S*\^)|=(?==)|\+(?=\+)")
 _LINKED = re.compile(
     r":(?=//|[A-Za-z0-9_+-]+:)|\bwww\.|@(?=[A-Za-z0-9-]+\.[A-Za-z])|(?<![A-Za-z0-9])@(?=[A-Za-z0-9])", re.IGNORECASE
 )
-"""Where an address, a person or an emoji would be made of a text; a space that has no width stops that."""
+"""Where Markdown would link an address or a person, or insert an emoji; a zero-width space prevents it."""
+_BETWEEN_CHINESE = re.compile(r"(?<=[\u3001-\u9fff]) (?=[\u3001-\u9fff])")
 _STARTS = re.compile(r"^([#>+=:-]|[!?](?=[!?]{2})|[0-9]+(?=[.)]\s))")
 
 
 @functools.lru_cache(maxsize=1 << 14)
 def markdown(text: str) -> str:
-    """A text as Markdown that shows it as it is, within a paragraph or a table cell."""
+    """Markdown that shows the text unchanged in a paragraph or a table cell."""
     line = html.escape(visible(text), quote=False)
     line = _MARKS.sub(lambda match: f"&#{ord(match.group())};", line)
     line = _LINKED.sub(lambda match: match.group() + "&#8203;", line)
@@ -29,21 +30,26 @@ def markdown(text: str) -> str:
 
 
 def _escaped_start(match: re.Match[str]) -> str:
-    """What would start a heading, a list or a quotation, and does not."""
+    """An escaped start of a heading, a list or a quotation."""
     start = match.group()
     if start.isdigit():
         return f"{start}\\"
     return f"\\{start}" if start in "#>+-" else f"&#{ord(start)};"
 
 
+def spaced(sentence: str) -> str:
+    """A sentence without spaces between Chinese characters, which remain where a word replaces a name or a number."""
+    return _BETWEEN_CHINESE.sub("", sentence)
+
+
 @functools.lru_cache(maxsize=1 << 14)
 def code(text: str) -> str:
-    """A text in code style; nothing for nothing."""
+    """A text in code style; empty for an empty text."""
     line = visible(text).replace("`", "'").replace("|", "\N{BROKEN BAR}")
     return f"`{line}`" if line else ""
 
 
 @functools.lru_cache(maxsize=1 << 14)
 def xml(text: str) -> str:
-    """A text within SVG."""
+    """A text escaped for SVG."""
     return html.escape(visible(text))

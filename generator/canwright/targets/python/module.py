@@ -20,8 +20,8 @@ FUNCTIONS = ("check_reply", "decode_answer", "decode_reply", "decode_request", "
 
 def module_view(edition: Edition) -> dict[str, object]:
     """What the template prints. It records further imports with `use` while it is rendered."""
-    imports, readers = Imports(), routes.Readers()
-    printed = routes.Routes(readers, imports)
+    imports = Imports()
+    readers = routes.Readers(imports)
     types = type_views(edition, imports)
     parameters = {parameter.name: parameter for parameter in edition.parameters}
     classes = MessageViews(edition, ClassBodies(types=types, parameters=parameters, imports=imports))
@@ -50,9 +50,9 @@ def module_view(edition: Edition) -> dict[str, object]:
         "patterns": list(dict.fromkeys(case.struct for body in bodies for case in body.cases if case.struct)),
         "layouts": classes.layouts,
         "messages": classes.messages,
-        "request_routes": list(printed.of(edition, Direction.REQUEST)),
-        "reply_routes": list(printed.of(edition, Direction.REPLY)),
-        "answers": list(routes.answers(edition, readers, imports)),
+        "request_routes": list(routes.route_views(edition, Direction.REQUEST, readers)),
+        "reply_routes": list(routes.route_views(edition, Direction.REPLY, readers)),
+        "answers": list(routes.answer_views(edition, readers)),
         "readers": readers.names,
     }
 

@@ -1,6 +1,6 @@
 /**
  * @file
- * What every edition shares: the frame, the status and exact arithmetic. Nothing here knows a protocol.
+ * What all editions share: the frame, the status and exact arithmetic. Nothing here depends on a protocol.
  */
 #ifndef CANWRIGHT_H
 #define CANWRIGHT_H
@@ -18,7 +18,7 @@
 #endif
 #endif
 
-/** The version of this file. Headers that need another one do not compile. */
+/** The version of this file. Headers that need another version do not compile. */
 #define CANWRIGHT_H_VERSION 2
 
 /** Set in an id of 29 bits. */
@@ -29,51 +29,51 @@
 
 /**
  * A classic CAN frame. The id and its two flags are those of SocketCAN's `can_id`, so an extended or a remote frame
- * never passes for a plain one. The data stand on a word boundary, where a compiler may join the bytes it reads.
+ * never equals a standard data frame. The data start at a word boundary, so that a compiler can combine byte accesses.
  */
 typedef struct {
     /** 11 bits, or 29 and CANWRIGHT_EXTENDED; with CANWRIGHT_REMOTE for a remote frame. */
     uint32_t id;
-    /** The first `dlc` of them count. */
+    /** The data bytes; only the first `dlc` are used. */
     uint8_t data[8];
     /** Number of data bytes, 0 to 8. */
     uint8_t dlc;
 } canwright_frame_t;
 
-/** What came of a call. Unless it is CANWRIGHT_OK, the results hold nothing of use. */
+/** The result of a call. Unless it is CANWRIGHT_OK, the outputs are unspecified. */
 typedef enum {
     CANWRIGHT_OK = 0,
-    /** No message of this direction has this id, or none of this format. */
+    /** No message of this direction has this id in this frame format. */
     CANWRIGHT_UNKNOWN_ID,
-    /** The id is known, the code is not. */
+    /** The id is known, but no message with this id has this code. */
     CANWRIGHT_UNKNOWN_CODE,
-    /** The message has another DLC. */
+    /** The message has a different DLC. */
     CANWRIGHT_WRONG_LENGTH,
-    /** A field that always holds one value holds another. */
+    /** A constant field has a different value. */
     CANWRIGHT_WRONG_CONSTANT,
-    /** The answer depends on a parameter that is not known. */
+    /** The result depends on a parameter that is unknown. */
     CANWRIGHT_MISSING_PARAMETER,
-    /** There is a raw integer, and no way to a value. */
+    /** The raw integer has no scale, so it cannot be converted to a value. */
     CANWRIGHT_NO_SCALE,
-    /** Beyond the range, the bits or the names of the type; or a field that is not there is set. */
+    /** The value exceeds the range or the bits of the type or has no name, or an absent field is not 0. */
     CANWRIGHT_OUT_OF_RANGE,
-    /** NaN or infinity. */
+    /** The value is NaN or infinity. */
     CANWRIGHT_NOT_FINITE,
-    /** The address has no such node. */
+    /** The address does not have this node. */
     CANWRIGHT_UNKNOWN_NODE,
     /** The reply does not belong to the request. */
     CANWRIGHT_NOT_ANSWER
 } canwright_status_t;
 
-/** A number as a quotient, exact without floating point: 6 is {6, 1}. A denominator of 0 means not known. */
+/** A number as a quotient, exact without floating point: 6 is {6, 1}. A denominator of 0 means unknown. */
 typedef struct {
-    /** Has the sign. */
+    /** Negative for a negative number. */
     int32_t numerator;
-    /** Not 0 in a number that is known. */
+    /** 0 for an unknown number. */
     uint32_t denominator;
 } canwright_ratio_t;
 
-/** The status in words. */
+/** The name of a status. */
 static inline const char *canwright_status_name(canwright_status_t status)
 {
     switch ((int)status) {
@@ -117,7 +117,7 @@ static inline void canwright_clear(canwright_frame_t *frame)
     frame->data[7] = 0u;
 }
 
-/** Tells whether two frames carry the same bytes. */
+/** True for two frames with the same data bytes. */
 static inline bool canwright_same_data(const canwright_frame_t *one, const canwright_frame_t *other)
 {
     uint8_t i;
@@ -149,25 +149,31 @@ static inline int64_t canwright_signed64(uint64_t raw, unsigned width)
     return (int64_t)(raw ^ sign) - (int64_t)sign;
 }
 
-/** The quotient nearest to `dividend / divisor`, ties away from zero. Half the positive divisor has room. */
+/**
+ * The quotient nearest to `dividend / divisor`, ties away from zero. `divisor` is positive, and the magnitude of
+ * `dividend` plus half of it must not overflow.
+ */
 static inline int32_t canwright_divide32(int32_t dividend, int32_t divisor)
 {
     return (dividend < 0 ? dividend - divisor / 2 : dividend + divisor / 2) / divisor;
 }
 
-/** The quotient nearest to `dividend / divisor`, ties away from zero. Half the positive divisor has room. */
+/**
+ * The quotient nearest to `dividend / divisor`, ties away from zero. `divisor` is positive, and the magnitude of
+ * `dividend` plus half of it must not overflow.
+ */
 static inline int64_t canwright_divide64(int64_t dividend, int64_t divisor)
 {
     return (dividend < 0 ? dividend - divisor / 2 : dividend + divisor / 2) / divisor;
 }
 
-/** The integer nearest to `ratio * dividend / divisor`, ties away from zero; both products have room in 64 bits. */
+/** The integer nearest to `ratio * dividend / divisor`, ties away from zero; both products must fit in 64 bits. */
 static inline int64_t canwright_multiple64(canwright_ratio_t ratio, int64_t dividend, int64_t divisor)
 {
     return canwright_divide64(dividend * ratio.numerator, divisor * (int64_t)ratio.denominator);
 }
 
-/** The largest integer up to `(factor * ratio + addend) / divisor`; `ratio` is known and `divisor` positive. */
+/** The largest integer not above `(factor * ratio + addend) / divisor`; `ratio` is known and `divisor` positive. */
 static inline int64_t canwright_floor(canwright_ratio_t ratio, int64_t factor, int64_t addend, int64_t divisor)
 {
     const int64_t above = factor * ratio.numerator + addend * (int64_t)ratio.denominator;
@@ -175,15 +181,15 @@ static inline int64_t canwright_floor(canwright_ratio_t ratio, int64_t factor, i
     return above / below - (above % below < 0 ? 1 : 0);
 }
 
-/** The smallest integer from `(factor * ratio + addend) / divisor`; `ratio` is known and `divisor` positive. */
+/** The smallest integer not below `(factor * ratio + addend) / divisor`; `ratio` is known and `divisor` positive. */
 static inline int64_t canwright_ceiling(canwright_ratio_t ratio, int64_t factor, int64_t addend, int64_t divisor)
 {
     return -canwright_floor(ratio, -factor, -addend, divisor);
 }
 
 /**
- * The integer nearest to `(share / ratio * divisor - addend) / factor`, ties away from zero, if it is from `lowest` to
- * `highest`; it is not where `share / ratio` is beyond `most`. `ratio` and `factor` are above 0.
+ * The integer nearest to `(share / ratio * divisor - addend) / factor`, ties away from zero; false if it is not
+ * from `lowest` to `highest`, or if `share / ratio` exceeds `most`. `ratio` and `factor` are above 0.
  */
 static inline bool canwright_share64(int64_t *nearest, canwright_ratio_t ratio, int64_t share, int64_t most,
     int64_t divisor, int64_t addend, int64_t factor, int64_t lowest, int64_t highest)
@@ -197,25 +203,25 @@ static inline bool canwright_share64(int64_t *nearest, canwright_ratio_t ratio, 
     return *nearest >= lowest && *nearest <= highest;
 }
 
-/** Tells whether the bits of a 32-bit IEEE 754 number are neither infinity nor NaN. */
+/** True for the bits of a 32-bit IEEE 754 number that is neither infinity nor NaN. */
 static inline bool canwright_is_finite32(uint32_t bits)
 {
     return (bits & 0x7F800000u) != 0x7F800000u;
 }
 
-/** Tells whether the bits of a 64-bit IEEE 754 number are neither infinity nor NaN. */
+/** True for the bits of a 64-bit IEEE 754 number that is neither infinity nor NaN. */
 static inline bool canwright_is_finite64(uint64_t bits)
 {
     return (bits & UINT64_C(0x7FF0000000000000)) != UINT64_C(0x7FF0000000000000);
 }
 
-/** The bits of a 32-bit IEEE 754 number as an integer that is greater where the number is. */
+/** The bits of a 32-bit IEEE 754 number as an integer that sorts like the number. */
 static inline uint32_t canwright_order32(uint32_t bits)
 {
     return (bits >> 31) != 0u ? ~bits : bits | 0x80000000u;
 }
 
-/** The bits of a 64-bit IEEE 754 number as an integer that is greater where the number is. */
+/** The bits of a 64-bit IEEE 754 number as an integer that sorts like the number. */
 static inline uint64_t canwright_order64(uint64_t bits)
 {
     return (bits >> 63) != 0u ? ~bits : bits | UINT64_C(0x8000000000000000);

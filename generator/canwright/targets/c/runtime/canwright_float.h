@@ -1,6 +1,6 @@
 /**
  * @file
- * Doubles, apart from the rest: what the conversions of every edition need.
+ * Conversions to and from double that all editions share; in a separate file for programs without floating point.
  */
 #ifndef CANWRIGHT_FLOAT_H
 #define CANWRIGHT_FLOAT_H
@@ -10,7 +10,7 @@
 #include "canwright.h"
 
 #if DBL_MANT_DIG != 53 || FLT_MANT_DIG != 24
-#error "Conversions to double need the 64-bit IEEE 754 numbers that this compiler does not have; use thousandths."
+#error "Conversions to double need 64-bit IEEE 754 numbers, which this compiler does not have; use thousandths."
 #endif
 
 #if defined(__cplusplus) && defined(__GNUC__)
@@ -22,7 +22,7 @@
 #endif
 #endif
 
-/** Up to here, a double holds every integer. */
+/** A double represents every integer up to this one. */
 #define CANWRIGHT_EXACT (UINT64_C(1) << 53)
 
 /** The bits of a 64-bit number. */
@@ -64,7 +64,7 @@ static inline double canwright_number32(uint32_t bits)
     return (double)number;
 }
 
-/** `raw * factor / divisor`, rounded once also where a double cannot hold the product, if 64 bits can. */
+/** `raw * factor / divisor`, rounded once even if the product fits in 64 bits but not exactly in a double. */
 static inline double canwright_quotient_unsigned(uint64_t raw, uint64_t factor, uint64_t divisor)
 {
     if (raw <= UINT64_MAX / factor && raw * factor > CANWRIGHT_EXACT) {
@@ -76,7 +76,7 @@ static inline double canwright_quotient_unsigned(uint64_t raw, uint64_t factor, 
     return (double)raw * (double)factor / (double)divisor;
 }
 
-/** The same for numbers with a sign. */
+/** The same for signed numbers. */
 static inline double canwright_quotient(int64_t raw, uint64_t factor, uint64_t divisor)
 {
     return raw < 0 ? -canwright_quotient_unsigned(0u - (uint64_t)raw, factor, divisor)
@@ -95,7 +95,7 @@ static inline double canwright_share(double value, canwright_ratio_t ratio)
     return value * (double)ratio.denominator / (double)ratio.numerator;
 }
 
-/** The bits of the 64-bit number for `steps`, which come of `value`. */
+/** The bits of the 64-bit number `steps`, which was computed from `value`. */
 static inline canwright_status_t canwright_bits64(uint64_t *bits, double value, double steps)
 {
     if (!canwright_is_finite64(canwright_bits_of(value))) {
@@ -105,10 +105,10 @@ static inline canwright_status_t canwright_bits64(uint64_t *bits, double value, 
     return canwright_is_finite64(*bits) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
-/** The bits of the 32-bit number nearest to `steps`, which come of `value`. */
+/** The bits of the 32-bit number nearest to `steps`, which was computed from `value`. */
 static inline canwright_status_t canwright_bits32(uint32_t *bits, double value, double steps)
 {
-    /* Halfway from the greatest 32-bit number to the one that would come next. */
+    /* Halfway from the greatest 32-bit number to the next one if there were more exponents. */
     const double limit = 3.4028235677973366e+38;
     float number;
     const unsigned char *from = (const unsigned char *)&number;
@@ -127,7 +127,7 @@ static inline canwright_status_t canwright_bits32(uint32_t *bits, double value, 
     return CANWRIGHT_OK;
 }
 
-/** The integer nearest to `steps`, ties away from zero; `steps` come of `value`. */
+/** The integer nearest to `steps`, ties away from zero; `steps` was computed from `value`. */
 static inline canwright_status_t canwright_nearest(
     int64_t *nearest, double value, double steps, int64_t lowest, int64_t highest)
 {
@@ -150,7 +150,7 @@ static inline canwright_status_t canwright_nearest(
     return whole >= lowest && whole <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
-/** The same for numbers up to 64 bits without a sign. */
+/** The same for unsigned numbers. */
 static inline canwright_status_t canwright_nearest_unsigned(
     uint64_t *nearest, double value, double steps, uint64_t lowest, uint64_t highest)
 {

@@ -158,9 +158,9 @@ class Router:
 class Answer:
     """What answers a request: the class of the reply and its selectors, each with the values it may have.
 
-    The reply comes from one of `nodes`; where there are none, from the node of the request. `asked` and `told` read the
-    node from a field of the request and of the reply, each with a mask of the bits it has. An `echo` equals its request.
-    `unused` are bits of the id that are 0 in the reply and that other messages fill in.
+    The reply comes from one of `nodes`; where there are none, from the node of the request. `request_node` and
+    `reply_node` read the node from a field of the request and of the reply, each with a mask of the bits it has. An
+    `echo` equals its request. `unused` are bits of the id that are 0 in the reply and that other messages fill in.
     """
 
     reply: type[Message]
@@ -168,8 +168,8 @@ class Answer:
     nodes: tuple[int, ...]
     echo: bool
     unused: int = 0
-    asked: tuple[Reader, int] | None = None
-    told: tuple[Reader, int] | None = None
+    request_node: tuple[Reader, int] | None = None
+    reply_node: tuple[Reader, int] | None = None
 
 
 P = TypeVar("P")
@@ -267,12 +267,12 @@ class Dispatcher(Generic[P]):
         except CodecError as error:
             raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
         to, mask = (node, -1)
-        if answer.asked and not answer.nodes:
-            to, mask = answer.asked[0](request_id, request), answer.asked[1]
+        if answer.request_node and not answer.nodes:
+            to, mask = answer.request_node[0](request_id, request), answer.request_node[1]
         expected = answer.nodes or (() if to is None else (to,))
         sources = [(from_node, mask)]
-        if answer.told:
-            sources.append((answer.told[0](reply_id, reply), mask & answer.told[1]))
+        if answer.reply_node:
+            sources.append((answer.reply_node[0](reply_id, reply), mask & answer.reply_node[1]))
         for source, bits in sources:
             if source is not None and expected and all((source ^ one) & bits for one in expected):
                 raise not_answer(f"{sent.__name__} went to node {to}, this came from node {source}")

@@ -1,4 +1,4 @@
-"""One change of an output folder, for all that can go wrong with it: files are changed, added and removed."""
+"""One change of an output folder for everything that can go wrong: files are changed, added and removed."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from ..spec_texts import MINIMAL
 
 Tree = Mapping[str, bytes]
 
-MINE = {"mine.txt": b"mine\n", "docs/en/v1/commands/mine.md": b"mine\n"}
+USER_FILES = {"mine.txt": b"mine\n", "docs/en/v1/commands/mine.md": b"mine\n"}
 """Files that the user put there."""
 
 
 @contextmanager
-def swift_folder() -> Iterator[Path]:
+def memory_folder() -> Iterator[Path]:
     """A folder in memory where the system has one: a thousand small trees keep a disk busy for minutes."""
     memory = Path("/dev/shm")
     with TemporaryDirectory(dir=memory if os.access(memory, os.W_OK) else None) as folder:
@@ -32,7 +32,7 @@ def swift_folder() -> Iterator[Path]:
 
 
 def tree(out: Path) -> Tree:
-    """Every file, hidden ones too, by its path; a link by where it leads."""
+    """The content of every file by its path, hidden ones included; of a link, its destination."""
     found = {}
     for file in sorted(out.rglob("*")):
         if file.is_symlink():
@@ -43,8 +43,8 @@ def tree(out: Path) -> Tree:
 
 
 @dataclass(frozen=True)
-class Case:
-    """A folder as the old spec left it, with files of the user; and the arguments of the run that makes it new."""
+class Scenario:
+    """A folder with the output of the old spec and files of the user, and the run that generates from the new spec."""
 
     before: Path
     spec: Path
@@ -62,14 +62,13 @@ class Case:
     @property
     def replaced(self) -> list[str]:
         """Generated files that this run changes or removes."""
-        return [
-            path for path in self.old if path not in MINE and path != MANIFEST and self.old[path] != self.new.get(path)
-        ]
+        generated = {*self.old} - {*USER_FILES, MANIFEST}
+        return sorted(path for path in generated if self.old[path] != self.new.get(path))
 
 
-def case(folder: Path) -> Case:
+def make_scenario(folder: Path) -> Scenario:
     before, after, spec = folder / "before", folder / "after", folder / "spec.yaml"
-    for path, data in MINE.items():
+    for path, data in USER_FILES.items():
         (before / path).parent.mkdir(parents=True, exist_ok=True)
         (before / path).write_bytes(data)
     spec.write_text(MINIMAL, "utf-8")
@@ -80,4 +79,4 @@ def case(folder: Path) -> Case:
     changes = write(after, content)
     assert len(changes.removed) >= 3 and len(changes.written) >= 10 and changes.unchanged >= 1
     assert any(path.startswith("docs/") and path in tree(before) for path in changes.written)
-    return Case(before, spec, tree(before), tree(after), content)
+    return Scenario(before, spec, tree(before), tree(after), content)

@@ -1,0 +1,68 @@
+"""The manifest in an output folder: the files that canwright generated there, by digest, and the editions of each target."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from .paths import MANIFEST, STAGING, OutputError, is_safe, refuse_obstacles
+
+_MAX_SIZE = 64 * 1024 * 1024
+"""Bytes; some hundred times what the largest known output needs."""
+
+_DIGEST = re.compile("[0-9a-f]{64}")
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """Editions by target, and digests by path."""
+
+    editions: dict[str, list[str]] = field(default_factory=dict)
+    files: dict[str, str] = field(default_factory=dict)
+
+    def json_bytes(self) -> bytes:
+        return json.dumps(asdict(self), indent=1, ensure_ascii=False).encode() + b"\n"
+
+
+def damaged(out: Path, path: str, reason: object) -> OutputError:
+    """The error for a file that canwright did not write as it is."""
+    remedy = f"remove {(out / STAGING).as_posix()}, left by an interrupted run, and run again"
+    if path == MANIFEST:
+        remedy = "restore it from version control, or generate into an empty folder"
+    return OutputError(f"{(out / path).as_posix()} is damaged: {reason}; {remedy}")
+
+
+def read_manifest(out: Path, path: str = MANIFEST) -> Manifest:
+    """The manifest of a folder, empty where there is none. Raises OutputError where it is damaged: it is untrusted."""
+    refuse_obstacles(out, path)
+    file = out / path
+    if not file.exists():
+        return Manifest()
+    try:
+        if file.stat().st_size > _MAX_SIZE:
+            raise ValueError(f"it is larger than {_MAX_SIZE} bytes")
+        return _validated(json.loads(file.read_bytes()))
+    except (ValueError, RecursionError) as error:
+        raise damaged(out, path, error) from None
+
+
+def _validated(content: object) -> Manifest:
+    if not isinstance(content, dict) or content.keys() != {"editions", "files"}:
+        raise ValueError("it is not an object with the keys `editions` and `files`")
+    manifest = Manifest(**content)
+    for kind, entries in content.items():
+        if not isinstance(entries, dict):
+            raise ValueError(f"`{kind}` is not an object")
+    for target, editions in manifest.editions.items():
+        if not isinstance(editions, list) or not all(isinstance(name, str) for name in editions):
+            raise ValueError(f"the editions of {ascii(target)[:80]} are not a list of names")
+        if not all(name.isprintable() for name in (target, *editions)):
+            raise ValueError(f"the editions of {ascii(target)[:80]} contain an invisible character")
+    for path, expected in manifest.files.items():
+        if not is_safe(path):
+            raise ValueError(f"{ascii(path)[:80]} is not a path inside the folder")
+        if not isinstance(expected, str) or not _DIGEST.fullmatch(expected):
+            raise ValueError(f"{ascii(path)[:80]} has no SHA-256 digest")
+    return manifest
