@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import yaml
 from canwright.compare import compare
-from canwright.language.edition import EditionSpec
+from canwright.language.edition import EditionSpec, json_schema
 from canwright.project.loader import specification
 
 from ..strangers.everything import SPEC
@@ -187,7 +187,7 @@ CHANGES: dict[str, dict[str, Any]] = {
 
 
 def _keys() -> set[str]:
-    schema = EditionSpec.model_json_schema()
+    schema = json_schema(EditionSpec)
     concepts = {schema["title"]: schema, **schema["$defs"]}
     return {f"{name}.{key}" for name, concept in concepts.items() for key in concept.get("properties", {})}
 

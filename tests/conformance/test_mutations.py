@@ -12,8 +12,8 @@ import pytest
 import yaml
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.document.document import read_document
+from canwright.language.decoder import decode
 from canwright.language.edition import EditionSpec
-from canwright.language.validate import validate_parts
 from canwright.model.edition import Edition
 from canwright.project.loader import specification
 from canwright.rules import exchange_contradiction, frame_contradiction, refused_contradiction
@@ -117,7 +117,7 @@ def test_every_target_notices(spec: str, mutant: str, target: str, tmp_path: Pat
 
 def _judged(item: Specification, file: Path) -> dict[tuple[str | int, ...], str]:
     """What `check` says of the golden frames, by list and place in it."""
-    spec = validate_parts(read_document(file)[0], EditionSpec).spec
+    spec = decode(read_document(file)[0], EditionSpec).value
     assert spec is not None
     subject = Subject(item.edition, spec, item.frames)
     rules = (frame_contradiction, refused_contradiction, exchange_contradiction)
@@ -127,7 +127,8 @@ def _judged(item: Specification, file: Path) -> dict[tuple[str | int, ...], str]
 def _fails(item: Specification, adapter: Adapter, key: str, entry: object) -> bool:
     """Whether one golden frame fails when it is replayed by itself, or cannot be asked for."""
     assert item.frames is not None
-    alone = item.frames.model_copy(update={"frames": [], "refused": [], "exchanges": [], key: [entry]})
+    entries: dict[str, Any] = {"frames": [], "refused": [], "exchanges": [], key: [entry]}
+    alone = replace(item.frames, **entries)
     try:
         return bool(Runner(item.edition, alone, adapter).run().failures)
     except (ArithmeticError, AssertionError, AttributeError, LookupError, StopIteration, TypeError):

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import pickle
 from decimal import Decimal
 from pathlib import Path
 
@@ -85,17 +84,6 @@ def test_a_finding_shows_the_line_and_a_caret() -> None:
     document = parse_document("x.yaml", "a:\n  bc: [1, def]\n")
     text = str(document.finding(("a", "bc", 1), "some-rule", "that is wrong", "write ghi"))
     assert text == "x.yaml:2:11: error: that is wrong [some-rule]\n    bc: [1, def]\n            ^^^\n  write ghi"
-
-
-@pytest.mark.parametrize("text", ["a:\n  bc: [1, def]\n", "a: 1\nb: {c: no}\n", "a: \u200b1\n"])
-def test_a_document_from_another_process_is_the_same(text: str) -> None:
-    """Its data and its places are not sent along."""
-    document = parse_document("x.yaml", text)
-    assert document.places
-    again = pickle.loads(pickle.dumps(document))
-    assert not {"data", "places", "lines"} & set(vars(again))
-    assert (again.data, again.lines, again.findings) == (document.data, document.lines, document.findings)
-    assert again.position(("a", "bc", 1)) == document.position(("a", "bc", 1))
 
 
 @given(st.text())

@@ -1,72 +1,88 @@
-"""Mistakes as people make them in a spec, or in its golden frames: all that is told of each, in one run, and no more.
+"""Mistakes as people make them in a spec or its golden frames: each gives exactly these findings, in one run.
 
-`mistakes/mistakes.txt` has one after the other: what is changed in `heater.yaml` or its frames (`-` is replaced by `+`),
-then each finding with what its caret underlines, its message and its hint.
+`mistakes/mistakes.txt` lists what is changed in `heater.yaml` and, after `F`, in its golden frames: `old => new`, with
+`||` between alternatives that give the same findings and `;;` between changes made together. Each finding follows on a
+line of its own after `!`: position, rule, and what its hint says to write (or its message, where there is no hint).
 """
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from canwright.diagnostics.diagnostic import Diagnostic, SpecError
+from canwright.diagnostics.diagnostic import SpecError
 from canwright.project.loader import load
 
 from ..spec_texts import ROOT
 
 HERE = ROOT / "tests/language/mistakes"
+SPEC, FRAMES = "heater.yaml", "heater.frames.yaml"
 
 
 class Mistake(NamedTuple):
-    """A name, the changes by file, and what is told."""
+    """Changes by file, and the findings: file, position and rule, with a part of the hint."""
 
-    name: str
     changes: list[tuple[str, str, str]]
-    told: list[str]
+    findings: list[tuple[str, str]]
 
 
-def read(text: str) -> Mistake:
-    name, *lines = text.split("\n")
-    changes: list[tuple[str, list[str], list[str]]] = []
-    told = []
+def read(lines: list[str]) -> dict[str, Mistake]:
+    mistakes: dict[str, Mistake] = {}
+    findings: list[tuple[str, str]] = []
     for line in lines:
-        file, mark = ("heater.frames.yaml", line[7:]) if line.startswith("frames ") else ("heater.yaml", line)
-        if mark.startswith("- "):
-            if not changes or changes[-1][2]:
-                changes.append((file, [], []))
-            changes[-1][1].append(mark[2:])
-        elif mark.startswith("+ "):
-            changes[-1][2].append(mark[2:])
-        elif line:
-            told.append(line)
-    return Mistake(name, [(file, "\n".join(old), "\n".join(new)) for file, old, new in changes], told)
+        if line.startswith("! "):
+            place, _, fact = line[2:].partition(": ")
+            findings.append((place, fact))
+            continue
+        findings = []
+        changes = [part.partition(" => ") for part in line.split(" ;; ")]
+        for alternative in changes[-1][2].split(" || "):
+            made = [*changes[:-1], (*changes[-1][:2], alternative)]
+            name = f"{changes[0][0]} => {' ;; '.join(new for _, _, new in made)}"
+            assert name not in mistakes, line
+            mistakes[name] = Mistake([change(old, new) for old, _, new in made], findings)
+    return mistakes
 
 
-MISTAKES = [read(text) for text in (HERE / "mistakes.txt").read_text("utf-8").removeprefix("# ").split("\n\n# ")]
-NOT_MEANT = ("frame-contradiction", "missing-frame", "unused")
-"""What frames say of a changed spec, and what the spec lacks anyhow."""
+def change(old: str, new: str) -> tuple[str, str, str]:
+    file = FRAMES if old.startswith("F ") else SPEC
+    return file, old.removeprefix("F ").replace("\\n", "\n"), new.replace("\\n", "\n")
 
 
-def shown(finding: Diagnostic) -> list[str]:
-    at = finding.position
-    hint = [f"  > {finding.hint}"] if finding.hint else []
-    return [f"{finding.rule}: {at.text[at.column - 1 :][: at.length]}", f"  {finding.message}", *hint]
+MISTAKES = read((HERE / "mistakes.txt").read_text("utf-8").splitlines())
 
 
-@pytest.mark.parametrize("mistake", MISTAKES, ids=[mistake.name for mistake in MISTAKES])
-def test_what_a_mistake_is_told(mistake: Mistake, tmp_path: Path) -> None:
-    texts = {name: (HERE / name).read_text("utf-8") for name in ("heater.yaml", "heater.frames.yaml")}
-    for name, old, new in mistake.changes:
-        assert old in texts[name]
-        texts[name] = texts[name].replace(old, new, 1)
-    for name, text in texts.items():
-        (tmp_path / name).write_text(text, "utf-8")
+@pytest.mark.parametrize("name", MISTAKES)
+def test_findings_about_a_mistake(name: str, tmp_path: Path) -> None:
+    texts = {file: (HERE / file).read_text("utf-8") for file in (SPEC, FRAMES)}
+    for file, old, new in MISTAKES[name].changes:
+        assert old in texts[file]
+        texts[file] = texts[file].replace(old, new, 1)
+    for file, text in texts.items():
+        (tmp_path / file).write_text(text, "utf-8")
     with pytest.raises(SpecError) as refused:
-        load(tmp_path / "heater.yaml")
-    found = [d for d in refused.value.diagnostics if d.rule not in NOT_MEANT]
-    assert [line for finding in found for line in shown(finding)] == mistake.told
+        load(tmp_path / SPEC)
+    found = [
+        (f"{'F ' if d.position.file.endswith(FRAMES) else ''}{d.position.line}:{d.position.column} {d.rule}", d)
+        for d in refused.value.diagnostics
+    ]
+    expected = MISTAKES[name].findings
+    assert [place for place, _ in found] == [place for place, _ in expected]
+    for (_, diagnostic), (_, fact) in zip(found, expected, strict=True):
+        assert fact in (diagnostic.hint or diagnostic.message)
 
 
-def test_the_spec_without_a_mistake_is_right() -> None:
-    assert {finding.rule for finding in load(HERE / "heater.yaml").warnings} <= {"missing-frame", "unused"}
+def test_the_spec_without_a_mistake_is_valid() -> None:
+    assert {finding.rule for finding in load(HERE / SPEC).warnings} <= {"missing-frame", "unused"}
+
+
+def test_no_suggestion_is_made_of_a_part(tmp_path: Path) -> None:
+    """A rewrite that leaves something out is wrong: `360/counts` is not 360."""
+    text = (HERE / SPEC).read_text("utf-8")
+    for scale in ("360/counts", "360 / 2^14", "10%", "2 pi", "5 k", "raw / 10 + 3"):
+        (tmp_path / SPEC).write_text(text.replace("scale: 0.1", f'scale: "{scale}"'), "utf-8")
+        with pytest.raises(SpecError) as refused:
+            load(tmp_path / SPEC)
+        assert not [d.hint for d in refused.value.diagnostics if re.search(r"did you mean `[0-9./-]+`", d.hint)], scale

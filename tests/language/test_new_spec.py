@@ -22,8 +22,8 @@ LONG = "a_name_of_more_than_forty_eight_characters_is_too_long"
     ("old", "new", "says"),
     [
         (LEVEL, "{layout: {level: {at: 2, raw: u8, enum: {low: 0}}}}", "unknown key `enum`"),
-        (LEVEL, f"{{layout: {{level: {{at: 2, type: {LONG}}}}}}}", "there are 54 characters here, more than 48"),
-        ("level:", f"{LONG}:", "there are 54 characters here, more than 48"),
+        (LEVEL, f"{{layout: {{level: {{at: 2, type: {LONG}}}}}}}", "54 characters exceed the maximum of 48"),
+        ("level:", f"{LONG}:", "54 characters exceed the maximum of 48"),
         (LEVEL, "{layout: [2]}", "a list cannot stand here"),
     ],
 )

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from canwright.language.edition import EditionSpec
+from canwright.language.edition import EditionSpec, json_schema
 from canwright.language.golden_frames import GoldenFrames
 from canwright.language.suggestions import VISIBLE
 from canwright.project.loader import load
@@ -191,7 +191,7 @@ class _Filler:
 
 @functools.cache
 def _schema(concept: type[EditionSpec] | type[GoldenFrames]) -> Schema:
-    return concept.model_json_schema()
+    return json_schema(concept)
 
 
 def _entries(schema: Schema) -> Schema:

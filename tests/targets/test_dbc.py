@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -271,7 +272,7 @@ def example() -> Specification:
         reply="read_status_1",
         id=0x142,
         node=2,
-        data="9A E2 00 E0 01 00 00 08",  # type: ignore[arg-type]
+        data=bytes.fromhex("9A E2 00 E0 01 00 00 08"),
         raw={"temperature": -30, "voltage": 480, "errors": 8},
         values={"temperature": Fraction(-30), "voltage": Fraction(48), "errors": ["over_temperature"]},
     )
@@ -281,7 +282,7 @@ def example() -> Specification:
         request="turn_to_angle",
         id=0x143,
         node=3,
-        data="A5 01 00 00 39 30 00 00",  # type: ignore[arg-type]
+        data=bytes.fromhex("A5 01 00 00 39 30 00 00"),
         raw={"spin_direction": 1, "angle": 12345},
         values={"spin_direction": "counterclockwise", "angle": Fraction("123.45")},
     )
@@ -291,12 +292,12 @@ def example() -> Specification:
         reply="read_status_3",
         id=0x141,
         node=1,
-        data="9D 1E 40 00 80 00 C0 00",  # type: ignore[arg-type]
+        data=bytes.fromhex("9D 1E 40 00 80 00 C0 00"),
         raw={"temperature": 30, "phase_a": 64, "phase_b": 128, "phase_c": 192},
         values={"temperature": Fraction(30), "phase_a": Fraction(1), "phase_b": Fraction(2), "phase_c": Fraction(3)},
         decode_only=True,
     )
-    incomplete = request.model_copy(update={"node": 1, "id": 0x141, "values": {"angle": Fraction("123.45")}})
+    incomplete = replace(request, node=1, id=0x141, values={"angle": Fraction("123.45")})
     frames = GoldenFrames(
         canwright=1,
         family="mwd_motor",

@@ -9,7 +9,7 @@ import click
 
 from ..diagnostics.diagnostic import SpecError
 from ..document.document import Document, read_document
-from ..language.edition import EditionSpec
+from ..language.edition import EditionSpec, keys
 from ..project.loader import frames_file, load
 from ..project.references import UnknownEditionError, find
 from .common import SPEC_FOLDER, show_findings, stop
@@ -62,7 +62,7 @@ def copy(old: str, new: str, date: str | None, no_frames: bool) -> None:
 
 def _fits(key: str, value: str) -> None:
     """Stops unless the schema takes `value` for `key`."""
-    pattern = next(m.pattern for m in EditionSpec.model_fields[key].metadata if hasattr(m, "pattern"))
+    pattern = keys(EditionSpec)[key].limits.pattern
     if not re.fullmatch(str(pattern), value):
         stop(f"`{value}` is not a valid {key}; it must match {pattern}")
 

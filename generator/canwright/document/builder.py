@@ -1,4 +1,4 @@
-"""YAML events to plain data, in one pass; whatever is unsafe or in doubt becomes a finding of the document."""
+"""YAML events to plain data, in one pass; whatever is unsafe or ambiguous becomes a finding of the document."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Builder:
     def _report(self, rule: str, message: str, hint: str = "", spoils: DocumentPath | None = None) -> None:
         self._document.report(Mark.of(self._event), rule, message, hint)
         if spoils is not None:
-            self._document.spoilt.add(spoils)
+            self._document.unreadable.add(spoils)
 
     def _value(self, path: DocumentPath | None, depth: int) -> Data:
         """What starts with the current event."""
@@ -122,7 +122,7 @@ class Builder:
         name = name_of(event)
         if name is None or len(self._document.findings) > found or self._is_marked(written):
             if path is not None:
-                self._document.spoilt.add((*path, written))
+                self._document.unreadable.add((*path, written))
             return None
         if not event.style:
             self._names[written] = name
@@ -144,6 +144,7 @@ class Builder:
             twice: DocumentPath = (*path, name)
             first = self._document.places.keys[twice].line
             self._report("duplicate-key", f"`{name}` is there twice, first on line {first}", "remove or rename one")
+            self._document.unreadable.add(twice)
 
     def _is_marked(self, text: str) -> bool:
         """Whether there was a character in a text that cannot be seen."""
@@ -157,7 +158,7 @@ class Builder:
             self._document.report_unseen(Mark.of(event), found)
         is_marked = unseen or self._is_marked(text)
         if is_marked and path is not None:
-            self._document.spoilt.add(path)
+            self._document.unreadable.add(path)
         if event.style:
             return text
         value = plain(text)

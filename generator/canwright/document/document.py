@@ -1,4 +1,4 @@
-"""YAML text to plain data that knows file, line and column; refuses what is unsafe or reads in two ways.
+"""YAML text to plain data that knows file, line and column; rejects what is unsafe or ambiguous.
 
 Only mappings, lists and scalars are read. Plain scalars are integers (`12`, `0x1F`), decimals (kept exact, as
 `Decimal`), `true`, `false`, or text; whatever YAML 1.1 and 1.2 read differently is refused and has to be quoted.
@@ -24,9 +24,9 @@ from .scalars import Scalar
 
 MAX_BYTES = 1 << 23
 MAX_FINDINGS = 100
-"""How many findings of reading are told in one run."""
+"""How many findings about YAML are reported in one run."""
 LONGEST = 400
-"""How much a finding says; texts of a file that are in it may be as long as the file."""
+"""Characters of a message; it may quote a text that is as long as the file."""
 
 Data = Scalar | list[Any] | dict[str, Any]
 
@@ -40,16 +40,14 @@ _MARKS = {
 class Document:
     """One YAML file: its data, and where each key and value stands. `name` is the file as findings call it.
 
-    `findings` are those of reading, `spoilt` the paths of what could not be read; the rest of the data is as written.
-    `renamed` leads from the path that a misspelt key should have to the one it has.
+    `findings` are those of reading, `unreadable` the paths of what could not be read; the rest of the data is as written.
     """
 
     def __init__(self, name: str, text: str) -> None:
         self.name = name
         written = text.replace("\r\n", "\n")
         self._text = unicode_safety.covered(written)
-        self.renamed: dict[DocumentPath, DocumentPath] = {}
-        self.spoilt: set[DocumentPath] = set()
+        self.unreadable: set[DocumentPath] = set()
         self.findings: list[Diagnostic] = []
         for line, column, found in unicode_safety.places(written) if self._text != written else ():
             self.report_unseen(Mark(line, column, 1), found)
@@ -78,9 +76,6 @@ class Document:
 
     def position(self, path: DocumentPath, *, key: bool = False) -> Position:
         """Where the value at `path` stands, or with `key` its key; for a path that is not there, what is nearest."""
-        for meant, written in self.renamed.items():
-            if path[: len(meant)] == meant:
-                path = (*written, *path[len(meant) :])
         keys, values = self.places.keys, self.places.values
         while path and path not in values:
             path, key = path[:-1], True
@@ -113,7 +108,7 @@ class Document:
             at, "yaml", "there is no value here", ambiguous.missing_value_hint(str(path[-1]) if path else "", line)
         )
         if path is not None:
-            self.spoilt.add(path)
+            self.unreadable.add(path)
 
     def refuse(self, mark: Mark, rule: str, message: str, hint: str = "") -> NoReturn:
         """Ends reading with a finding and all before it. Raises SpecError."""
@@ -124,7 +119,7 @@ class Document:
     def refuse_as_no_yaml(self, error: yaml.MarkedYAMLError, event: Any) -> NoReturn:
         """Refuses a text that is not YAML, as was found after an event. Raises SpecError.
 
-        What was told of a place behind it may only be so because of it.
+        Findings behind that place may only follow from it, so they are left out.
         """
         line, column, what, hint = yaml_errors.cause(error, self.lines, event)
         place = (line + 1, column + 1)
@@ -150,7 +145,7 @@ def parse_document(name: str, text: str) -> Document:
 
 
 def _line(text: str) -> str:
-    """What a finding says, on one line that is not too long, whatever of a file is in it."""
+    """A message on one line of limited length, whatever it quotes."""
     line = unicode_safety.visible(text)
     return line if len(line) <= LONGEST else line[:LONGEST] + "…"
 

@@ -4,84 +4,71 @@ They stand beside their edition, `v1.yaml` and `v1.frames.yaml`, and are written
 by running this code.
 """
 
-from __future__ import annotations
-
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal
-
-from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
+from typing import Annotated, Literal
 
 from ..model.message import Direction
 from ..model.refusal import Refusal
 from . import notation
-from .edition import Concept, Name, Text
+from .concept import Choose, Concept, Key, Limits, Notation
+from .scalar_types import Name, Text
 
 
-def _data(value: object) -> bytes:
-    if not isinstance(value, (str, int)) or isinstance(value, bool):
-        raise ValueError("expected data bytes in hex, in quotes: 'A1 00 64'")
+def _data(text: str) -> bytes:
     try:
-        return bytes.fromhex(str(value))
+        return bytes.fromhex(text)
     except ValueError:
         raise ValueError(
-            f"`{value}` is not data; write pairs of hex digits, for example A1 00 00 00 64 00 00 00"
+            f"`{text}` is not data; write pairs of hex digits, for example A1 00 00 00 64 00 00 00"
         ) from None
 
 
 Data = Annotated[
     bytes,
-    BeforeValidator(_data),
-    WithJsonSchema({"type": "string", "pattern": "^([0-9A-Fa-f]{2} ?)*$", "examples": ["A1 00 00 00 64 00 00 00"]}),
+    Notation(
+        _data,
+        "data bytes in hex, in quotes: 'A1 00 64'",
+        {"type": "string", "pattern": "^([0-9A-Fa-f]{2} ?)*$", "examples": ["A1 00 00 00 64 00 00 00"]},
+    ),
 ]
 
 
-def _special(value: object) -> str:
-    return "special" if value in ("nan", "inf", "-inf") else "list" if isinstance(value, list) else "name_or_number"
-
-
-def _value(value: object) -> object:
+def _value(value: str | int | Decimal) -> Fraction | str:
     """A number in its unit, `none` for no value, or the name of an enum member."""
     if isinstance(value, str) and not notation.NUMBER.match(value):
         return value
-    return notation.rational(str(value).lower() if isinstance(value, bool) else str(value))
+    return notation.rational(str(value).lower())
 
 
-Single = Annotated[
-    Fraction | str,
-    BeforeValidator(_value),
-    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}]}),
-]
-Value = Annotated[
-    Annotated[Literal["nan", "inf", "-inf"], Tag("special")]
-    | Annotated[list[Single], Tag("list")]
-    | Annotated[Single, Tag("name_or_number")],
-    Discriminator(_special),
-    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}, {"type": "array"}]}),
-]
-RawValue = Annotated[
-    Annotated[list[int], Tag("list")] | Annotated[int, Tag("plain")],
-    Discriminator(lambda value: "list" if isinstance(value, list) else "plain"),
-]
-Given = Annotated[
-    Annotated[int, Tag("number")] | Annotated[str, Tag("name")],
-    Discriminator(lambda value: "number" if isinstance(value, int) else "name"),
-    BeforeValidator(lambda value: str(value) if isinstance(value, Decimal) else value),
-    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}]}),
-]
+def _given(value: str | int | Decimal) -> int | str:
+    if isinstance(value, bool):
+        raise ValueError(f"`{str(value).lower()}` is neither a number nor the name of a value")
+    return str(value) if isinstance(value, Decimal) else value
 
 
+_SCALAR = {"anyOf": [{"type": "number"}, {"type": "string"}]}
+Single = Annotated[Fraction | str, Notation(_value, "a number or a name here", _SCALAR, any_scalar=True)]
+Value = list[Single] | Single
+RawValue = list[int] | int
+Given = Annotated[int | str, Notation(_given, "a number or a name here", _SCALAR, any_scalar=True)]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Sourced(Concept):
     """What every entry says of itself."""
 
-    source: Annotated[Name, Field(description="A name of `sources`.")]
-    note: Annotated[str | None, Field(description="What a reader of this entry should know.")] = None
+    source: Annotated[Name, Key("A name of `sources`.")]
+    note: Annotated[str | None, Key("What a reader of this entry should know.")] = None
     parameters: Annotated[
-        dict[Name, Given], Field(description="What is known of the node.", examples=[{"model": "A", "size": 12.5}])
-    ] = {}
+        dict[Name, Given], Key("What is known of the node.", examples=({"model": "A", "size": 12.5},))
+    ] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, kw_only=True)
 class Frame(Sourced):
     """A frame of a command, one direction of it, and what it means.
 
@@ -89,24 +76,24 @@ class Frame(Sourced):
     are given, gives exactly `id` and `data`, unless `decode_only`.
     """
 
-    request: Annotated[Name | None, Field(description="The command, when this is its request.")] = None
-    reply: Annotated[Name | None, Field(description="The command, when this is its reply.")] = None
-    id: Annotated[int, Field(ge=0, description="CAN id.")]
-    extended: Annotated[bool, Field(description="True when the id is a 29-bit one.")] = False
-    remote: Annotated[bool, Field(description="True for a remote frame.")] = False
-    node: Annotated[int | None, Field(description="Node; left out when the address has none.")] = None
-    data: Annotated[Data, Field(description="Data bytes in hex, byte 0 first; none in a remote frame.")]
-    raw: Annotated[dict[Name, RawValue], Field(description="Every field and its raw integer.")] = {}
+    request: Annotated[Name | None, Key("The command, when this is its request.")] = None
+    reply: Annotated[Name | None, Key("The command, when this is its reply.")] = None
+    id: Annotated[int, Limits(ge=0), Key("CAN id.")]
+    extended: Annotated[bool, Key("True when the id is a 29-bit one.")] = False
+    remote: Annotated[bool, Key("True for a remote frame.")] = False
+    node: Annotated[int | None, Key("Node; left out when the address has none.")] = None
+    data: Annotated[Data, Key("Data bytes in hex, byte 0 first; none in a remote frame.")]
+    raw: Annotated[dict[Name, RawValue], Key("Every field and its raw integer.")] = field(default_factory=dict)
     values: Annotated[
         dict[Name, Value],
-        Field(
-            description="Fields and their values in their unit, exact; an enum by name, flags as a list of names, "
+        Key(
+            "Fields and their values in their unit, exact; an enum by name, flags as a list of names, "
             "`none` when there is no value to be had."
         ),
-    ] = {}
-    decode_only: Annotated[
-        bool, Field(description="True when an encoder writes other bytes, for example 0 in reserved bits.")
-    ] = False
+    ] = field(default_factory=dict)
+    decode_only: Annotated[bool, Key("True when an encoder writes other bytes, for example 0 in reserved bits.")] = (
+        False
+    )
 
     @property
     def direction(self) -> Direction:
@@ -117,83 +104,81 @@ class Frame(Sourced):
         return self.request or self.reply or ""
 
 
+@dataclass(frozen=True, kw_only=True)
 class RefusedFrame(Sourced):
     """A frame that no target may decode, and why."""
 
-    decode: Annotated[Direction, Field(description="The direction it is read in.", strict=False)]
-    id: Annotated[int, Field(ge=0, description="CAN id.")]
-    extended: Annotated[bool, Field(description="True when the id is a 29-bit one.")] = False
-    remote: Annotated[bool, Field(description="True for a remote frame.")] = False
-    data: Annotated[Data, Field(description="Data bytes in hex, byte 0 first.")]
-    says: Annotated[Refusal, Field(description="Why it is refused.", strict=False)]
+    decode: Annotated[Direction, Key("The direction it is read in.")]
+    id: Annotated[int, Limits(ge=0), Key("CAN id.")]
+    extended: Annotated[bool, Key("True when the id is a 29-bit one.")] = False
+    remote: Annotated[bool, Key("True for a remote frame.")] = False
+    data: Annotated[Data, Key("Data bytes in hex, byte 0 first.")]
+    says: Annotated[Refusal, Key("Why it is refused.")]
 
 
+@dataclass(frozen=True, kw_only=True)
 class RefusedValues(Sourced):
     """Values that no target may encode, and why."""
 
-    encode: Annotated[Direction, Field(description="Which message of the command.", strict=False)]
-    command: Annotated[Name, Field(description="The command.")]
-    node: Annotated[int | None, Field(description="Node; left out when the address has none.")] = None
-    raw: Annotated[dict[Name, RawValue], Field(description="Fields and raw integers.")] = {}
-    values: Annotated[
-        dict[Name, Value], Field(description="Fields and values; `nan`, `inf` and `-inf` are numbers.")
-    ] = {}
-    says: Annotated[Refusal, Field(description="Why it is refused.", strict=False)]
-    field: Annotated[Name | None, Field(description="The field that is to be named.")] = None
+    encode: Annotated[Direction, Key("Which message of the command.")]
+    command: Annotated[Name, Key("The command.")]
+    node: Annotated[int | None, Key("Node; left out when the address has none.")] = None
+    raw: Annotated[dict[Name, RawValue], Key("Fields and raw integers.")] = field(default_factory=dict)
+    values: Annotated[dict[Name, Value], Key("Fields and values; `nan`, `inf` and `-inf` are numbers.")] = field(
+        default_factory=dict
+    )
+    says: Annotated[Refusal, Key("Why it is refused.")]
+    field: Annotated[Name | None, Key("The field that is to be named.")] = None
 
 
+@dataclass(frozen=True, kw_only=True)
 class CheckedFrame(Concept):
     """One frame of an exchange."""
 
-    id: Annotated[int, Field(ge=0, description="CAN id.")]
-    extended: Annotated[bool, Field(description="True when the id is a 29-bit one.")] = False
-    remote: Annotated[bool, Field(description="True for a remote frame.")] = False
-    data: Annotated[Data, Field(description="Data bytes in hex, byte 0 first.")]
+    id: Annotated[int, Limits(ge=0), Key("CAN id.")]
+    extended: Annotated[bool, Key("True when the id is a 29-bit one.")] = False
+    remote: Annotated[bool, Key("True for a remote frame.")] = False
+    data: Annotated[Data, Key("Data bytes in hex, byte 0 first.")]
 
 
+@dataclass(frozen=True, kw_only=True)
 class Exchange(Sourced):
     """A request and a frame that came after it: its answer, or why not."""
 
-    request: Annotated[CheckedFrame, Field(description="What the host sent.")]
-    reply: Annotated[CheckedFrame, Field(description="What came back.")]
-    says: Annotated[Refusal | None, Field(description="Left out when the reply answers the request.", strict=False)] = (
-        None
-    )
+    request: Annotated[CheckedFrame, Key("What the host sent.")]
+    reply: Annotated[CheckedFrame, Key("What came back.")]
+    says: Annotated[Refusal | None, Key("Left out when the reply answers the request.")] = None
 
 
-def _refused_kind(value: object) -> str:
-    if not isinstance(value, dict) or "encode" in value:
-        return "values entry"
-    return "frame entry" if {"decode", "id", "data"} & set(value) else "values entry"
+def _refused_kind(value: Mapping[str, object]) -> int:
+    """0 for a frame, 1 for values."""
+    return int("encode" in value or not {"decode", "id", "data"} & set(value))
 
 
-TAGS = frozenset({"frame entry", "values entry"})
-"""Steps of a location that only say which form an entry has."""
-Refused = Annotated[
-    Annotated[RefusedFrame, Tag("frame entry")] | Annotated[RefusedValues, Tag("values entry")],
-    Discriminator(_refused_kind),
-]
+Refused = Annotated[RefusedFrame | RefusedValues, Choose(_refused_kind)]
 
 
+@dataclass(frozen=True, kw_only=True)
 class GoldenFrames(Concept):
     """The golden frames of one edition."""
 
-    mistaken: ClassVar[tuple[str, str, str]] = (
+    example = {"canwright": 1, "family": "lamp", "edition": "v1", "sources": {}, "frames": []}
+    other = (
         "commands",
         "this is a spec, not its golden frames",
         "golden frames stand in a file of their own, EDITION.frames.yaml beside EDITION.yaml",
     )
 
-    canwright: Annotated[Literal[1], Field(description="Version of this language.")]
-    family: Annotated[Name, Field(description="Family of the edition.")]
-    edition: Annotated[str, Field(description="Name of the edition.")]
+    canwright: Annotated[Literal[1], Key("Version of this language.")]
+    family: Annotated[Name, Key("Family of the edition.")]
+    edition: Annotated[str, Key("Name of the edition.")]
     sources: Annotated[
         dict[Name, Text],
-        Field(description="Where frames come from, by name.", examples=[{"manual": "Examples of the manual."}]),
+        Key("Where frames come from, by name.", examples=({"manual": "Examples of the manual."},)),
     ]
-    frames: Annotated[list[Frame], Field(description="Frames and what they mean.")]
-    refused: Annotated[list[Refused], Field(description="Frames and values that must be refused.")] = []
-    exchanges: Annotated[list[Exchange], Field(description="Requests with what came after them.")] = []
+    frames: Annotated[list[Frame], Key("Frames and what they mean.")]
+    refused: Annotated[list[Refused], Key("Frames and values that must be refused.")] = field(default_factory=list)
+    exchanges: Annotated[list[Exchange], Key("Requests with what came after them.")] = field(default_factory=list)
 
     @cached_property
     def of_command(self) -> dict[tuple[str, Direction], list[Frame]]:

@@ -166,7 +166,7 @@ def id_expression(text: str) -> IdExpression:
         elif re.fullmatch(_ID_NUMBER, term):
             base += int(term, 0)
         else:
-            more = "; what else stands in the id is told by `selector`, and by fields at id.0" if "|" in term else ""
+            more = "; for the other parts of an id there are `selector` and fields at id.0" if "|" in term else ""
             raise ValueError(f"`{term}` does not belong in an id; write it like 0x100 + node, node << 5 or 0x200{more}")
     return IdExpression(base, step)
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..templating.environment import environment
-from . import suggestions
+from . import aliases
 from .edition import EditionSpec, schema_text
 from .golden_frames import GoldenFrames
 
@@ -16,7 +16,7 @@ JsonSchema = Mapping[str, Any]
 
 NAME_PATTERN = "^[a-z][a-z0-9_]*$"
 IN_ALL = frozenset(("title", "about"))
-"""Keys of nearly every concept, told once."""
+"""Keys of nearly every concept, explained once."""
 
 
 class Key(NamedTuple):
@@ -51,17 +51,17 @@ def concepts() -> tuple[Concept, ...]:
 
 
 def explained(word: str) -> Iterator[str]:
-    """What the language says of a key or of a concept, in lines; nothing when it has neither."""
+    """The description of a key or of a concept, in lines; nothing when it has neither."""
     every = concepts()
     for concept in every:
         if word in (concept.name, concept.name.replace(" ", "_")):
             yield f"{concept.name}: {concept.about}"
             yield from (f"  {line}" for key in concept.keys for line in _lines(key.name, key))
     own = [(concept, key) for concept in every for key in concept.keys if key.name == word]
-    told: set[Key] = set()
+    shown: set[Key] = set()
     for _, key in own:
-        if key not in told:
-            told.add(key)
+        if key not in shown:
+            shown.add(key)
             names = ", ".join(f"`{other.name}`" for other, same in own if same == key)
             yield from _lines(f"{word} of {names}", key)
 
@@ -121,14 +121,14 @@ def _keys(schema: JsonSchema, known: JsonSchema) -> Iterator[Key]:
     for name, of in schema["properties"].items():
         examples = next(_examples(of), ())
         example = next((one for one in examples if isinstance(one, dict)), None)
-        shown = suggestions.flow(example) if isinstance(example, dict) else ", ".join(map(suggestions.flow, examples))
+        shown = aliases.flow(example) if isinstance(example, dict) else ", ".join(map(aliases.flow, examples))
         default = of.get("default")
         yield Key(
             name,
             of["description"],
             _takes(of, known),
             shown,
-            "" if default is None or isinstance(default, dict) or default == [] else suggestions.flow(default).lower(),
+            "" if default is None or isinstance(default, dict) or default == [] else aliases.flow(default).lower(),
             name in schema.get("required", ()),
         )
 

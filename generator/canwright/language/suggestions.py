@@ -1,13 +1,15 @@
-"""What the writer of a wrong spec probably meant: words of other languages and habits of hand, put right."""
+"""What the author of an invalid spec probably meant: nearest names, and words that others use for those of the language."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
 
 from ..diagnostics.diagnostic import near, nearest
 from ..model.types import Unit
+from .aliases import REMOTE
+from .concept import Concept, keys
 
 LISTED_KEYS = 20
 """Up to so many keys are listed where none is near."""
@@ -48,7 +50,7 @@ _MEANT: Mapping[str, tuple[str, ...]] = {
     "range": ("min", "max", "minimum", "maximum", "limits"),
     "raw": ("type", "width", "bits", "length", "len", "size", "format", "dtype", "signed", "is_signed", "sign"),
     "reply": ("response", "answer", "feedback", "rx"),
-    "remote": ("rtr", "is_remote", "remote_frame", "is_remote_frame"),
+    "remote": REMOTE,
     "request": ("query", "tx", "send", "command", "message"),
     "says": ("reason", "refusal", "error", "expect", "expected"),
     "scale": ("factor", "resolution", "gain", "multiplier", "lsb", "step"),
@@ -93,28 +95,6 @@ _SPELT: Mapping[str, tuple[str, ...]] = {
 _STEPS = re.compile(r"\b(?:tick|pulse|step|increment|inc|lsb|cnt)s?\b")
 """What other manuals call a count."""
 
-EXAMPLES: Mapping[str, dict[str, object]] = {
-    "FieldSpec": {"at": 4, "raw": "u16"},
-    "Type": {"raw": "u16", "unit": "V", "scale": "0.1"},
-    "Address": {"id": "0x100 + node", "nodes": "1..32"},
-    "Command": {"code": "0x10", "reply": "none"},
-    "Selector": {"at": 0, "raw": "u8"},
-    "LayoutSpec": {"fields": {"level": {"at": 4, "raw": "u16"}}},
-    "Table": {
-        "index": {"at": 1, "raw": "u8"},
-        "entries": {"gain": {"index": 1, "layout": {"gain": {"at": 4, "raw": "u16"}}}},
-    },
-    "Entry": {"index": 1, "layout": {"gain": {"at": 4, "raw": "u16"}}},
-    "ParameterSpec": {"values": ["A", "B"]},
-    "NumberRange": {"min": 1, "max": 10},
-    "Bus": {"host": "Host", "dlc": 8},
-    "Mode": {"bit_rates_kbps": [500, 1000]},
-    "SettingSpec": {"title": "Limit of the current"},
-    "EffectSpec": {"title": "Moves", "level": "warning"},
-    "ErratumSpec": {"id": "unit_of_power", "where": ["types.power"], "printed": "…", "used": "…", "why": "…"},
-}
-"""Concepts as they are written, by the name of their class."""
-
 DATE = r"^[0-9]{4}(-(0[1-9]|1[0-2])(-(0[1-9]|[12][0-9]|3[01]))?)?$"
 VISIBLE = r"\S"
 """The pattern of a text in which there is something."""
@@ -135,40 +115,75 @@ def meant(written: str, known: Iterable[str], there: Collection[str] = (), value
     found = near(word, names)
     if found is None or (found not in (word, f"{word}s", f"{word}es") and word != f"{found}s"):
         has_format = any(name in there and name != written for name in ("type", "raw"))
-        said = {"type", "raw"} if has_format else set()
-        free = (name for name in _MEANT if name in names and name not in there and name not in said)
+        taken = {*there, "type", "raw"} if has_format else there
+        free = (name for name in _MEANT if name in names and name not in taken)
         found = next((name for name in free if word in _MEANT[name]), None if word in _ALL_MEANT else found)
     return found
 
 
-def words_for(key: str) -> list[str]:
-    """A key, and those that it is other people's word for."""
-    return [key, *(name for name, words in _MEANT.items() if key.lower() in words)]
+def slip(written: str, known: Iterable[str], there: Collection[str]) -> str | None:
+    """The key that an unknown one is a slip of the pen for, unless that is there already."""
+    found = near(written, known)
+    return found if found and found not in there and found == meant(written, [found]) else None
 
 
-def key(
-    written: str,
-    known: Sequence[str],
-    there: Collection[str] = (),
-    owners: Sequence[str] = (),
-    within: str = "",
-    value: object = None,
-) -> str:
-    """What an unknown key stands for: one of the known, one `within` a known one, one of other concepts, its `owners`."""
+def all_meant(concept: type[Concept], written: str, value: object, there: Mapping[str, object]) -> Iterator[str]:
+    """The keys of a concept that an unknown one may stand for: these are not missing."""
+    known = keys(concept)
     found = meant(written, known, there, value)
-    if found == "range":
-        return "did you mean `range`? it holds both ends: low..high"
     if found:
-        return f"did you mean `{found}`?"
-    said = next((name for name in ("type", "raw") if name in there and name in known and name != written), None)
-    if said and written.lower() in _MEANT["raw"]:
-        return f"`{said}` says that: take it out"
-    if within:
-        return f"`{written}` stands in `{within}`: {{{within}: {{{written}: …}}}}"
+        yield found
+    if _is_field(value) and "layout" in known:
+        yield "layout"
+
+
+def unknown_key(concept: type[Concept], written: str, value: object, there: Mapping[str, object]) -> str:
+    """What to write in place of an unknown key with this value, beside the keys that are `there`."""
+    known = list(keys(concept))
+    advice = concept.advice.get(written.lower()) or _misplaced(concept, written, value)
+    if advice:
+        return advice
+    found = meant(written, known, there, value)
+    if found:
+        return f"did you mean `{found}`?" + (" It contains both ends: low..high" if found == "range" else "")
+    format_key = next((name for name in ("type", "raw") if name in there and name in known and name != written), None)
+    if format_key and written.lower() in _MEANT["raw"]:
+        several = ", or write `array: 1..4` for several" if "array" in known else ""
+        return f"remove it: `{format_key}` has the width and the sign{several}"
+    owners = _owners(written, known)
     if owners:
-        where = " or ".join(owners[:3])
-        return f"`{written}` belongs to {where}" + (_REMEDIES.get(owners[0], "") if len(owners) == 1 else "")
-    names = sorted(set(known))
+        return f"`{written}` belongs to {' or '.join(owners[:3])}" + (
+            _REMEDIES.get(owners[0], "") if len(owners) == 1 else ""
+        )
+    return _listed(sorted(known))
+
+
+def _misplaced(concept: type[Concept], written: str, value: object) -> str:
+    """Where a field or a command stands that was written elsewhere."""
+    known = keys(concept)
+    if _is_field(value) and {"layout", "fields"} <= set(known):
+        return f"a field stands in `layout` here: {{layout: {{{written}: …}}, dlc: …}}"
+    if _is_field(value) and concept.called == "a layout":
+        return "a field stands in `fields`; indent it further"
+    if _is_field(value) and concept.called == "a command":
+        return "a field stands in `request` or `reply`; indent it further"
+    if isinstance(value, dict) and {"code", "reply"} & set(value) and concept.called in ("a command", "the edition"):
+        return f"a command stands in `commands`; indent it {'less' if concept.called == 'a command' else 'further'}"
+    return ""
+
+
+def _is_field(value: object) -> bool:
+    return isinstance(value, dict) and "at" in value
+
+
+def _owners(written: str, known: Collection[str]) -> list[str]:
+    """The concepts that have a key which stands where it does not belong."""
+    names = [written, *(name for name, words in _MEANT.items() if written.lower() in words)]
+    owners = ([one.called for one in Concept.all if name in keys(one)] for name in names if name not in known)
+    return next((called for called in owners if called), [])
+
+
+def _listed(names: Sequence[str]) -> str:
     return "there are: " + ", ".join(f"`{n}`" for n in names) if 0 < len(names) <= LISTED_KEYS else ""
 
 
@@ -224,6 +239,11 @@ def date(written: str) -> str:
     return f"{wanted}: `{found}`" if found != written and re.fullmatch(DATE, found) else wanted
 
 
+def as_yaml(value: object) -> str:
+    """A scalar as it is written."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
 def integer(written: object) -> str:
     """How a whole number that was not read as one is written."""
     text = str(written).strip()
@@ -262,8 +282,8 @@ def unit(written: str, units: Mapping[str, Unit]) -> str:
     if meant:
         return f"did you mean `{meant.name}`?"
     close = near(written, units)
-    without = "leave `unit` out and say it in `title`, or take one of these: "
-    return f"did you mean `{close}`?" if close else without + ", ".join(units)
+    listed = ", ".join([*units][:LISTED_KEYS])
+    return f"did you mean `{close}`?" if close else f"leave `unit` out and name it in `title`, or use {listed}, …"
 
 
 def layout(written: str, known: Sequence[str], commands: Collection[str], types: Collection[str]) -> str:
@@ -272,7 +292,7 @@ def layout(written: str, known: Sequence[str], commands: Collection[str], types:
         return f"`{written}` is a command: its reply is {{of: {written}}}"
     if written in types:
         return f"`{written}` is a type, of a field: {{{written}: {{at: 0, type: {written}}}}}"
-    if written.lower() in ("remote", *_MEANT["remote"]):
+    if written.lower() in ("remote", *REMOTE):
         return "a remote frame is {remote: true}"
     word = next((one for one in known if written.lower() in _MEANT.get(one, ())), None)
     found = word or near(written, known)
@@ -289,10 +309,3 @@ _WORDS: Mapping[str, tuple[str, ...]] = {
     "note": ("low", "info", "hint"),
 }
 """What other people call the words of the language."""
-
-
-def flow(example: object) -> str:
-    """An example of the language as it is written on one line."""
-    if isinstance(example, dict):
-        return f"{{{', '.join(f'{name}: {flow(value)}' for name, value in example.items())}}}"
-    return f"[{', '.join(map(flow, example))}]" if isinstance(example, list) else str(example)

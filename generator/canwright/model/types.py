@@ -17,9 +17,6 @@ from ..diagnostics.diagnostic import DocumentPath
 
 T = TypeVar("T")
 
-UNNAMED = ""
-"""In a path, in place of the name of what is left out because another has its name."""
-
 Text = Mapping[str, str]
 """One text in every language of the edition, by language code."""
 

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from .. import rules
 from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, Severity, SpecError
 from ..document.document import Document, read_document
+from ..language.decoder import decode
 from ..language.edition import EditionSpec
-from ..language.validate import Validated, validate_parts
-from ..resolve.doubts import Doubts, is_text, matters
+from ..resolve.affected import Affected, decides_code
 from ..resolve.edition import resolve
 from ..rules import Finding, Phase, Rule, Subject
 from ..rules.too_large import commands
 from ..targets.base import Specification
 from ..targets.registry import targets
-from .golden_file import Beside, read as read_frames
+from .golden_file import GoldenFile, read_golden_file
 
 FRAMES_SUFFIX = ".frames.yaml"
 
@@ -40,92 +40,73 @@ def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
     is an error, and OSError.
     """
     frames = frames_file(file)
-    return _load(file, name, read_frames(frames) if golden and frames.is_file() else Beside())
-
-
-def _load(file: Path, name: str | None, frames: Beside) -> Loaded:
+    golden_file = read_golden_file(frames) if golden and frames.is_file() else GoldenFile()
     try:
-        document, content, read, spec = _written(file, name)
+        return _load(file, name, golden_file)
     except SpecError as error:
-        raise SpecError([*error.diagnostics, *frames.findings]) from None
-    digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
-    ids = {path for path in read.doubtful if path[:1] == ("addresses",)}
-    edition, unresolved = resolve(document, spec, digest, read.dropped | ids)
-    said = {"family": edition.family, "edition": edition.name}
-    beside = frames.beside({key: text for key, text in said.items() if (key,) not in read.dropped})
-    amiss, first = [*read.doubtful, *unresolved.paths], _first_address(document)
-    doubts = Doubts(spec, amiss, first)
-    findings = [*read.diagnostics, *unresolved.findings, *beside.findings]
-    is_partial = not all(map(is_text, (*read.dropped, *unresolved.paths)))
-    subject = Subject(edition, spec, beside.golden, is_partial)
-    found, of_frames = list(rules.check(subject, doubts, *Phase)), doubts
-    if _errors(found):
-        found, of_frames = _found_by_phase(subject, amiss, first)
-    wrong = bool(findings or _errors(found))
-    known = {_place(d): d.rule for d in findings}
-    for rule, finding in itertools.islice(found, MOST_FINDINGS):
-        diagnostic = _diagnostic(document, beside, rule, finding)
-        again = known.setdefault(_place(diagnostic), rule.id) != rule.id and finding.key
-        if not (again or (wrong and finding.unless_wrong) or _follows(finding, read.dropped, beside, of_frames)):
-            findings.append(diagnostic)
-    if wrong:
-        raise SpecError(findings)
-    findings.sort(key=_place)
-    return Loaded(Specification(edition, beside.golden), document, tuple(findings))
+        raise SpecError([*error.diagnostics, *golden_file.findings]) from None
 
 
-def _found_by_phase(
-    subject: Subject, amiss: Sequence[DocumentPath], first: str
-) -> tuple[list[tuple[Rule, Finding]], Doubts]:
-    """What rules find where there are errors: each phase leaves out what one before it doubts; what the last doubts."""
-    doubts = Doubts(subject.spec, amiss, first)
-    found = list(rules.check(subject, doubts, Phase.PARTS))
-    widely = [f.about for f in _errors(found) if f.about is not None]
-    if widely:
-        subject, doubts = subject._replace(partial=True), Doubts(subject.spec, [*amiss, *widely], first)
-    found += rules.check(subject, doubts, Phase.WHOLE)
-    errors = [f.path if f.about is None else f.about for f in _errors(found)]
-    of_frames = Doubts(subject.spec, [*amiss, *errors], first)
-    return [*found, *rules.check(subject, of_frames, Phase.FRAMES)], of_frames
-
-
-def _written(file: Path, name: str | None) -> tuple[Document, bytes, Validated[EditionSpec], EditionSpec]:
-    """A file, and what of it is a spec. Raises SpecError when too little is, and OSError."""
+def _load(file: Path, name: str | None, golden_file: GoldenFile) -> Loaded:
     document, content = read_document(file, name)
-    read = validate_parts(document, EditionSpec)
-    if read.spec is None:
-        raise SpecError(read.diagnostics)
-    too_many = [document.finding(f.path, "too-large", f.message, f.hint, key=f.key) for f in commands(read.spec)]
+    decoded = decode(document, EditionSpec)
+    if decoded.value is None:
+        raise SpecError(decoded.findings)
+    spec = decoded.value
+    too_many = [document.finding(f.path, "too-large", f.message, f.hint, key=f.key) for f in commands(spec)]
     if too_many:
-        raise SpecError([*read.diagnostics, *too_many])
-    return document, content, read, read.spec
+        raise SpecError([*decoded.findings, *too_many])
+    digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
+    edition, unresolved = resolve(document, spec, digest, decoded.invalid)
+    names = {"family": edition.family, "edition": edition.name}
+    others = golden_file.other_edition({key: text for key, text in names.items() if (key,) not in decoded.invalid})
+    errors = [*decoded.findings, *unresolved.findings, *golden_file.findings, *others]
+    checker = _Checker(document, golden_file, Subject(edition, spec, golden_file.golden), errors)
+    checker.check(Phase.PARTS, [*decoded.invalid, *unresolved.references])
+    checker.check(Phase.CODES, filter(decides_code, [*decoded.invalid, *unresolved.paths]))
+    checker.check(Phase.WHOLE, [*decoded.invalid, *unresolved.paths, *checker.invalid])
+    for phase in (Phase.FRAMES, Phase.COVERAGE):
+        if not checker.errors:
+            checker.check(phase, [])
+    if checker.errors:
+        raise SpecError([*checker.errors, *checker.warnings])
+    return Loaded(Specification(edition, golden_file.golden), document, tuple(sorted(checker.warnings, key=_place)))
 
 
-def _errors(found: Sequence[tuple[Rule, Finding]]) -> list[Finding]:
-    return [finding for rule, finding in found if rule.severity is Severity.ERROR]
+class _Checker:
+    """Checks the rules of one phase after the other, and collects their findings."""
 
+    def __init__(
+        self, document: Document, golden_file: GoldenFile, subject: Subject, errors: Sequence[Diagnostic]
+    ) -> None:
+        self._document = document
+        self._golden_file = golden_file
+        self._subject = subject
+        self._rules = {_place(error): error.rule for error in errors}
+        self.errors = list(errors)
+        self.warnings: list[Diagnostic] = []
+        self.invalid: list[DocumentPath] = []
 
-def _diagnostic(document: Document, beside: Beside, rule: Rule, finding: Finding) -> Diagnostic:
-    path = finding.path
-    if finding.in_frames and beside.document is not None:
-        document, path = beside.document, beside.path(path)
-    warning = rule.severity is Severity.WARNING
-    return document.finding(path, rule.id, finding.message, finding.hint, key=finding.key, warning=warning)
+    def check(self, phase: Phase, invalid: Iterable[DocumentPath]) -> None:
+        """Checks what errors at the paths of what is `invalid` do not affect."""
+        affected = Affected(self._document.data, invalid)
+        edition = affected.others(self._subject.edition)
+        subject = self._subject._replace(edition=edition, partial=edition is not self._subject.edition)
+        for rule, finding in itertools.islice(rules.check(subject, phase), MOST_FINDINGS):
+            if finding.path not in affected or finding.in_frames:
+                self._add(rule, finding)
 
-
-def _follows(finding: Finding, dropped: Collection[DocumentPath], beside: Beside, doubts: Doubts) -> bool:
-    """Whether a finding may only be there because something else is amiss."""
-    path = finding.path
-    if finding.in_frames:
-        commands = beside.commands(path)
-        return doubts.any if commands is None else not all(map(doubts.knows, commands))
-    return any(path[: len(lost)] == lost or (lost[: len(path)] == path and matters(lost)) for lost in dropped)
-
-
-def _first_address(document: Document) -> str:
-    """The address of commands that name none, as it is written."""
-    addresses = document.data.get("addresses") if isinstance(document.data, dict) else None
-    return next(iter(addresses), "") if isinstance(addresses, dict) else ""
+    def _add(self, rule: Rule, finding: Finding) -> None:
+        document = self._golden_file.document if finding.in_frames else self._document
+        is_warning = rule.severity is Severity.WARNING
+        diagnostic = (document or self._document).finding(
+            finding.path, rule.id, finding.message, finding.hint, key=finding.key, warning=is_warning
+        )
+        if self._rules.setdefault(_place(diagnostic), rule.id) != rule.id and finding.key:
+            return
+        (self.warnings if is_warning else self.errors).append(diagnostic)
+        if not is_warning:
+            self.invalid.append(finding.path)
 
 
 def specification(file: Path) -> Specification:

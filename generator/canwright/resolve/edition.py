@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
 from ..diagnostics.diagnostic import Diagnostic, DocumentPath
@@ -13,6 +13,7 @@ from ..language.notation import LAST_ID, SHORT_ID, IdExpression
 from ..model.edition import Edition
 from ..model.message import Address, Command, Direction, Entry, IdRule, Table
 from ..model.metadata import Bus, Effect, Erratum, Mode, Setting
+from .affected import Affected
 from .command_forms import Form
 from .context import Context
 from .discriminators import keyed_by_constants, with_claims
@@ -25,21 +26,23 @@ T = TypeVar("T")
 
 
 class Unresolved(NamedTuple):
-    """What is amiss once a spec is resolved, and the paths of what is more than a text."""
+    """The findings about a spec once it is resolved, and the paths of those that are about more than a text."""
 
     findings: list[Diagnostic]
     paths: list[DocumentPath]
+    references: list[DocumentPath]
+    """Those of names that do not exist."""
 
 
 def resolve(
-    document: Document, spec: schema.EditionSpec, digest: str, dropped: frozenset[DocumentPath] = frozenset()
+    document: Document, spec: schema.EditionSpec, digest: str, invalid: Iterable[DocumentPath] = ()
 ) -> tuple[Edition, Unresolved]:
     """The edition that a spec describes, and all findings; with any, the edition is only there to be checked further.
 
-    `digest` is the hash of the document's text, `dropped` the parts of the document that `spec` lacks.
+    `digest` is the hash of the document's text, `invalid` the paths of what `spec` lacks.
     """
-    context = Context(document, tuple(spec.languages), [], dropped)
-    return _edition(context, spec, digest), Unresolved(context.diagnostics, context.amiss)
+    context = Context(document, tuple(spec.languages), [], Affected(document.data, invalid))
+    return _edition(context, spec, digest), Unresolved(context.diagnostics, context.invalid, context.unknown)
 
 
 def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition:
@@ -189,16 +192,6 @@ def _address(context: Context, number: int, name: str, written: schema.Address) 
     path: DocumentPath = ("addresses", name)
     lost = IdRule(base=LAST_ID + 1 + number, node_step=1, nodes=None, extended=True)
     """An id that no other address has, in place of one that could not be read."""
-    if context.is_partly_dropped(path, ("id", "request", "reply", "nodes", "extended")):
-        return Address(
-            name=name,
-            request=lost,
-            reply=lost,
-            title=context.title(path, written.title, name),
-            about=context.text(path, None),
-            manual="",
-            path=path,
-        )
     request, reply = written.request or written.id, written.reply or written.id
     if request is None or reply is None:
         lacking = "its id" if request is reply else "the id of requests" if request is None else "the id of replies"
@@ -259,7 +252,7 @@ def _highest(rule: IdRule) -> int:
 def _erratum(context: Context, index: int, written: schema.ErratumSpec) -> Erratum:
     path: DocumentPath = ("errata", index)
     for i, where in enumerate(written.where):
-        if not context.document.holds(where) and not context.has_lost(where):
+        if not context.document.holds(where) and not context.affected.may_hide(where):
             text = f"there is nothing at `{where}` in this file"
             context.report(
                 (*path, "where", i), "unknown-reference", text, suggestions.place(where, context.document.data)

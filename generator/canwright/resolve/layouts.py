@@ -47,7 +47,7 @@ class LayoutResolver:
         """A condition on parameters, checked."""
         for name, values in (written or {}).items():
             parameter = self._context.find((*path, "only", name), "parameter", name, self._parameters, key=True)
-            if parameter and not parameter.values and not self._context.is_amiss(("parameters", name)):
+            if parameter and not parameter.values and not self._context.is_invalid(("parameters", name)):
                 text = f"`{name}` is a number, and `only` wants a choice"
                 self._context.report((*path, "only", name), "parameter-kind", text, "give it `values`", key=True)
             known = {value.name: value for value in parameter.values} if parameter else {}
@@ -86,7 +86,7 @@ class LayoutResolver:
         shared: bool,
     ) -> Layout:
         judged = [self._field((*fields_at, n), n, f, manual) for n, f in fields.items()]
-        resolved = tuple(f for f in judged if not any(self._context.is_amiss((*f.path, k)) for k in ("at", "only")))
+        resolved = tuple(f for f in judged if not any(self._context.is_invalid((*f.path, k)) for k in ("at", "only")))
         conditions = dict.fromkeys(p for f in fields.values() for p in f.only or {} if p in self._parameters)
         if len(conditions) > 1:
             names = ", ".join(conditions)
@@ -163,7 +163,7 @@ class LayoutResolver:
             self._context.report((*path, given[1]), "field-type", text, hint, key=True)
         if written.holds is not None:
             return NodeRole()
-        if written.raw is None and not self._has_raw(written.type):
+        if written.raw is None and written.type not in self._types:
             return ValueRole()
         if written.constant is not None:
             return ConstantRole(written.constant)
@@ -194,13 +194,7 @@ class LayoutResolver:
         raw = aliases.raw_format(written.type)
         hint = f"write `raw: {raw}`" if raw and written.type not in self._types else ""
         found = self._context.find((*path, "type"), "type", written.type, self._types, hint)
-        if found and not self._has_raw(found.name):
-            found = None
         return found or bare_type(self._context, schema.EMPTY_RAW, self._order, path)
-
-    def _has_raw(self, name: str | None) -> bool:
-        """Whether there is a type with this name whose format could be read."""
-        return name in self._types and not self._context.is_partly_dropped(("types", name or ""), ("raw",))
 
 
 def segments_at(start: At, width: int, order: Order) -> tuple[Segment, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import edition as schema, suggestions
-from ..model.layout import MAX_DATA_BYTES, Layout
+from ..model.layout import Layout
 from ..model.message import (
     Address,
     Direction,
@@ -142,11 +142,11 @@ class MessageResolver:
     def _without_effect(
         self, path: DocumentPath, written: schema.MessageSpec, keys: Collection[str], what: str, hint: str
     ) -> None:
-        for key in sorted(written.model_fields_set & set(keys)):
+        for key in (key for key in sorted(keys) if getattr(written, key) is not None):
             self._context.report((*path, key), "no-effect", f"`{key}` says nothing of {what}", hint, key=True)
 
     def _other(self, path: DocumentPath, form: Form, written: schema.MessageSpec, of: str) -> tuple[Reply, ...]:
-        others = set(schema.MessageSpec.model_fields) - OF_REPLIES
+        others = set(schema.keys(schema.MessageSpec)) - OF_REPLIES
         hint = "leave it out, or leave `of` out and lay the reply out here"
         self._without_effect(path, written, others, "the reply of another command", hint)
         hint = f"`{of}` is a layout: write reply: {of}" if of in self._shared else ""
@@ -202,7 +202,7 @@ class MessageResolver:
         layout = None
         if spec.layout == ENTRY and form.layout is not None:
             layout = form.layout
-        elif spec.layout == ENTRY and not self._lacks_table(command):
+        elif spec.layout == ENTRY:
             hint = "name the `table` of the command"
             self._context.report(path, "entry-of-nothing", f"`{command}` has no table with an entry", hint)
         elif isinstance(spec.layout, str):
@@ -236,13 +236,7 @@ class MessageResolver:
         )
 
     def _dlc(self, path: DocumentPath, spec: schema.MessageSpec, of_entry: int | None) -> int:
-        if self._context.is_partly_dropped(path, ("dlc",)):
-            return MAX_DATA_BYTES  # the length is unknown, so nothing is reported as beyond it
         return next(dlc for dlc in (of_entry, spec.dlc, self._spec.bus.dlc) if dlc is not None)
-
-    def _lacks_table(self, command: str) -> bool:
-        """Whether the table of a command could not be read."""
-        return self._context.is_partly_dropped(("commands", command), ("table",))
 
     def code_of(self, form: Form) -> int | None:
         """The code of a command, or of what an entry's kind makes of it."""
@@ -251,8 +245,6 @@ class MessageResolver:
     def _code(self, path: DocumentPath, form: Form, written: schema.Code | None) -> int | None:
         if not isinstance(written, dict):
             return written
-        if form.entry is None and self._lacks_table(form.command):
-            return None
         if form.entry is None:
             text = f"`{form.command}` has no table, so its code cannot depend on an entry"
             self._context.report(path, "entry-of-nothing", text, "write one code, or name the `table` of the command")
@@ -280,8 +272,6 @@ class MessageResolver:
             return ()
         of_reply = here.reply_selector if direction is Direction.REPLY else None
         selector = of_reply or here.selector or self._spec.selector
-        if selector is None and self._context.is_lost("selector"):
-            return ()
         if selector is None:
             if not self._lacks_selector:
                 text = "there is a code, but no `selector` that says where it stands"
@@ -315,11 +305,9 @@ class MessageResolver:
         for name, entry in written.entries.items():
             path: DocumentPath = ("tables", table, "entries", name)
             of_table = {n: c for n, c in self._spec.commands.items() if self._may_have(n, c, table)}
-            for i, command in enumerate(() if self._context.is_lost("commands") else entry.commands or ()):
+            for i, command in enumerate(entry.commands or ()):
                 self._context.find((*path, "commands", i), f"command of the table `{table}`:", command, of_table)
             layout = self._entry_layout(path, f"{table}_{name}", written, entry)
-            if entry.index == schema.NO_INDEX:
-                continue
             values = entry.index if isinstance(entry.index, list) else [entry.index]
             if len(values) > len(selectors):
                 text = f"`{name}` has {len(values)} index values, the table only {len(selectors)}"
@@ -342,7 +330,7 @@ class MessageResolver:
     def _may_have(self, name: str, command: schema.Command, table: str) -> bool:
         """Whether a command has a table, or names one that is not there."""
         unknown = command.table is not None and command.table not in self._spec.tables
-        return command.table == table or unknown or self._lacks_table(name)
+        return command.table == table or unknown
 
     def _entry_layout(self, path: DocumentPath, name: str, table: schema.Table, entry: schema.Entry) -> Layout | None:
         if isinstance(entry.layout, str):

@@ -135,8 +135,6 @@ class _TypeResolver:
         known = {None, *(name for name, parameter in self.parameters.items() if not parameter.is_choice)}
         if scale is None or offset is None or not {scale.parameter, offset.parameter} <= known:
             return None
-        if (*self.path, "scale") in self.context.dropped:
-            return None
         if offset.value and offset.parameter != scale.parameter:
             text = "scale and offset are not multiples of one parameter"
             by = scale.parameter or offset.parameter
@@ -148,7 +146,7 @@ class _TypeResolver:
         self, key: str, written: int | Literal["none"] | Multiple | schema.ScaleBy | schema.OffsetBy
     ) -> Dependent[Multiple]:
         if isinstance(written, (schema.ScaleBy, schema.OffsetBy)):
-            cases = self._cases(key, written.by, written.__pydantic_extra__)
+            cases = self._cases(key, written.by, written.by_value)
             for name, case in cases.items():
                 self._need_number((key, name), case.parameter if case else None)
             return Dependent(parameter=written.by, constant=None, cases=cases)
@@ -159,17 +157,17 @@ class _TypeResolver:
     def _need_number(self, at: DocumentPath, name: str | None) -> None:
         """A finding where a parameter that is multiplied with is not there, or is no number."""
         found = self.context.find((*self.path, *at), "parameter", name, self.parameters) if name is not None else None
-        if found is not None and found.is_choice and not self.context.is_amiss(("parameters", found.name)):
+        if found is not None and found.is_choice and not self.context.is_invalid(("parameters", found.name)):
             text = f"`{name}` is a choice among values, and only a `number` can be multiplied"
             self.context.report((*self.path, *at), "parameter-kind", text, f"write `by: {name}` with its values")
 
     def _cases(self, key: str, parameter_name: str, written: Mapping[str, Literal["none"] | T]) -> dict[str, T | None]:
-        """One entry for every value of the parameter, in the parameter's order; findings for what is amiss."""
+        """One entry for every value of the parameter, in the parameter's order; findings for what is invalid."""
         path = (*self.path, key)
         parameter = self.context.find((*path, "by"), "parameter", parameter_name, self.parameters)
         if parameter is None:
             return {}
-        if not parameter.is_choice and self.context.is_amiss(("parameters", parameter_name)):
+        if not parameter.is_choice and self.context.is_invalid(("parameters", parameter_name)):
             return {}
         if not parameter.is_choice:
             text = f"`{parameter_name}` has no `values`, so `{key}` cannot depend on them"
@@ -261,7 +259,7 @@ class _TypeResolver:
 
     def _spans(self, key: str, written: Range | schema.RangeBy | None) -> Dependent[Range]:
         if isinstance(written, schema.RangeBy):
-            cases = self._cases(key, written.by, written.__pydantic_extra__)
+            cases = self._cases(key, written.by, written.by_value)
             for name, case in cases.items():
                 self._need_numbers((key, name), case)
             return Dependent(parameter=written.by, constant=None, cases=cases)

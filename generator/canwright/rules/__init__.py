@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from ..diagnostics.diagnostic import Severity
-from ..resolve.doubts import Depth, Doubts
 from . import (
     ambiguous_message,
     beyond_frame,
@@ -45,15 +44,11 @@ RULES: tuple[Rule, ...] = (
         "overlap",
         "No two fields of one message share a bit, nor a field and a key, nor two keys.",
         overlap.check,
-        whole=True,
-        depth=Depth.FRAMES,
     ),
     Rule(
         "beyond-frame",
         "Every field lies within the data bytes, or the bits of the id.",
         beyond_frame.check,
-        whole=True,
-        depth=Depth.FRAMES,
     ),
     Rule("beyond-width", "A range and a constant lie within what the bits hold.", beyond_width.check),
     Rule("zero-scale", "A scale is not zero.", zero_scale.check),
@@ -66,78 +61,67 @@ RULES: tuple[Rule, ...] = (
         "duplicate-code",
         "No two commands of one address have the same code.",
         duplicate_code.check,
-        whole=True,
-        depth=Depth.CODES,
+        phase=Phase.CODES,
     ),
     Rule(
         "duplicate-name",
         "Commands, layouts and errata have names of their own.",
         duplicate_name.check,
-        whole=True,
-        depth=Depth.CODES,
+        phase=Phase.CODES,
     ),
     Rule(
         "ambiguous-message",
         "Two messages that a receiver cannot tell apart have one layout.",
         ambiguous_message.check,
-        whole=True,
-        depth=Depth.BITS,
+        phase=Phase.WHOLE,
     ),
     Rule(
         "id-collision",
         "No id belongs to two addresses of one direction, unless all their ids are the same.",
         id_collision.check,
-        whole=True,
-        depth=Depth.CODES,
+        phase=Phase.WHOLE,
     ),
     Rule(
         "id-bits",
         "Fields and selectors in the id leave the bits of the address alone.",
         id_bits.check,
-        whole=True,
-        depth=Depth.FRAMES,
     ),
-    Rule("unknown-node", "The nodes that reply are nodes of their address.", unknown_node.check, whole=True),
+    Rule("unknown-node", "The nodes that reply are nodes of their address.", unknown_node.check, phase=Phase.WHOLE),
     Rule("node-field", "The field that holds the node is one bare number, and always there.", node_field.check),
     Rule(
         "name-collision",
         "No two names become one in a target, as in C or Python.",
         name_collision.check,
-        whole=True,
-        depth=Depth.CODES,
+        phase=Phase.CODES,
     ),
     Rule(
         "frame-contradiction",
         "Golden frames mean what the spec says.",
         frame_contradiction.check,
-        whole=True,
-        of_frames=True,
+        phase=Phase.FRAMES,
     ),
     Rule(
         "refused-contradiction",
         "What golden frames say is refused, the spec refuses as they say.",
         refused_contradiction.check,
-        whole=True,
-        of_frames=True,
+        phase=Phase.FRAMES,
     ),
     Rule(
         "exchange-contradiction",
         "A golden reply answers a request, or does not, as the spec says.",
         exchange_contradiction.check,
-        whole=True,
-        of_frames=True,
+        phase=Phase.FRAMES,
     ),
     Rule(
         "missing-frame",
         "Every request and reply has a golden frame.",
         missing_frame.check,
         WARNING,
-        whole=True,
-        of_frames=True,
+        phase=Phase.COVERAGE,
     ),
     Rule("missing-manual", "Every command names its section of the manual.", missing_manual.check, WARNING),
     Rule("differing-quantity", "One quantity has one unit and scale, or a reason.", differing_quantity.check, WARNING),
-    Rule("unused", "What a spec defines is used.", unused.check, WARNING, whole=True),
+    Rule("unused", "What a spec defines is used.", unused.check, WARNING, Phase.COVERAGE),
     Rule("long-name", "A name is short enough for every target, as for a DBC file.", long_name.check, WARNING),
 )
 
@@ -145,13 +129,8 @@ EVERY: dict[str, Rule] = {rule.id: rule for rule in (*READING, *RULES)}
 """All rules by id, those of reading first."""
 
 
-def check(subject: Subject, doubts: Doubts, *phases: Phase) -> Iterator[tuple[Rule, Finding]]:
-    """Everything that the rules of some phases find; those that need the `whole` spec look at what is certain of it."""
-    certain = {depth: subject._replace(edition=doubts.certain(subject.edition, depth)) for depth in Depth}
-    rules = sorted((rule for rule in RULES if rule.phase in phases), key=lambda rule: phases.index(rule.phase))
-
-    def found(rule: Rule) -> Iterable[Finding]:
-        return rule.check(certain[rule.depth] if rule.whole else subject) if rule.check else ()
-
-    for rule in rules:
-        yield from ((rule, finding) for finding in found(rule))
+def check(subject: Subject, phase: Phase) -> Iterator[tuple[Rule, Finding]]:
+    """All findings of the rules of a phase."""
+    for rule in RULES:
+        if rule.check and rule.phase is phase:
+            yield from ((rule, finding) for finding in rule.check(subject))

@@ -22,7 +22,7 @@ def check(subject: Subject) -> Found:
                 seen.add(path)
                 text = f"{name} shares bit {clash[0]} of the id with the address `{message.address}`"
                 hint = "move it, or check `id` and `nodes` of the address"
-                yield Finding(path, text, hint, about=("addresses", message.address))
+                yield Finding(path, text, hint)
 
 
 def _in_id(subject: Subject, message: Message) -> Iterator[tuple[str, DocumentPath, tuple[Segment, ...]]]:

@@ -35,7 +35,7 @@ def _members(type_: Type, key: str, members: tuple[Member, ...], low: int, high:
         elif not low <= member.value <= high:
             what = "bit " if key == "flags" else ""
             text = f"{what}{member.value} is not within {low}..{high}, all that {type_.width} bits hold"
-            mask = aliases.mask(member.value)
+            mask = aliases.limit(member.value, ("flags",))
             bits = f"bits count from 0{f'; {mask}' if mask else ''}" if key == "flags" else ""
             yield Finding(path, text, bits or "check the value, and sign and width in `raw`")
         first.setdefault(member.value, member.name)

@@ -36,7 +36,7 @@ def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Found:
         if clash is not None and key.role is KeyRole.INDEX:
             text = f"the table's index shares {_where(key.space, clash)} with {others[clash]}"
             at = _place_of(spec, message, key)
-            yield Finding(at, text, "move one of them", about=at[:3])
+            yield Finding(at, text, "move one of them")
         others.update(dict.fromkeys(bits, INDEX if key.role is KeyRole.INDEX else "the selector"))
     for field in variant.fields:
         others = taken[field.space]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.edition import MessageSpec
+from ..language.edition import MessageSpec, keys
 from .rule import Finding, Found, Subject
 
 LAYOUTS = {"none": "no frame", "echo": "the request that comes back", "entry": "the layout of a table's entry"}
 VALUES = {"by": "the parameter that decides", "none": "nothing that is known"}
-FIELDS = {"node": "the node of a frame", **dict.fromkeys(MessageSpec.model_fields, "a key of a message")}
+FIELDS = {"node": "the node of a frame", **dict.fromkeys(keys(MessageSpec), "a key of a message")}
 
 
 def check(subject: Subject) -> Found:

@@ -11,8 +11,6 @@ from .rule import Finding, Found, Subject
 
 
 def check(subject: Subject) -> Found:
-    if subject.partial:
-        return
     spec, edition = subject.spec, subject.edition
     messages = list(edition.all_messages())
     fields = [f for m in messages for f in m.layout.fields]

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
+from ...language.edition import Text
 from ...language.golden_frames import Frame, GoldenFrames, Value
-from ...language.scalar_types import Text
 from ...model import formatting
 from ...model.message import Message
 from .text import code, markdown

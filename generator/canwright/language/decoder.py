@@ -1,0 +1,47 @@
+"""A document as the classes of the language: one pass, every finding with its position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from ..diagnostics.diagnostic import Diagnostic, DocumentPath
+from ..document.document import Document
+from .concept import Concept, keys
+from .findings import Findings
+from .forms import INVALID, Mapped, Place
+
+C = TypeVar("C", bound=Concept)
+
+
+@dataclass(frozen=True)
+class Decoded(Generic[C]):
+    """What a document contains; `invalid` are the paths of what is left out. `value` is None for something else."""
+
+    value: C | None
+    findings: tuple[Diagnostic, ...]
+    invalid: frozenset[DocumentPath]
+
+
+def decode(document: Document, concept: type[C]) -> Decoded[C]:
+    """The document as an instance of `concept`, with every structural finding."""
+    other = _other_file(document, concept)
+    if other:
+        return Decoded(None, (*document.findings, other), frozenset({()}))
+    report = Findings(document)
+    value = INVALID if report.is_unreadable(()) else Mapped(concept).decode(report, document.data, Place(()))
+    return Decoded(None if value is INVALID else value, tuple(report.findings), frozenset(report.invalid))
+
+
+def _other_file(document: Document, concept: type[Concept]) -> Diagnostic | None:
+    """A finding when this is a file of another kind."""
+    data, (key, message, hint) = document.data, concept.other
+    if not isinstance(data, dict):
+        return None
+    if key in data and not {"commands", "frames"} - {key} & set(data):
+        return document.finding((key,), "missing-key", message, hint, key=True)
+    needed = [name for name, key in keys(concept).items() if key.required]
+    if not (set(data) | {path[0] for path in document.unreadable if path}) & set(needed):
+        message = f"none of {', '.join(f'`{name}`' for name in needed)} is here, so this is something else"
+        return document.finding((), "missing-key", message, "`canwright: 1` comes first")
+    return None

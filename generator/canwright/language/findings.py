@@ -1,0 +1,51 @@
+"""The findings about a document while it is decoded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from decimal import Decimal
+from typing import Any
+
+from ..diagnostics.diagnostic import MOST_FINDINGS, DocumentPath
+from ..document.document import Document
+
+
+class Findings:
+    """Collects the findings about a document; `invalid` are the paths of what is left out."""
+
+    def __init__(self, document: Document) -> None:
+        self._document = document
+        self.findings = list(document.findings)
+        self.invalid = set(document.unreadable)
+        self._most = len(self.findings) + MOST_FINDINGS
+
+    def finding(
+        self, path: DocumentPath, rule: str, message: str, hint: str = "", *, key: bool = False, about: str = ""
+    ) -> None:
+        """A finding at a path, `about` a key that is missing there."""
+        self.invalid.add((*path, about) if about else path)
+        if len(self.findings) < self._most:
+            message = message[:1].lower() + message[1:]
+            self.findings.append(self._document.finding(path, rule, message, hint, key=key))
+
+    def is_unreadable(self, path: DocumentPath) -> bool:
+        """Whether there is a finding about what stands at a path already."""
+        return path in self._document.unreadable
+
+    def has_unreadable_key(self, path: DocumentPath, data: Mapping[str, Any]) -> bool:
+        """Whether the mapping at a path has a key that is not in its data."""
+        return any(one[:-1] == path and one and one[-1] not in data for one in self._document.unreadable)
+
+    def is_type(self, name: object) -> bool:
+        """Whether the document defines a type of this name."""
+        data = self._document.data
+        types = data.get("types") if isinstance(data, dict) else None
+        return isinstance(types, dict) and name in types
+
+    def written(self, path: DocumentPath, value: object, *, key: bool = False) -> str:
+        """A number as it stands in the file: 0x80 and not 128."""
+        if not key and (isinstance(value, bool) or not isinstance(value, (int, Decimal))):
+            return str(value)
+        at = self._document.position(path, key=key)
+        text = at.text[at.column - 1 :][: at.length].strip("'\"")
+        return text if text and len(text) < 40 else str(value)

@@ -1,0 +1,112 @@
+"""Definitions affected by errors: those with an error, and those that depend on them. Rules check the others."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from ..diagnostics.diagnostic import DocumentPath
+from ..model.edition import Edition
+
+Definition = tuple[str, str]
+
+_SECTIONS = ("addresses", "parameters", "settings", "effects", "types", "layouts", "tables", "commands")
+_OF_ALL_COMMANDS = frozenset({(), ("selector",), ("byte_order",), ("bus",), ("bus", "dlc"), ("addresses",)})
+_ASIDE = frozenset({"unit", "effects", "limited_by", "not_limited_by", "implemented", "mode"})
+_TEXTS = frozenset({"title", "about", "notes", "manual", "differs", "plausible"})
+_OF_CODES = frozenset({"code", "accept", "address", "table", "of", "dlc", "remote", "index", "kind", "commands"})
+"""Keys of commands, messages and entries that decide which code a message has, besides its fields."""
+_OF_NAMES = frozenset({"fields", "layout", "request", "reply", "enum", "flags", "entries", "values"})
+"""Keys that have names below them, and no texts."""
+
+
+class Affected:
+    """What errors at some paths of a document affect."""
+
+    def __init__(self, data: Any, paths: Iterable[DocumentPath]) -> None:
+        data = data if isinstance(data, dict) else {}
+        paths = list(paths)
+        self._touched = {path[:end] for path in paths for end in range(2, len(path) + 1)}
+        self.paths = [path for path in paths if not _is_text(path)]
+        self.sections = frozenset(str(path[0]) for path in self.paths if path)
+        """Sections with an error."""
+        self.incomplete = frozenset(str(path[0]) for path in self.paths if path and len(path) <= 2)
+        """Sections of which not every name is known."""
+        if any(path and path[0] not in data for path in self.paths) or () in self.paths:
+            self.incomplete |= {section for section in _SECTIONS if section not in data}
+        entries = {key: data[key] for key in _SECTIONS if isinstance(data.get(key), dict)}
+        first = next(iter(entries.get("addresses", ())), "")
+        direct = {(str(path[0]), str(path[1])) for path in self.paths if len(path) > 1 and path[0] in _SECTIONS}
+        of_all = not _OF_ALL_COMMANDS.isdisjoint(path[:2] for path in self.paths) or ("addresses", first) in direct
+        if of_all or any(path[0] in ("selector", "byte_order") for path in self.paths if path):
+            direct |= {("commands", name) for name in entries.get("commands", ())}
+        self._definitions = _with_dependents(entries, direct) if direct else direct
+
+    def __contains__(self, path: DocumentPath) -> bool:
+        """Whether a path is in an affected definition."""
+        return (path[0], path[1]) in self._definitions if len(path) > 1 else False
+
+    def has_error(self, path: DocumentPath) -> bool:
+        """Whether there is an error at a path, or below."""
+        return path in self._touched
+
+    def may_hide(self, dotted: str) -> bool:
+        """Whether there may have been something at a dotted path, were it not for an error."""
+        steps = tuple(dotted.split("."))
+        return any(tuple(map(str, path[:2])) == steps[: len(path[:2])] for path in self.paths) or (
+            steps[0] in self.incomplete
+        )
+
+    def others(self, edition: Edition) -> Edition:
+        """The edition with the commands that are not affected."""
+        if not self._definitions:
+            return edition
+        commands = tuple(c for c in edition.commands if ("commands", c.group) not in self._definitions)
+        return dataclasses.replace(edition, commands=commands)
+
+
+def _with_dependents(entries: dict[str, dict[str, Any]], direct: set[Definition]) -> set[Definition]:
+    """Definitions, and all that mention one of them."""
+    mentions: dict[str, list[Definition]] = {}
+    for section, named in entries.items():
+        for name, value in named.items():
+            for word in set(_words(value)):
+                mentions.setdefault(word, []).append((section, name))
+    found, waiting = set(direct), list(direct)
+    while waiting:
+        _, name = waiting.pop()
+        more = [one for one in mentions.pop(name, ()) if one not in found]
+        found.update(more)
+        waiting += more
+    return found
+
+
+def _words(value: Any, key: str = "") -> Iterator[str]:
+    """The words in a definition that may be names of others."""
+    if isinstance(value, str):
+        yield from re.findall("[A-Za-z][A-Za-z0-9_]*", value)
+    elif isinstance(value, list):
+        for item in value:
+            yield from _words(item, key)
+    elif isinstance(value, dict):
+        yield from value if key == "only" else ()
+        for name, inner in value.items():
+            if name not in _TEXTS or key in _OF_NAMES:
+                yield from _words(inner, name)
+
+
+def decides_code(path: DocumentPath) -> bool:
+    """Whether what stands at a path decides which codes and ids messages have, and not only what is in them."""
+    section, keys = path[0] if path else "", path[4:] if path[2:3] == ("entries",) else path[2:]
+    if section in ("types", "layouts", "parameters"):
+        return False
+    return section not in ("commands", "tables") or len(keys) < 2 or path[-1] == "constant" or keys[1] in _OF_CODES
+
+
+def _is_text(path: DocumentPath) -> bool:
+    """Whether a path leads to a text, or to a fact that nothing else depends on."""
+    if path[2:3] and path[2] in _ASIDE and path[0] in ("types", "commands"):
+        return True
+    return any(path[i] in _TEXTS and path[i - 1] not in _OF_NAMES for i in range(max(2, len(path) - 2), len(path)))
