@@ -42,6 +42,13 @@ def test_the_python_examples(name: str, tmp_path: Path) -> None:
     assert (result.stdout, result.stderr) == (printed(name), "")
 
 
+def test_the_library_example(tmp_path: Path) -> None:
+    (tmp_path / "lamp.yaml").write_text(example("spec"), "utf-8")
+    command = [sys.executable, "-c", example("api")]
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (result.stdout, result.stderr) == (printed("api"), "")
+
+
 @each_compiler
 def test_the_c_example(compiler: Compiler, tmp_path: Path) -> None:
     source, program = tmp_path / "example.c", tmp_path / "example"
