@@ -117,7 +117,7 @@ def _write(folder: Path) -> None:
     record(RECORDED, {" ".join(case): chosen[case] for case in sorted(chosen)})
 
 
-@pytest.mark.parametrize(("case", "found"), recorded(RECORDED).items())
+@pytest.mark.parametrize(("case", "found"), recorded(RECORDED).items(), ids=recorded(RECORDED))
 def test_findings(case: str, found: str, tmp_path: Path) -> None:
     spec, _, mutant = case.partition(" ")
     assert _findings((spec, mutant), tmp_path) == found
