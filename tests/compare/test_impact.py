@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import functools
+import tempfile
 from pathlib import Path
 
 import pytest
 from canwright.compare import compare
+from canwright.model.edition import Edition
 
 from ..spec_texts import ROOT, edition
 
@@ -16,6 +19,12 @@ OFF = "    code: 0x80\n    manual: "
 ON = "    code: 0x88\n    manual: "
 
 
+@functools.cache
+def _original(text: str) -> Edition:
+    with tempfile.TemporaryDirectory() as folder:
+        return edition(Path(folder), text)
+
+
 def impacts(folder: Path, text: str, *changes: tuple[str, str]) -> list[str]:
     changed = text
     for old, new in changes:
@@ -23,7 +32,7 @@ def impacts(folder: Path, text: str, *changes: tuple[str, str]) -> list[str]:
         changed = changed.replace(old, new)
     return [
         f"{c.impact.value} {'+'.join(s.value for s in c.sides) or 'none'}: {c.item}: {c.rule.id}"
-        for c in compare(edition(folder, text), edition(folder, changed))
+        for c in compare(_original(text), edition(folder, changed))
     ]
 
 
