@@ -3,7 +3,7 @@
 Each line was taken from the manuals themselves and stands for one row of what is publicly known of these editions. Two
 such rows say something else than the comparison does, and the comparison is right:
 
-- The first byte of the reply to 0x9B, 0x9A in the first edition and 0x9B later, is said to break a program in silence. It
+- The first byte of the reply to 0x9B, 0x9A in the first edition and 0x9B later, is listed as a silent break. It
   does not: bindings of the first edition take either byte, so that nothing breaks.
 - The ampere scale, 33/2048 and then 66/4096, is listed as different. It is the same number, so only the writing changed.
 """
@@ -284,7 +284,7 @@ def test_the_same_scale_written_otherwise_breaks_nothing() -> None:
     assert all(c.impact.value == "safe" for c in found)
 
 
-def test_a_wrong_voltage_is_silent_and_a_lost_reply_is_loud() -> None:
+def test_a_wrong_voltage_is_silent_and_a_missing_reply_is_loud() -> None:
     impact = {f"{c.rule.id} {c.item.name}": c.impact.value for c in changes("v2.35", C)}
     assert (
         impact["field-moved status_1"] == impact["scale-changed voltage"] == impact["field-added set_speed"] == "silent"

@@ -116,3 +116,17 @@ def test_of_constants_where_there_is_no_selector(tmp_path: Path, name: str) -> N
     assert impacts(tmp_path, text, ("constant: 5", "constant: 6")) == constant
     moved = ("{at: 0, raw: u8, constant", "{at: 2, raw: u8, constant")
     assert impacts(tmp_path, text, moved) == [f"loud sending: command {one}: field-moved" for one in ("dim", "stop")]
+
+
+def test_of_a_constant_that_distinguishes_messages(tmp_path: Path) -> None:
+    """Such a constant is a key and no field of the layout; its name and its removal are changes all the same."""
+    joint = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
+    zero = "zero: {at: 1, raw: u8, constant: 0}, "
+    assert impacts(tmp_path, joint, (zero, "")) == ["silent receiving: command read_word: field-removed"]
+    without = joint.replace(zero, "")
+    added = ("holds: node}, word", f"holds: node}}, {zero}word")
+    assert impacts(tmp_path, without, added) == ["loud receiving: command read_word: field-added"]
+    renamed = ["build receiving: command read_word: field-renamed"]
+    assert impacts(tmp_path, joint, (zero, zero.replace("zero", "nought"))) == renamed
+    changed = ["loud receiving: command read_word: constant-changed"]
+    assert impacts(tmp_path, joint, (zero, zero.replace("constant: 0", "constant: 9"))) == changed

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import ConstantRole
 from ..model.message import Command, Key, KeyRole, Message
 from .change import Impact, Item, Side, Word
 from .collector import Attribute, Collector, Places, Use, at, listed, paths
 from .fields import Editions, constant_keys, place_of
+from .match import by_name
 
 
 def code(value: int | None) -> str:
@@ -29,6 +30,15 @@ def index(command: Command) -> str:
     return listed(code(key.value) for key in message.keys if key.role is KeyRole.INDEX) if message else Word("none")
 
 
+_OF_CONSTANT = (
+    Attribute["_Field"](
+        "constant-changed",
+        "constant",
+        lambda f: Word("any value") if f.value is None else str(f.value),
+        Impact.LOUD,
+    ),
+    Attribute["_Field"]("field-moved", "at", lambda f: f.place, Impact.LOUD),
+)
 _INDEX = Attribute[Command]("index-changed", "index", index, Impact.SILENT)
 
 
@@ -58,25 +68,35 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
             _constants(found, one, other_message, use)
 
 
+class _Field(NamedTuple):
+    """A key or a field of a message; `value` is None where it is no constant."""
+
+    name: str
+    value: int | None
+    place: str
+
+
 def _constants(found: Collector, old: Message, new: Message, use: Use) -> None:
     """Constants that distinguish one message from others, as a code does, in one edition or in both."""
-    item, keys = Item("command", use.commands[0]), constant_keys(old) | constant_keys(new)
-    before, after = _values_and_places(old), _values_and_places(new)
-    for name in (name for name in before if name in keys and name in after):
-        places = at(paths(old, new), name)
-        (one, stood), (other, stands) = before[name], after[name]
-        if one != other:
-            facts = {"name": name, "old": str(one), "new": str(other)}
-            found.add("constant-changed", item, at(places, "constant"), Impact.LOUD, use, **facts)
-        if stood != stands:
-            found.add("field-moved", item, at(places, "at"), Impact.LOUD, use, name=name, old=stood, new=stands)
+    item, (before, after) = Item("command", use.commands[0]), (constant_keys(m) for m in (old, new))
+    matched = by_name(_fields(old), _fields(new)).also(lambda a, b: a[1:] == b[1:])
+    for one, other in matched.pairs:
+        if one.name not in before and other.name not in after:
+            continue
+        places = (*old.path, one.name), (*new.path, other.name)
+        found.renamed("field-renamed", item, places, use, old=one.name, new=other.name)
+        found.attributes(_OF_CONSTANT, item, places, one, other, use, name=other.name)
+    for gone in (one for one in matched.removed if one.name in before):
+        places, facts = ((*old.path, gone.name), new.path), {"name": gone.name, "place": gone.place}
+        found.add("field-removed", item, places, Impact.SILENT, use, **facts)
+    for fresh in (one for one in matched.added if one.name in after):
+        places, facts = (old.path, (*new.path, fresh.name)), {"name": fresh.name, "place": fresh.place}
+        found.add("field-added", item, places, Impact.LOUD, use, **facts)
 
 
-def _values_and_places(message: Message) -> dict[str, tuple[int | None, str]]:
-    """The constants of a message, keys or fields."""
-    keys = {k.name: (k.value, _place(k)) for k in message.keys if k.role is KeyRole.CONSTANT}
-    fields = [f for f in message.layout.fields if isinstance(f.role, ConstantRole)]
-    return {**keys, **{f.name: (f.fixed, place_of(f)) for f in fields}}
+def _fields(message: Message) -> Iterator[_Field]:
+    yield from (_Field(k.name, k.value, _place(k)) for k in message.keys if k.role is KeyRole.CONSTANT)
+    yield from (_Field(f.name, f.fixed, place_of(f)) for f in message.layout.fields)
 
 
 def _place(key: Key) -> str:
