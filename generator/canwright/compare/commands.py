@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
 from ..model.message import Command, Direction, EchoReply, Entry, Message, OtherReply, SharedReply
 from ..model.metadata import Effect, Level
@@ -103,26 +104,24 @@ def _repurposed(found: Collector, old: Command, new: Command) -> None:
     found.add("command-repurposed", _item(old), paths(old, new), Impact.SILENT, use, **facts, meaning=new.title)
 
 
-def _removed(found: Collector, old: Command, new: Edition) -> None:
-    use = Use((Side.SENDING,), (old.group,))
-    if old.entry and any(c.group == old.group for c in new.commands):
-        facts = {"name": old.entry.name, "index": discriminators.index(old)}
-        places = old.entry.path, ("tables", old.entry.table)
-        found.add("entry-removed", Item.of_entry(old.entry), places, Impact.LOUD, use, **facts)
-        return
-    facts = {"name": old.group, "code": _code(old)}
-    found.add("command-removed", _item(old), (old.path, ("commands",)), Impact.LOUD, use, **facts)
+def _removed(found: Collector, command: Command, new: Edition) -> None:
+    kind, item, path, parent, facts = _subject(command, new)
+    found.add(f"{kind}-removed", item, (path, parent), Impact.LOUD, Use((Side.SENDING,), (command.group,)), **facts)
 
 
-def _added(found: Collector, new: Command, old: Edition) -> None:
-    use = Use((), (new.group,))
-    if new.entry and any(c.group == new.group for c in old.commands):
-        facts = {"name": new.entry.name, "index": discriminators.index(new)}
-        places = ("tables", new.entry.table), new.entry.path
-        found.add("entry-added", Item.of_entry(new.entry), places, Impact.SAFE, use, **facts)
-        return
-    facts = {"name": new.group, "code": _code(new)}
-    found.add("command-added", _item(new), (("commands",), new.path), Impact.SAFE, use, **facts)
+def _added(found: Collector, command: Command, old: Edition) -> None:
+    kind, item, path, parent, facts = _subject(command, old)
+    found.add(f"{kind}-added", item, (parent, path), Impact.SAFE, Use((), (command.group,)), **facts)
+
+
+def _subject(command: Command, other: Edition) -> tuple[str, Item, DocumentPath, DocumentPath, dict[str, str]]:
+    """Kind, item, path, parent and facts of a command that the other edition lacks, or of its entry alone."""
+    entry = command.entry
+    if entry is not None and any(c.group == command.group for c in other.commands):
+        facts = {"name": entry.name, "index": discriminators.index(command)}
+        return "entry", Item.of_entry(entry), entry.path, ("tables", entry.table), facts
+    facts = {"name": command.group, "code": _code(command)}
+    return "command", _item(command), command.path, ("commands",), facts
 
 
 def _command(found: Collector, both: Editions, old: Command, new: Command) -> None:

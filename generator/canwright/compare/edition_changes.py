@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
@@ -31,6 +32,8 @@ from .match import Matched, by_name
 
 T = TypeVar("T", bound=Titled)
 
+_Verdict = tuple[Impact, Use]
+_SAFE = (Impact.SAFE, UNUSED)
 _EDITION, _BUS = Item("edition", ""), Item("bus", "")
 
 
@@ -69,10 +72,9 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
     _addresses(found, old.addresses, new.addresses)
     _bus(found, old.bus, new.bus)
     _parameters(found, old.parameters, new.parameters)
-    settings = by_name(old.settings, new.settings)
-    _named(found, "setting", ("settings",), settings, _OF_SETTING, UNUSED)
-    _added_and_removed(found, "setting", ("settings",), settings, (Impact.SAFE, UNUSED), (Impact.SAFE, UNUSED))
-    _named(found, "effect", ("effects",), by_name(old.effects, new.effects), _OF_EFFECT, UNUSED)
+    _items(found, "setting", ("settings",), by_name(old.settings, new.settings), _OF_SETTING)
+    effects = by_name(old.effects, new.effects)  # others come and go with the commands that have them
+    _items(found, "effect", ("effects",), replace(effects, removed=(), added=()), _OF_EFFECT)
     _errata(found, old, new)
     found.title(_EDITION, (("title",), ("title",)), (old.family, new.family), old.title, new.title)
     found.text("text-changed", _EDITION, (("about",), ("about",)), old.family, old.about, new.about)
@@ -80,25 +82,21 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
     found.attributes(_OF_EDITION, _EDITION, ((), ()), old, new, UNUSED)
 
 
-def _named(
-    found: Collector, kind: str, path: DocumentPath, matched: Matched[T], rows: Sequence[Attribute[T]], use: Use
-) -> None:
-    """Changes of the attributes and texts of items of one kind."""
-    for one, other in matched.pairs:
-        item, places = Item(kind, one.name), ((*path, one.name), (*path, one.name))
-        found.attributes(rows, item, places, one, other, use, name=one.name)
-        found.texts(item, places, one, other)
-
-
-def _added_and_removed(
+def _items(
     found: Collector,
     kind: str,
     path: DocumentPath,
     matched: Matched[T],
-    removed: tuple[Impact, Use],
-    added: tuple[Impact, Use],
+    rows: Sequence[Attribute[T]] = (),
+    use: Use = UNUSED,
+    removed: _Verdict = _SAFE,
+    added: _Verdict = _SAFE,
 ) -> None:
-    """What is removed from a path and what is added to it, each with its impact and use."""
+    """Changes of the attributes and texts of items of one kind; items that are removed and added."""
+    for one, other in matched.pairs:
+        item, places = Item(kind, one.name), ((*path, one.name), (*path, one.name))
+        found.attributes(rows, item, places, one, other, use, name=one.name)
+        found.texts(item, places, one, other)
     for gone in matched.removed:
         found.add(f"{kind}-removed", Item(kind, gone.name), ((*path, gone.name), path), *removed, name=gone.name)
     for fresh in matched.added:
@@ -166,14 +164,12 @@ def _bus(found: Collector, old: Bus, new: Bus) -> None:
     found.renamed("host-renamed", _BUS, at(places, "host"), BOTH_SIDES, old=old.host, new=new.host)
     found.section(_BUS, places, old.manual, new.manual)
     modes = by_name(old.modes, new.modes)
-    _named(found, "mode", ("bus", "modes"), modes, _OF_MODE, BOTH_SIDES)
-    _added_and_removed(found, "mode", ("bus", "modes"), modes, (Impact.LOUD, BOTH_SIDES), (Impact.SAFE, UNUSED))
+    _items(found, "mode", ("bus", "modes"), modes, _OF_MODE, BOTH_SIDES, removed=(Impact.LOUD, BOTH_SIDES))
     found.attributes(_OF_BUS, _BUS, places, old, new, UNUSED)
 
 
 def _parameters(found: Collector, old: Sequence[Parameter], new: Sequence[Parameter]) -> None:
     matched, affected = by_name(old, new), (Impact.BUILD, BOTH_SIDES)
-    _added_and_removed(found, "parameter", ("parameters",), matched, affected, affected)
     for one, other in matched.pairs:
         item, path = Item("parameter", one.name), ("parameters", one.name, "values")
         values = by_name(one.values, other.values)
@@ -193,7 +189,7 @@ def _parameters(found: Collector, old: Sequence[Parameter], new: Sequence[Parame
                 name=one.name,
                 value=value.name,
             )
-    _named(found, "parameter", ("parameters",), matched, _OF_PARAMETER, BOTH_SIDES)
+    _items(found, "parameter", ("parameters",), matched, _OF_PARAMETER, BOTH_SIDES, affected, affected)
 
 
 def _errata(found: Collector, old: Edition, new: Edition) -> None:
