@@ -26,8 +26,10 @@ from ..spec_texts import SMALL, SPECS, called, edition
 from .recorded import findings, record, recorded
 
 RECORDED = "mutants.txt"
-OF_SMALL, OF_LARGE = 3, 1
-"""So many mutants of each kind are recorded: of the small specs of the tests, and of those of `spec/`."""
+OF_KIND = 3
+"""So many mutants of each kind are recorded, of the small specs of the tests."""
+OF_LARGE = 4
+"""So many mutants are recorded of each spec of `spec/`, and one of each kind that no small spec has."""
 
 Case = tuple[str, str]
 
@@ -108,12 +110,12 @@ def _spread(cases: list[Case], most: int, folder: Path) -> Iterator[tuple[Case, 
 def _write(folder: Path) -> None:
     small = [called(file) for file in SMALL]
     large = [called(file) for file in SPECS if file not in SMALL]
-    chosen = dict(
-        one
-        for specs, most in ((small, OF_SMALL), (large, OF_LARGE))
-        for cases in _cases(specs).values()
-        for one in _spread(cases, most, folder)
-    )
+    chosen = dict(one for cases in _cases(small).values() for one in _spread(cases, OF_KIND, folder))
+    known = {_kind(mutant) for (_, mutant), found in chosen.items() if found != "rejected"}
+    others = [cases for kind, cases in _cases(large).items() if kind not in known]
+    chosen |= dict(one for cases in others for one in _spread(cases, 1, folder))
+    whole = [[(spec, mutant) for mutant in _mutants(spec)] for spec in large]
+    chosen |= dict(one for cases in whole for one in _spread(cases, OF_LARGE, folder))
     record(RECORDED, {" ".join(case): chosen[case] for case in sorted(chosen)})
 
 
