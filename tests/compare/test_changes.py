@@ -76,9 +76,9 @@ def test_ways_to_write_the_same_are_no_change(tmp_path: Path) -> None:
 
 def test_other_languages_have_every_sentence_with_the_same_facts() -> None:
     languages = yaml.safe_load((ROOT / "templates/docs/changes.yaml").read_text("utf-8"))
-    for said in (language["sentences"] for language in languages.values()):
-        assert list(said) == list(CHANGES)
-        for rule, sentence in said.items():
+    for sentences in (language["sentences"] for language in languages.values()):
+        assert list(sentences) == list(CHANGES)
+        for rule, sentence in sentences.items():
             facts = [set(re.findall(r"{(\w+)}", text)) for text in (sentence, CHANGES[rule].says)]
             assert facts[0] == facts[1], rule
 
@@ -94,7 +94,7 @@ USES_OTHER = (
 
 
 @pytest.mark.parametrize(
-    ("written", "said"),
+    ("written", "sentences"),
     [
         (
             ("2/65535*top", "2/65534*top"),
@@ -125,12 +125,12 @@ USES_OTHER = (
         (("top: {number: {}}", "top: {number: {max: 9}}"), ["the bounds of `top` are ..9 (were ..)"]),
     ],
 )
-def test_a_multiple_of_a_parameter(written: tuple[str, str], said: list[str], tmp_path: Path) -> None:
+def test_a_multiple_of_a_parameter(written: tuple[str, str], sentences: list[str], tmp_path: Path) -> None:
     old = edition(tmp_path, USES_OTHER)
     changed = USES_OTHER.replace(*written)
     assert changed != USES_OTHER
     found = compare(old, edition(tmp_path, changed))
-    assert [change.says() for change in found] == said
+    assert [change.says() for change in found] == sentences
     kinds = {"scale-rewritten": Category.DOC, "parameters-of-type-changed": Category.API}
     assert [c.rule.category for c in found] == [kinds.get(c.rule.id, Category.VALUE) for c in found]
 

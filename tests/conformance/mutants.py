@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
+from canwright.model.layout import MAX_DATA_BYTES
+
 Data = dict[Any, Any]
 Change = Callable[[Data], None]
 Mutant = tuple[str, Change]
@@ -119,19 +121,24 @@ def _command(path: Path, command: Data, free: int) -> Iterator[Mutant]:
         for key in ("layout", "fields"):
             if isinstance(written.get(key), dict):
                 yield from _fields((*path, half, key), written[key])
-        if "of" not in written:
-            dlc = written.get("dlc", 8)
-            if not written.get("remote"):
-                yield _set((*path, half, "dlc"), dlc + 1 if dlc < 8 else dlc - 1)
-            yield _set((*path, half, "remote"), not written.get("remote", False))
-        if "code" in written:
-            yield from _code((*path, half, "code"), written["code"], free)
-        for i in range(len(written.get("accept", ()))):
-            yield _set((*path, half, "accept"), [n for j, n in enumerate(written["accept"]) if j != i])
-        if "from_each" in written:
-            low, high = written["from_each"].split("..")
-            yield _set((*path, half, "from_each"), f"{low}..{int(high) + 1}")
-            yield _set((*path, half, "from_each"), f"{low}..{int(high) - 1}")
+        yield from _frame((*path, half), written, free)
+
+
+def _frame(path: Path, written: Data, free: int) -> Iterator[Mutant]:
+    """All of a request or a reply but its fields."""
+    if "of" not in written:
+        dlc = written.get("dlc", MAX_DATA_BYTES)
+        if not written.get("remote"):
+            yield _set((*path, "dlc"), dlc + 1 if dlc < MAX_DATA_BYTES else dlc - 1)
+        yield _set((*path, "remote"), not written.get("remote", False))
+    if "code" in written:
+        yield from _code((*path, "code"), written["code"], free)
+    for i in range(len(written.get("accept", ()))):
+        yield _set((*path, "accept"), [n for j, n in enumerate(written["accept"]) if j != i])
+    if "from_each" in written:
+        low, high = written["from_each"].split("..")
+        yield _set((*path, "from_each"), f"{low}..{int(high) + 1}")
+        yield _set((*path, "from_each"), f"{low}..{int(high) - 1}")
 
 
 def _fields(path: Path, fields: Data) -> Iterator[Mutant]:
@@ -178,6 +185,14 @@ def _type(path: Path, type_: Data, order: str) -> Iterator[Mutant]:
         )
     elif is_number and not is_float:
         yield _set((*path, "scale"), 2 if scale == 1 else 1)
+    yield from _ranges(path, type_)
+    for kind, key in (("enum", "value"), ("flags", "bit")):
+        for member, one in type_.get(kind, {}).items():
+            at, value = ((), one) if isinstance(one, int) else ((key,), one[key])
+            yield _set((*path, kind, member, *at), value + 2)
+
+
+def _ranges(path: Path, type_: Data) -> Iterator[Mutant]:
     for key in ("range", "raw_range"):
         limits = type_.get(key)
         if isinstance(limits, dict):
@@ -187,10 +202,6 @@ def _type(path: Path, type_: Data, order: str) -> Iterator[Mutant]:
         elif limits is not None:
             yield _drop((*path, key))
             yield from (_set((*path, key), changed) for changed in _spans(limits))
-    for kind, key in (("enum", "value"), ("flags", "bit")):
-        for member, one in type_.get(kind, {}).items():
-            at, value = ((), one) if isinstance(one, int) else ((key,), one[key])
-            yield _set((*path, kind, member, *at), value + 2)
 
 
 def _multiples(path: Path, type_: Data, numbers: Sequence[str]) -> Iterator[Mutant]:

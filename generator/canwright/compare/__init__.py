@@ -12,7 +12,7 @@ from ..model.edition import Edition
 from . import commands, edition_changes, renames
 from .catalogue import CHANGES as CHANGES
 from .change import Category as Category, Change as Change, Impact as Impact, Item as Item, Side as Side
-from .collector import Found
+from .collector import Collector
 from .exported_names import ExportedNames, Exporter
 
 _CATEGORIES, _IMPACTS = list(Category), list(Impact)
@@ -23,7 +23,7 @@ def compare(old: Edition, new: Edition, exporters: Sequence[Exporter] = ()) -> t
 
     A renamed item is reported with its names in each of the `exporters`, which are targets.
     """
-    found = Found(ExportedNames(exporters, old, new))
+    found = Collector(ExportedNames(exporters, old, new))
     old = renames.compare(found, old, new)
     edition_changes.compare(found, old, new)
     commands.compare(found, old, new)

@@ -1,4 +1,4 @@
-"""One change between two editions: what, where, and who is hit by it."""
+"""One change between two editions: what, where, and who is affected."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Impact(str, Enum):
 
 
 class Side(str, Enum):
-    """What the host does when a change hits it."""
+    """What the host does when a change affects it."""
 
     SENDING = "sending"
     RECEIVING = "receiving"
@@ -50,8 +50,8 @@ class Side(str, Enum):
         return cls.SENDING if direction is Direction.REQUEST else cls.RECEIVING
 
 
-class Said(str):
-    """A word of the sentence itself and no name, as `none`: other languages have their own."""
+class Word(str):
+    """A word of the sentence itself, such as `none`, and no name: it is translated."""
 
 
 Fact = str | Text | tuple["Fact", ...]
@@ -60,7 +60,7 @@ Fact = str | Text | tuple["Fact", ...]
 
 @dataclass(frozen=True)
 class ChangeRule:
-    """An id for people to look up, and the sentence, with names of facts in braces, that a change is told by."""
+    """An id for people to look up, and the sentence, with names of facts in braces, that describes a change."""
 
     id: str
     category: Category
@@ -85,7 +85,7 @@ class Item:
 
 @dataclass(frozen=True)
 class Change:
-    """One change. `old` and `new` are where it stands in the specs; `used_by` are the commands it reaches."""
+    """One change. `old` and `new` are its paths in the specs; `used_by` are the commands it affects."""
 
     rule: ChangeRule
     item: Item
@@ -108,11 +108,11 @@ class Change:
         `escape` makes texts of the spec safe where the sentence goes; names and numbers are safe everywhere.
         """
 
-        def told(fact: Fact) -> str:
-            if isinstance(fact, Said):
+        def filled(fact: Fact) -> str:
+            if isinstance(fact, Word):
                 return words.get(fact, fact)
             if isinstance(fact, tuple):
-                return "".join(map(told, fact))
+                return "".join(map(filled, fact))
             return fact if isinstance(fact, str) else escape(fact.get(language) or next(iter(fact.values()), ""))
 
-        return (sentence or self.rule.says).format_map({name: told(fact) for name, fact in self.facts.items()})
+        return (sentence or self.rule.says).format_map({name: filled(fact) for name, fact in self.facts.items()})

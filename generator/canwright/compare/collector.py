@@ -1,20 +1,25 @@
-"""The changes that were found, each once, with all the commands that it reaches."""
+"""Collects changes: each once, with all the commands that it affects."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.types import Text
 from .catalogue import CHANGES
-from .change import Change, Fact, Impact, Item, Said, Side
+from .change import Change, Fact, Impact, Item, Side, Word
 from .exported_names import ExportedNames
 
+T = TypeVar("T")
+
 _ORDER = list(Impact)
+
+Places = tuple[DocumentPath, DocumentPath]
+"""The path of something in the old and in the new edition."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +30,33 @@ class Use:
     commands: tuple[str, ...] = ()
 
 
+UNUSED = Use()
 BOTH_SIDES = Use(tuple(Side))
 
 
+@dataclass(frozen=True)
+class Attribute(Generic[T]):
+    """An attribute that is compared by itself: the rule of its change, its key in a spec, and how it is shown.
+
+    `value` is what is compared, where that is not what is shown.
+    """
+
+    rule: str
+    key: str
+    shown: Callable[[T], Fact]
+    impact: Impact | Callable[[T, T], Impact]
+    value: Callable[[T], object] | None = None
+
+
+class Located(Protocol):
+    """Something with a path in a spec."""
+
+    @property
+    def path(self) -> DocumentPath: ...
+
+
 class Titled(Protocol):
-    """What people read of a thing."""
+    """Something with texts for people."""
 
     @property
     def name(self) -> str: ...
@@ -39,7 +66,7 @@ class Titled(Protocol):
     def about(self) -> Text: ...
 
 
-class Found:
+class Collector:
     """Collects changes. One that is found again for another command is the same change."""
 
     def __init__(self, names: ExportedNames) -> None:
@@ -48,36 +75,47 @@ class Found:
         self.moved: dict[DocumentPath, DocumentPath] = {}
         """Where the old edition has what is compared under a new name."""
 
-    def add(
-        self,
-        rule: str,
-        item: Item,
-        old: DocumentPath | None,
-        new: DocumentPath | None,
-        impact: Impact,
-        use: Use,
-        /,
-        **facts: Fact,
-    ) -> None:
-        """A change by `rule`; `old` and `new` are where it stands."""
-        old = None if old is None else self._original(old)
-        told = tuple((name, _frozen(fact)) for name, fact in facts.items())
-        key = (rule, item, told, old, new)
+    def add(self, rule: str, item: Item, places: Places, impact: Impact, use: Use, /, **facts: Fact) -> None:
+        """Adds a change by `rule` of something at `places`."""
+        old, new = self._original(places[0]), places[1]
+        key = (rule, item, tuple((name, _frozen(fact)) for name, fact in facts.items()), old, new)
         known = self._changes.get(key)
         change = Change(CHANGES[rule], item, facts, old, new, impact, use.sides, use.commands)
         if known is not None:
             worst = min(known.impact, impact, key=_ORDER.index)
-            hit = [*(known.sides if known.impact is worst else ()), *(use.sides if impact is worst else ())]
-            sides = tuple(side for side in Side if side in hit)
+            affected = [*(known.sides if known.impact is worst else ()), *(use.sides if impact is worst else ())]
+            sides = tuple(side for side in Side if side in affected)
             used_by = tuple(dict.fromkeys((*known.used_by, *use.commands)))
             change = dataclasses.replace(change, impact=worst, sides=sides, used_by=used_by)
         self._changes[key] = change
 
-    def renamed(self, rule: str, item: Item, old: DocumentPath, new: DocumentPath, use: Use, /, **facts: Fact) -> None:
-        """A change of a name alone."""
+    def attributes(
+        self,
+        rows: Iterable[Attribute[T]],
+        item: Item,
+        places: Places,
+        old: T,
+        new: T,
+        use: Use,
+        /,
+        **facts: Fact,
+    ) -> None:
+        """Adds a change for each attribute that differs."""
+        for row in rows:
+            value = row.value or row.shown
+            if value(old) != value(new):
+                impact = row.impact if isinstance(row.impact, Impact) else row.impact(old, new)
+                shown = {"old": row.shown(old), "new": row.shown(new)}
+                self.add(row.rule, item, at(places, row.key), impact, use, **facts, **shown)
+
+    def renamed(self, rule: str, item: Item, places: Places, use: Use, /, **facts: Fact) -> None:
+        """Adds a change of a name alone, where the name differs."""
+        if facts["old"] == facts["new"]:
+            return
         if "{names}" in CHANGES[rule].says:
-            facts["names"] = self._names.renamed(self._original(old), new) or f"`{facts['old']}` → `{facts['new']}`"
-        self.add(rule, item, old, new, Impact.BUILD, use, **facts)
+            names = self._names.renamed(self._original(places[0]), places[1])
+            facts["names"] = names or f"`{facts['old']}` → `{facts['new']}`"
+        self.add(rule, item, places, Impact.BUILD, use, **facts)
 
     def _original(self, path: DocumentPath) -> DocumentPath:
         """Where the old edition has an item, given its path under new names."""
@@ -86,35 +124,39 @@ class Found:
                 path = (*was, *path[len(now) :])
         return path
 
-    def section(self, item: Item, places: tuple[DocumentPath, DocumentPath], old: str, new: str, use: Use) -> None:
-        """A change of the section of the manual."""
+    def section(self, item: Item, places: Places, old: str, new: str, use: Use = UNUSED) -> None:
+        """Adds a change of the section of the manual."""
         if old != new:
             facts = {"old": section(old), "new": section(new)}
-            paths = [(*place, "manual") for place in places]
-            self.add("section-changed", item, paths[0], paths[1], Impact.SAFE, use, **facts)
+            self.add("section-changed", item, at(places, "manual"), Impact.SAFE, use, **facts)
 
-    def text(
-        self, rule: str, item: Item, places: tuple[DocumentPath, DocumentPath], name: str, old: Text, new: Text
-    ) -> None:
-        """A change of a text, in any language that both have."""
+    def text(self, rule: str, item: Item, places: Places, name: str, old: Text, new: Text) -> None:
+        """Adds a change of a text, in any language that both have."""
         if differ(old, new):
-            self.add(rule, item, *places, Impact.SAFE, Use(), name=name, old=shortened(old), new=shortened(new))
+            self.add(rule, item, places, Impact.SAFE, UNUSED, name=name, old=shortened(old), new=shortened(new))
 
-    def title(
-        self, item: Item, places: tuple[DocumentPath, DocumentPath], names: tuple[str, str], old: Text, new: Text
-    ) -> None:
-        """A change of a title, unless both only say the names."""
+    def title(self, item: Item, places: Places, names: tuple[str, str], old: Text, new: Text) -> None:
+        """Adds a change of a title, unless both only repeat the names."""
         if not all(set(t.values()) == {formatting.spoken(name)} for name, t in zip(names, (old, new), strict=True)):
             self.text("title-changed", item, places, names[1], old, new)
 
-    def texts(self, item: Item, places: tuple[DocumentPath, DocumentPath], old: Titled, new: Titled) -> None:
-        """Changes of what is said of a thing: its title, and more."""
-        at = [tuple((*place, key) for place in places) for key in ("title", "about")]
-        self.title(item, (at[0][0], at[0][1]), (old.name, new.name), old.title, new.title)
-        self.text("text-changed", item, (at[1][0], at[1][1]), new.name, old.about, new.about)
+    def texts(self, item: Item, places: Places, old: Titled, new: Titled) -> None:
+        """Adds changes of a title and a description."""
+        self.title(item, at(places, "title"), (old.name, new.name), old.title, new.title)
+        self.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)
 
     def __iter__(self) -> Iterator[Change]:
         return iter(self._changes.values())
+
+
+def paths(old: Located, new: Located) -> Places:
+    """Where two things are."""
+    return old.path, new.path
+
+
+def at(places: Places, key: str) -> Places:
+    """The places of a key inside others."""
+    return (*places[0], key), (*places[1], key)
 
 
 def _frozen(fact: Fact) -> object:
@@ -125,7 +167,7 @@ def _frozen(fact: Fact) -> object:
 
 def section(manual: str) -> Fact:
     """A section of the manual, as its writer calls it."""
-    return {"en": manual} if manual else Said("none")
+    return {"en": manual} if manual else Word("none")
 
 
 def differ(old: Text, new: Text) -> bool:
@@ -140,4 +182,14 @@ def shortened(text: Text, longest: int = 60) -> Mapping[str, str]:
 
 def listed(names: Iterable[object]) -> str:
     """`a, b`, or `none`."""
-    return ", ".join(map(str, names)) or Said("none")
+    return ", ".join(map(str, names)) or Word("none")
+
+
+def scope(only: Mapping[str, tuple[str, ...]]) -> str:
+    """The parameter values that have something, or `all`."""
+    return formatting.condition(only) or Word("all")
+
+
+def given(value: object | None) -> str:
+    """A value, or `not given`."""
+    return Word("not given") if value is None else str(value)

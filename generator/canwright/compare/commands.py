@@ -1,22 +1,22 @@
-"""Changes of commands: what there is, its codes, its frames, what it does."""
+"""Changes of commands: which there are, their codes, frames, conditions and effects."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..model import formatting
 from ..model.edition import Edition
-from ..model.message import Command, Direction, EchoReply, Message, OtherReply, SharedReply
+from ..model.message import Command, Direction, EchoReply, Entry, Message, OtherReply, SharedReply
 from ..model.metadata import Effect, Level
 from . import discriminators, fields, match
-from .change import Fact, Impact, Item, Said, Side
-from .collector import Found, Use, listed
+from .change import Fact, Impact, Item, Side, Word
+from .collector import Attribute, Collector, Places, Use, at, listed, paths, scope
 from .fields import Editions
 
 
-def compare(found: Found, old: Edition, new: Edition) -> None:
+def compare(found: Collector, old: Edition, new: Edition) -> None:
     """All changes of all commands, and of the layouts and types that they use."""
     matched = match.commands(old, new)
     layouts = [(a.layout, b.layout) for pair in matched.pairs for _, a, b in messages(*pair)]
@@ -34,22 +34,18 @@ def compare(found: Found, old: Edition, new: Edition) -> None:
         removed=tuple(c for c in matched.removed if c.group not in kept),
         added=tuple(c for c in matched.added if c.group not in kept),
     )
-    repurposed = [
-        (one, other) for one in matched.removed for other in matched.added if match.code_of(one) == match.code_of(other)
-    ]
-    for one, other in repurposed:
+    repurposed = matched.also(lambda a, b: match.code_of(a) == match.code_of(b))
+    for one, other in repurposed.pairs[len(matched.pairs) :]:
         _repurposed(found, one, other)
-    for one in matched.removed:
-        if all(one is not gone for gone, _ in repurposed):
-            _removed(found, one, new)
-    for other in matched.added:
-        if all(other is not fresh for _, fresh in repurposed):
-            _added(found, other, old)
+    for one in repurposed.removed:
+        _removed(found, one, new)
+    for other in repurposed.added:
+        _added(found, other, old)
     for one, other in matched.pairs:
         _command(found, both, one, other)
 
 
-def _tables(found: Found, old: Edition, new: Edition) -> set[str]:
+def _tables(found: Collector, old: Edition, new: Edition) -> set[str]:
     """The commands that use a table in one edition alone: all their forms are others."""
     before, after = ({c.group: c for c in edition.commands} for edition in (old, new))
     kept = {
@@ -57,16 +53,18 @@ def _tables(found: Found, old: Edition, new: Edition) -> set[str]:
     }
     for name in before:
         if name in kept:
-            one, other = before[name], after[name]
-            facts = {key: _table(c) for key, c in (("old", one), ("new", other))}
-            use = Use((Side.SENDING, Side.RECEIVING), (name,))
-            places = (*one.path, "table"), (*other.path, "table")
-            found.add("table-of-command-changed", _item(one), *places, Impact.SILENT, use, **facts)
+            _other_table(found, before[name], after[name])
     return kept
 
 
+def _other_table(found: Collector, old: Command, new: Command) -> None:
+    facts = {"old": _table(old), "new": _table(new)}
+    use = Use(tuple(Side), (old.group,))
+    found.add("table-of-command-changed", _item(old), at(paths(old, new), "table"), Impact.SILENT, use, **facts)
+
+
 def _table(command: Command) -> Fact:
-    return (Said("the table"), f" `{command.entry.table}`") if command.entry else Said("no table")
+    return (Word("the table"), f" `{command.entry.table}`") if command.entry else Word("no table")
 
 
 def messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, Message]]:
@@ -75,12 +73,12 @@ def messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, M
         one, other = (c.message(direction) for c in (old, new))
         if one is None or other is None or one.command != old.name or other.command != new.name:
             continue
-        if direction is Direction.REQUEST or not _is_another(old, new, one, other):
+        if direction is Direction.REQUEST or not _is_other_reply(old, new, one, other):
             yield direction, one, other
 
 
-def _is_another(old: Command, new: Command, one: Message, other: Message) -> bool:
-    """Whether a reply needs no look: it is an echo in both editions, or in one and has nothing of the other's."""
+def _is_other_reply(old: Command, new: Command, one: Message, other: Message) -> bool:
+    """Whether a reply is not compared: it is an echo in both editions, or in one and has no field of the other's."""
     echoes = old.is_echoed + new.is_echoed
     if echoes == 2:
         return old.request is not None and new.request is not None
@@ -95,175 +93,177 @@ def _code(command: Command) -> str:
     return f" ({discriminators.code(command.code)})" if command.code is not None else ""
 
 
-def _repurposed(found: Found, old: Command, new: Command) -> None:
-    use = Use((Side.SENDING, Side.RECEIVING), (old.group,))
+def _repurposed(found: Collector, old: Command, new: Command) -> None:
+    use = Use(tuple(Side), (old.group,))
     if old.entry and new.entry:
-        item = Item.of_entry(old.entry)
         facts = {"index": discriminators.index(old), "old": old.entry.name, "new": new.entry.name}
-        found.add("entry-repurposed", item, old.entry.path, new.entry.path, Impact.SILENT, use, **facts)
+        places = paths(old.entry, new.entry)
+        found.add("entry-repurposed", Item.of_entry(old.entry), places, Impact.SILENT, use, **facts)
         return
     facts = {"code": _code(old), "old": old.group, "new": new.group}
-    where = (old.path, new.path)
-    found.add("command-repurposed", _item(old), *where, Impact.SILENT, use, **facts, meaning=new.title)
+    found.add("command-repurposed", _item(old), paths(old, new), Impact.SILENT, use, **facts, meaning=new.title)
 
 
-def _removed(found: Found, old: Command, new: Edition) -> None:
+def _removed(found: Collector, command: Command, new: Edition) -> None:
+    kind, item, path, parent, facts = _subject(command, new)
+    found.add(f"{kind}-removed", item, (path, parent), Impact.LOUD, Use((Side.SENDING,), (command.group,)), **facts)
+
+
+def _added(found: Collector, command: Command, old: Edition) -> None:
+    kind, item, path, parent, facts = _subject(command, old)
+    found.add(f"{kind}-added", item, (parent, path), Impact.SAFE, Use((), (command.group,)), **facts)
+
+
+def _subject(command: Command, other: Edition) -> tuple[str, Item, DocumentPath, DocumentPath, dict[str, str]]:
+    """Kind, item, path, parent and facts of a command that the other edition lacks, or of its entry alone."""
+    entry = command.entry
+    if entry is not None and any(c.group == command.group for c in other.commands):
+        facts = {"name": entry.name, "index": discriminators.index(command)}
+        return "entry", Item.of_entry(entry), entry.path, ("tables", entry.table), facts
+    facts = {"name": command.group, "code": _code(command)}
+    return "command", _item(command), command.path, ("commands",), facts
+
+
+def _command(found: Collector, both: Editions, old: Command, new: Command) -> None:
     use = Use((Side.SENDING,), (old.group,))
-    if old.entry and any(c.group == old.group for c in new.commands):
-        item = Item.of_entry(old.entry)
-        facts = {"name": old.entry.name, "index": discriminators.index(old)}
-        found.add("entry-removed", item, old.entry.path, ("tables", old.entry.table), Impact.LOUD, use, **facts)
-        return
-    facts = {"name": old.group, "code": _code(old)}
-    found.add("command-removed", _item(old), old.path, ("commands",), Impact.LOUD, use, **facts)
-
-
-def _added(found: Found, new: Command, old: Edition) -> None:
-    if new.entry and any(c.group == new.group for c in old.commands):
-        item = Item.of_entry(new.entry)
-        facts = {"name": new.entry.name, "index": discriminators.index(new)}
-        use = Use((), (new.group,))
-        found.add("entry-added", item, ("tables", new.entry.table), new.entry.path, Impact.SAFE, use, **facts)
-        return
-    facts = {"name": new.group, "code": _code(new)}
-    item, use = _item(new), Use((), (new.group,))
-    found.add("command-added", item, ("commands",), new.path, Impact.SAFE, use, **facts)
-
-
-def _command(found: Found, both: Editions, old: Command, new: Command) -> None:
-    item, where = _item(old), (old.path, new.path)
-    use = Use((Side.SENDING,), (old.group,))
-    if old.entry and new.entry and old.entry.table != new.entry.table:
-        table, names = Item("table", old.entry.table), {"old": old.entry.table, "new": new.entry.table}
-        found.renamed("table-renamed", table, old.entry.path[:2], new.entry.path[:2], use, **names)
     if old.entry and new.entry and old.entry.name != new.entry.name:
-        entry = Item.of_entry(old.entry)
         names = {"old": old.entry.name, "new": new.entry.name}
-        found.renamed("entry-renamed", entry, old.entry.path, new.entry.path, use, **names)
-    elif old.group != new.group:
-        names = {"old": old.group, "new": new.group}
-        found.renamed("command-renamed", item, *where, use, **names)
+        found.renamed("entry-renamed", Item.of_entry(old.entry), paths(old.entry, new.entry), use, **names)
+    else:
+        found.renamed("command-renamed", _item(old), paths(old, new), use, old=old.group, new=new.group)
     discriminators.compare(found, both, old, new)
-    _facts(found, both, old, new)
-    _texts(found, both, old, new)
+    if old.entry and new.entry:
+        _entry(found, both, old, new, old.entry, new.entry)
+    (own, of_entry), (new_own, new_of_entry) = _conditions(both, old, new)
+    limits = _EXCEPTIONS if _limited_by(old) == _limited_by(new) else _LIMITS
+    found.attributes((*_OF_COMMAND, limits), _item(old), paths(old, new), old, new, use)
+    found.attributes(_OF_CONDITIONS, _item(old), paths(old, new), own, new_own, use)
+    if old.entry and new.entry:
+        found.attributes(
+            _OF_CONDITIONS, Item.of_entry(old.entry), paths(old.entry, new.entry), of_entry, new_of_entry, use
+        )
+    _texts(found, old, new)
     _reply(found, old, new)
     for direction, one, other in messages(old, new):
         used = Use((Side.of(direction),), (old.group,))
-        _message(found, both, old, new, one, other)
-        fields.compare(found, both, old.group, one.layout, other.layout, used)
+        _message(found, both, old, new, one, other, used)
+        fields.compare(found, both, old.group, one, other, used)
 
 
-def _facts(found: Found, both: Editions, old: Command, new: Command) -> None:
-    item, use = _item(old), Use((Side.SENDING,), (old.group,))
-
-    def add(rule: str, impact: Impact, key: str, one: Fact, other: Fact) -> None:
-        found.add(rule, item, (*old.path, key), (*new.path, key), impact, use, old=one, new=other)
-
-    if old.implemented != new.implemented:
-        impact = Impact.SILENT if new.implemented else Impact.LOUD
-        add("implemented-changed", impact, "implemented", *(Said("yes" if c.implemented else "no") for c in (old, new)))
-    if old.mode != new.mode:
-        add("mode-of-command-changed", Impact.LOUD, "mode", *(c.mode or "none" for c in (old, new)))
-    silent = {s.name for s in old.limited_by} != {s.name for s in new.limited_by}
-    if silent or {s.name for s in old.not_limited_by} != {s.name for s in new.not_limited_by}:
-        key = "limited_by" if silent else "not_limited_by"
-        add("limits-changed", Impact.SILENT if silent else Impact.SAFE, key, *map(_limits, (old, new)))
-    shared = [_shared(edition, c) for edition, c in ((both.old, old), (both.new, new))]
-    _conditions(found, item, (old.path, new.path), shared, use)
-    if old.entry and new.entry:
-        entry = Item.of_entry(old.entry)
-        own = [
-            ({p: v for p, v in c.only.items() if p not in only}, tuple(e for e in c.effects if e not in effects))
-            for c, (only, effects) in zip((old, new), shared, strict=True)
-        ]
-        _conditions(found, entry, (old.entry.path, new.entry.path), own, use)
-
-
-_Conditions = tuple[Mapping[str, tuple[str, ...]], tuple[Effect, ...]]
-
-
-def _shared(edition: Edition, command: Command) -> _Conditions:
-    """Where a command is there and what it does, as far as that holds for all entries of its table."""
-    if command.entry is None:
-        return command.only, command.effects
-    forms = [c for c in edition.commands if c.group == command.group]
-    only = {p: v for p, v in command.only.items() if all(c.only.get(p) == v for c in forms)}
-    return only, tuple(e for e in command.effects if all(e in c.effects for c in forms))
-
-
-def _conditions(
-    found: Found, item: Item, places: tuple[DocumentPath, DocumentPath], told: Sequence[_Conditions], use: Use
-) -> None:
-    """Where something is there, and what it does besides."""
-    (old_only, before), (new_only, after) = told
-
-    def add(rule: str, impact: Impact, key: str, one: str, other: str) -> None:
-        found.add(rule, item, (*places[0], key), (*places[1], key), impact, use, old=one, new=other)
-
-    if old_only != new_only:
-        scopes = [formatting.condition(only) or Said("all") for only in (old_only, new_only)]
-        add("availability-changed", Impact.SILENT, "only", scopes[0], scopes[1])
-    names = [{e.name for e in effects} for effects in (before, after)]
-    if names[0] != names[1]:
-        other = [e for e in (*before, *after) if (e.name in names[0]) != (e.name in names[1])]
-        impact = Impact.SILENT if any(e.level is not Level.NOTE for e in other) else Impact.SAFE
-        add("effects-changed", impact, "effects", *(listed(e.name for e in effects) for effects in (before, after)))
+def _entry(found: Collector, both: Editions, old: Command, new: Command, one: Entry, other: Entry) -> None:
+    """Changes of the table and the entry that a form of a command is of."""
+    before, after = both.old.table(one.table), both.new.table(other.table)
+    table, item = Item("table", one.table), Item.of_entry(one)
+    use = Use((), (old.group,))
+    if one.table != other.table and any(one.table == t.name for t in both.new.tables):
+        _other_table(found, old, new)
+    else:
+        names = {"old": one.table, "new": other.table}
+        places = one.path[:2], other.path[:2]
+        found.renamed("table-renamed", table, places, Use((Side.SENDING,), (old.group,)), **names)
+        found.texts(table, paths(before, after), before, after)
+        found.section(table, paths(before, after), before.manual, after.manual, use)
+    found.texts(item, paths(one, other), one, other)
+    own = ["" if e.manual == t.manual else e.manual for e, t in ((one, before), (other, after))]
+    found.section(item, paths(one, other), own[0], own[1], use)
 
 
 def _limits(command: Command) -> Fact:
     others = listed(s.name for s in command.not_limited_by)
-    said = (" (", Said("not by"), f" {others})") if command.not_limited_by else ()
-    return (listed(s.name for s in command.limited_by), *said)
+    exceptions = (" (", Word("not by"), f" {others})") if command.not_limited_by else ()
+    return (listed(s.name for s in command.limited_by), *exceptions)
 
 
-def _texts(found: Found, both: Editions, old: Command, new: Command) -> None:
-    item, name = _item(old), old.group
-    if old.entry and new.entry:
-        tables = both.old.table(old.entry.table), both.new.table(new.entry.table)
-        of_table = Item("table", old.entry.table), (tables[0].path, tables[1].path)
-        found.texts(*of_table, *tables)
-        found.section(*of_table, tables[0].manual, tables[1].manual, Use((), (old.group,)))
-        of_entry = Item.of_entry(old.entry), (old.entry.path, new.entry.path)
-        found.texts(*of_entry, old.entry, new.entry)
-        own = [
-            entry.manual if entry.manual != table.manual else ""
-            for entry, table in zip((old.entry, new.entry), tables, strict=True)
-        ]
-        found.section(*of_entry, own[0], own[1], Use((), (old.group,)))
-    places = ((*old.path, "title"), (*new.path, "title"))
-    found.title(item, places, (old.group, new.group), old.group_title, new.group_title)
-    found.text("text-changed", item, ((*old.path, "about"), (*new.path, "about")), name, old.about, new.about)
+def _limited_by(command: Command) -> set[str]:
+    return {setting.name for setting in command.limited_by}
+
+
+def _implemented(old: Command, new: Command) -> Impact:
+    return Impact.SILENT if new.implemented else Impact.LOUD
+
+
+_OF_COMMAND = (
+    Attribute[Command](
+        "implemented-changed", "implemented", lambda c: Word("yes" if c.implemented else "no"), _implemented
+    ),
+    Attribute[Command]("mode-of-command-changed", "mode", lambda c: c.mode or Word("none"), Impact.LOUD),
+)
+_LIMITS = Attribute[Command]("limits-changed", "limited_by", _limits, Impact.SILENT, _limited_by)
+_EXCEPTIONS = Attribute[Command](
+    "limits-changed", "not_limited_by", _limits, Impact.SAFE, lambda c: {s.name for s in c.not_limited_by}
+)
+
+
+@dataclass(frozen=True)
+class _Conditions:
+    """Which nodes have a command or an entry, and its effects."""
+
+    only: Mapping[str, tuple[str, ...]]
+    effects: tuple[Effect, ...]
+
+
+def _effects(old: _Conditions, new: _Conditions) -> Impact:
+    before, after = ({e.name for e in c.effects} for c in (old, new))
+    other = [e for e in (*old.effects, *new.effects) if (e.name in before) != (e.name in after)]
+    return Impact.SILENT if any(e.level is not Level.NOTE for e in other) else Impact.SAFE
+
+
+_OF_CONDITIONS = (
+    Attribute[_Conditions]("availability-changed", "only", lambda c: scope(c.only), Impact.SILENT, lambda c: c.only),
+    Attribute[_Conditions](
+        "effects-changed",
+        "effects",
+        lambda c: listed(e.name for e in c.effects),
+        _effects,
+        lambda c: {e.name for e in c.effects},
+    ),
+)
+
+
+def _conditions(both: Editions, old: Command, new: Command) -> Iterator[tuple[_Conditions, _Conditions]]:
+    """The conditions of a command in each edition: what all its entries have in common in both, and the rest."""
+    forms = [
+        [c for c in edition.commands if c.group == command.group]
+        for edition, command in ((both.old, old), (both.new, new))
+    ]
+    effects = {e.name for c in (*forms[0], *forms[1]) for e in c.effects}
+    parameters = {p for c in (*forms[0], *forms[1]) for p in c.only}
+    alike = {name for name in effects if all(_alike([name in {e.name for e in c.effects} for c in f]) for f in forms)}
+    alike_only = {p for p in parameters if all(_alike([c.only.get(p) for c in f]) for f in forms)}
+    for command in (old, new):
+        common = {p: v for p, v in command.only.items() if p in alike_only}
+        rest = {p: v for p, v in command.only.items() if p not in alike_only}
+        yield (
+            _Conditions(common, tuple(e for e in command.effects if e.name in alike)),
+            _Conditions(rest, tuple(e for e in command.effects if e.name not in alike)),
+        )
+
+
+def _alike(values: list[object]) -> bool:
+    return all(value == values[0] for value in values)
+
+
+def _texts(found: Collector, old: Command, new: Command) -> None:
+    item, places = _item(old), paths(old, new)
+    found.title(item, at(places, "title"), (old.group, new.group), old.group_title, new.group_title)
+    found.text("text-changed", item, at(places, "about"), old.group, old.about, new.about)
     notes = [{lang: "\n".join(n[lang] for n in c.notes) for lang in c.title} for c in (old, new)]
-    found.text("text-changed", item, ((*old.path, "notes"), (*new.path, "notes")), name, *notes)
-    found.section(item, (old.path, new.path), old.manual, new.manual, Use((), (old.group,)))
+    found.text("text-changed", item, at(places, "notes"), old.group, *notes)
+    found.section(item, places, old.manual, new.manual, Use((), (old.group,)))
 
 
-def _reply(found: Found, old: Command, new: Command) -> None:
-    item, where = _item(old), ((*old.path, "reply"), (*new.path, "reply"))
-    use = Use((Side.RECEIVING,), (old.group,))
-    one, other = _form(old), _form(new)
-    if one != other:
-        impact = Impact.LOUD if other == "none" else Impact.SAFE if one == "none" else Impact.SILENT
-        layouts = ["".join(r.message.layout.name for r in c.replies if isinstance(r, SharedReply)) for c in (old, new)]
-        facts = {"old": layouts[0] or one, "new": layouts[1] or other}
-        found.add("reply-form-changed", item, *where, impact, use, **facts)
-    if old.from_each != new.from_each:
-        repliers = {"old": _repliers(old), "new": _repliers(new)}
-        found.add("repliers-changed", item, *where, Impact.LOUD, use, **repliers)
-    if (old.request is None) != (new.request is None):
-        told = ["none" if c.request is None else "fields" for c in (old, new)]
-        paths = ((*old.path, "request"), (*new.path, "request"))
-        impact = Impact.LOUD if new.request is None else Impact.SAFE
-        sending = Use((Side.SENDING,), (old.group,))
-        found.add("request-changed", item, *paths, impact, sending, old=told[0], new=told[1])
+def _reply(found: Collector, old: Command, new: Command) -> None:
+    receiving, sending = (Use((side,), (old.group,)) for side in (Side.RECEIVING, Side.SENDING))
+    found.attributes(_OF_REPLY, _item(old), paths(old, new), old, new, receiving)
+    found.attributes(_OF_REQUEST, _item(old), paths(old, new), old, new, sending)
 
 
 def _repliers(command: Command) -> Fact:
-    return (Said("the nodes"), f" {listed(command.from_each)}") if command.from_each else Said("the node addressed")
+    return (Word("the nodes"), f" {listed(command.from_each)}") if command.from_each else Word("the node addressed")
 
 
 def _form(command: Command) -> str:
-    """The form as far as it decides what comes back: whose layout the fields are in does not."""
+    """What the reply is made of; whose layout the fields are in makes no difference."""
     for reply in command.replies:
         if isinstance(reply, OtherReply):
             return f"of {reply.of}"
@@ -271,36 +271,54 @@ def _form(command: Command) -> str:
     return "none"
 
 
-def _message(found: Found, both: Editions, old: Command, new: Command, one: Message, other: Message) -> None:
-    direction = Said(one.direction.value)
-    item, use = _item(old), Use((Side.of(one.direction),), (old.group,))
+def _shown_form(command: Command) -> str:
+    return "".join(r.message.layout.name for r in command.replies if isinstance(r, SharedReply)) or _form(command)
 
-    def add(rule: str, impact: Impact, key: str, before: Fact, after: Fact, **facts: Fact) -> None:
-        paths = (*one.path, key), (*other.path, key)
-        found.add(rule, item, *paths, impact, use, old=before, new=after, **facts)
 
-    own = [discriminators.code_sent(m) for m in (one, other)]
-    if own != [old.code, new.code] and own[0] != own[1]:
-        known = own[1] in one.accept
-        add(
-            "reply-code-changed",
-            Impact.SAFE if known else Impact.LOUD,
-            "code",
-            discriminators.code(own[0]),
-            discriminators.code(own[1]),
-        )
-    if one.accept != other.accept:
-        add(
-            "accept-changed", Impact.SAFE, "accept", *(listed(map(discriminators.code, m.accept)) for m in (one, other))
-        )
-    if one.address != other.address and one.id != other.id:
-        add("address-of-command-changed", Impact.LOUD, "address", one.address, other.address, direction=direction)
-    usual = [edition.bus.dlc for edition in (both.old, both.new)]
-    if one.dlc != other.dlc and [one.dlc, other.dlc] == usual:
-        facts: dict[str, Fact] = {"direction": Said("usual frame"), "old": str(one.dlc), "new": str(other.dlc)}
-        found.add("dlc-changed", Item("bus", ""), ("bus", "dlc"), ("bus", "dlc"), Impact.LOUD, use, **facts)
-    elif one.dlc != other.dlc:
-        add("dlc-changed", Impact.LOUD, "dlc", str(one.dlc), str(other.dlc), direction=direction)
-    if one.remote != other.remote:
-        kinds = [Said("remote frame" if m.remote else "data frame") for m in (one, other)]
-        add("frame-kind-changed", Impact.LOUD, "remote", *kinds, direction=direction)
+def _other_form(old: Command, new: Command) -> Impact:
+    return Impact.LOUD if not new.replies else Impact.SAFE if not old.replies else Impact.SILENT
+
+
+_OF_REPLY = (
+    Attribute[Command]("reply-form-changed", "reply", _shown_form, _other_form, _form),
+    Attribute[Command]("repliers-changed", "reply", _repliers, Impact.LOUD),
+)
+_OF_REQUEST = (
+    Attribute[Command](
+        "request-changed",
+        "request",
+        lambda c: "none" if c.request is None else "fields",
+        lambda old, new: Impact.LOUD if new.request is None else Impact.SAFE,
+    ),
+)
+_OF_MESSAGE = (
+    Attribute[Message]("accept-changed", "accept", lambda m: listed(map(discriminators.code, m.accept)), Impact.SAFE),
+    Attribute[Message](
+        "frame-kind-changed", "remote", lambda m: Word("remote frame" if m.remote else "data frame"), Impact.LOUD
+    ),
+)
+_REPLY_CODE = Attribute[Message](
+    "reply-code-changed",
+    "code",
+    lambda m: discriminators.code(discriminators.code_sent(m)),
+    lambda old, new: Impact.SAFE if discriminators.code_sent(new) in old.accept else Impact.LOUD,
+)
+_ADDRESS = Attribute[Message]("address-of-command-changed", "address", lambda m: m.address, Impact.LOUD)
+_DLC = Attribute[Message]("dlc-changed", "dlc", lambda m: str(m.dlc), Impact.LOUD)
+
+
+def _message(
+    found: Collector, both: Editions, old: Command, new: Command, one: Message, other: Message, use: Use
+) -> None:
+    rows = list(_OF_MESSAGE)
+    if [discriminators.code_sent(m) for m in (one, other)] != [old.code, new.code]:
+        rows.insert(0, _REPLY_CODE)
+    if one.id != other.id:
+        rows.append(_ADDRESS)
+    item, places, direction = _item(old), paths(one, other), Word(one.direction.value)
+    if [one.dlc, other.dlc] == [edition.bus.dlc for edition in (both.old, both.new)]:
+        item_of_bus: tuple[Item, Places] = Item("bus", ""), (("bus",), ("bus",))
+        found.attributes([_DLC], *item_of_bus, one, other, use, direction=Word("usual frame"))
+    else:
+        rows.append(_DLC)
+    found.attributes(rows, item, places, one, other, use, direction=direction)

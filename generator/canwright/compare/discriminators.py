@@ -1,21 +1,22 @@
-"""Changes of what tells messages apart: codes, indices of tables, constants."""
+"""Changes of what distinguishes messages: codes, indices of tables, constants."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
-from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Command, Key, KeyRole, Message
-from .change import Impact, Item, Said, Side
-from .collector import Found, Use, listed
-from .fields import Editions
+from .change import Impact, Item, Side, Word
+from .collector import Attribute, Collector, Places, Use, at, listed, paths
+from .fields import Editions, constant_keys, place_of
+from .match import by_name
 
 
 def code(value: int | None) -> str:
     """A code, as `0x0A`."""
-    return Said("none") if value is None else f"0x{value:02X}"
+    return Word("none") if value is None else f"0x{value:02X}"
 
 
 def code_sent(message: Message) -> int | None:
@@ -26,76 +27,105 @@ def code_sent(message: Message) -> int | None:
 def index(command: Command) -> str:
     """The index of an entry, as `0x05, 0x0A`."""
     message = command.request or command.reply
-    return listed(code(key.value) for key in message.keys if key.role is KeyRole.INDEX) if message else Said("none")
+    return listed(code(key.value) for key in message.keys if key.role is KeyRole.INDEX) if message else Word("none")
 
 
-def compare(found: Found, both: Editions, old: Command, new: Command) -> None:
-    """All changes of codes, indices and constants that tell messages apart."""
-    item, use = Item("command", old.group), Use((Side.SENDING, Side.RECEIVING), (old.group,))
-    paths = ((*old.path, "code"), (*new.path, "code"))
-    facts = {"old": code(old.code), "new": code(new.code)}
+_OF_CONSTANT = (
+    Attribute["_Field"](
+        "constant-changed",
+        "constant",
+        lambda f: Word("any value") if f.value is None else str(f.value),
+        Impact.LOUD,
+    ),
+    Attribute["_Field"]("field-moved", "at", lambda f: f.place, Impact.LOUD),
+)
+_INDEX = Attribute[Command]("index-changed", "index", index, Impact.SILENT)
+
+
+def compare(found: Collector, both: Editions, old: Command, new: Command) -> None:
+    """All changes of codes, indices and constants that distinguish messages."""
     if old.code != new.code:
-        now = [
-            c.group for c in both.new.commands if c.address == new.address and c.code == old.code and c.entry is None
-        ]
-        if now:
-            found.add("code-taken", item, *paths, Impact.SILENT, use, **facts, other=now[0])
+        item, use, places = Item("command", old.group), Use(tuple(Side), (old.group,)), at(paths(old, new), "code")
+        facts = {"old": code(old.code), "new": code(new.code)}
+        taken = (c for c in both.new.commands if (c.address, c.code, c.entry) == (new.address, old.code, None))
+        other = next(taken, None)
+        if other is not None:
+            found.add("code-taken", item, places, Impact.SILENT, use, **facts, other=other.group)
         else:
-            found.add("code-changed", item, *paths, Impact.LOUD, use, **facts)
-    if old.entry and new.entry and index(old) != index(new):
-        entry = Item.of_entry(old.entry)
-        places = ((*old.entry.path, "index"), (*new.entry.path, "index"))
-        facts = {"old": index(old), "new": index(new)}
-        found.add("index-changed", entry, *places, Impact.SILENT, use, **facts)
-    for side, one, other in (
+            found.add("code-changed", item, places, Impact.LOUD, use, **facts)
+    if old.entry and new.entry:
+        use = Use(tuple(Side), (old.group,))
+        found.attributes([_INDEX], Item.of_entry(old.entry), paths(old.entry, new.entry), old, new, use)
+    for side, one, other_message in (
         (Side.SENDING, old.request, new.request),
         (Side.RECEIVING, old.reply, new.reply),
     ):
-        if one and other:
-            _places(found, both, old, new, one.keys, other.keys, Use((side,), (old.group,)))
-            _constants(found, one, other, Use((side,), (old.group,)))
+        if one and other_message:
+            use = Use((side,), (old.group,))
+            if one.address == other_message.address or one.id == other_message.id:
+                _code_moved(found, both, one, other_message, use)
+            _index_moved(found, old, new, one, other_message, use)
+            _constants(found, one, other_message, use)
 
 
-def _constants(found: Found, old: Message, new: Message, use: Use) -> None:
-    """Constants that tell one message from others, as a code does."""
-    before, after = ({k.name: k for k in m.keys if k.role is KeyRole.CONSTANT} for m in (old, new))
-    item = Item("command", use.commands[0])
-    for name in before.keys() & after.keys():
-        one, other = before[name], after[name]
-        if one.value != other.value:
-            facts = {"name": name, "old": str(one.value), "new": str(other.value)}
-            paths = (*old.path, name, "constant"), (*new.path, name, "constant")
-            found.add("constant-changed", item, *paths, Impact.LOUD, use, **facts)
-        if (one.space, one.segments) != (other.space, other.segments):
-            stood = [formatting.place(k.space, k.segments) for k in (one, other)]
-            paths = (*old.path, name, "at"), (*new.path, name, "at")
-            found.add("field-moved", item, *paths, Impact.LOUD, use, name=name, old=stood[0], new=stood[1])
+class _Field(NamedTuple):
+    """A key or a field of a message; `value` is None where it is no constant."""
+
+    name: str
+    value: int | None
+    place: str
+
+
+def _constants(found: Collector, old: Message, new: Message, use: Use) -> None:
+    """Constants that distinguish one message from others, as a code does, in one edition or in both."""
+    item, (before, after) = Item("command", use.commands[0]), (constant_keys(m) for m in (old, new))
+    matched = by_name(_fields(old), _fields(new)).also(lambda a, b: a[1:] == b[1:])
+    for one, other in matched.pairs:
+        if one.name not in before and other.name not in after:
+            continue
+        places = (*old.path, one.name), (*new.path, other.name)
+        found.renamed("field-renamed", item, places, use, old=one.name, new=other.name)
+        found.attributes(_OF_CONSTANT, item, places, one, other, use, name=other.name)
+    for gone in (one for one in matched.removed if one.name in before):
+        places, facts = ((*old.path, gone.name), new.path), {"name": gone.name, "place": gone.place}
+        found.add("field-removed", item, places, Impact.SILENT, use, **facts)
+    for fresh in (one for one in matched.added if one.name in after):
+        places, facts = (old.path, (*new.path, fresh.name)), {"name": fresh.name, "place": fresh.place}
+        found.add("field-added", item, places, Impact.LOUD, use, **facts)
+
+
+def _fields(message: Message) -> Iterator[_Field]:
+    yield from (_Field(k.name, k.value, _place(k)) for k in message.keys if k.role is KeyRole.CONSTANT)
+    yield from (_Field(f.name, f.fixed, place_of(f)) for f in message.layout.fields)
+
+
+def _place(key: Key) -> str:
+    return formatting.place(key.space, key.segments)
+
+
+def _place_of(keys: Sequence[Key], role: KeyRole) -> str:
+    return listed(_place(k) for k in keys if k.role is role)
 
 
 def _one_selector(edition: Edition) -> bool:
     """Whether all frames have their code in the same bits."""
-    return len({m.keys[0].segments for m in edition.all_messages() if m.keys and m.keys[0].role is KeyRole.CODE}) < 2
+    keys = [m.keys[0] for m in edition.all_messages() if m.keys and m.keys[0].role is KeyRole.CODE]
+    return len({(key.space, key.segments) for key in keys}) < 2
 
 
-def _places(
-    found: Found, both: Editions, old: Command, new: Command, one: Sequence[Key], other: Sequence[Key], use: Use
-) -> None:
-    """Where the code stands, and the index of a table."""
+def _code_moved(found: Collector, both: Editions, old: Message, new: Message, use: Use) -> None:
+    facts = {"old": _place_of(old.keys, KeyRole.CODE), "new": _place_of(new.keys, KeyRole.CODE)}
+    if facts["old"] == facts["new"]:
+        return
+    whole = _one_selector(both.old) and _one_selector(both.new)
+    item = Item("edition", "") if whole else Item("address", old.address)
+    of_address = ("addresses", old.address, "selector"), ("addresses", new.address, "selector")
+    places: Places = (("selector",), ("selector",)) if whole else of_address
+    found.add("code-moved", item, places, Impact.LOUD, use, **facts)
 
-    def stand(keys: Sequence[Key], role: KeyRole) -> str:
-        return listed(formatting.place(k.space, k.segments) for k in keys if k.role is role)
 
-    stood = [stand(one, KeyRole.CODE), stand(other, KeyRole.CODE)]
-    if stood[0] != stood[1]:
-        facts = {"old": stood[0], "new": stood[1]}
-        whole = _one_selector(both.old) and _one_selector(both.new)
-        item = Item("edition", "") if whole else Item("address", old.address)
-        paths: list[DocumentPath] = [
-            ("selector",) if whole else ("addresses", c.address, "selector") for c in (old, new)
-        ]
-        found.add("code-moved", item, paths[0], paths[1], Impact.LOUD, use, **facts)
-    stood = [stand(one, KeyRole.INDEX), stand(other, KeyRole.INDEX)]
-    if old.entry and new.entry and stood[0] != stood[1]:
-        facts = {"old": stood[0], "new": stood[1]}
-        was, now = ("tables", old.entry.table, "index"), ("tables", new.entry.table, "index")
-        found.add("index-moved", Item("table", old.entry.table), was, now, Impact.LOUD, use, **facts)
+def _index_moved(found: Collector, old: Command, new: Command, one: Message, other: Message, use: Use) -> None:
+    facts = {"old": _place_of(one.keys, KeyRole.INDEX), "new": _place_of(other.keys, KeyRole.INDEX)}
+    if old.entry and new.entry and facts["old"] != facts["new"]:
+        places = ("tables", old.entry.table, "index"), ("tables", new.entry.table, "index")
+        found.add("index-moved", Item("table", old.entry.table), places, Impact.LOUD, use, **facts)

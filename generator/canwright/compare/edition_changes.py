@@ -1,120 +1,154 @@
-"""Changes around the commands: addresses, bus, parameters, settings, errata."""
+"""Changes outside commands: addresses, bus, parameters, settings, effects, errata, texts."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Address, Direction, IdRule
-from ..model.metadata import Bus, Erratum, Mode, Setting
+from ..model.metadata import Bus, Effect, Erratum, Mode, Setting
 from ..model.types import Parameter, Text
-from .change import Fact, Impact, Item, Said, Side
-from .collector import BOTH_SIDES, Found, Use, differ, listed, section
-from .match import Matched, T, by_name
+from .change import Fact, Impact, Item, Side, Word
+from .collector import (
+    BOTH_SIDES,
+    UNUSED,
+    Attribute,
+    Collector,
+    Titled,
+    Use,
+    at,
+    differ,
+    given,
+    listed,
+    paths,
+    scope,
+    section,
+)
+from .match import Matched, by_name
 
-_UNHIT = (Impact.SAFE, Use())
+T = TypeVar("T", bound=Titled)
+
+_Verdict = tuple[Impact, Use]
+_SAFE = (Impact.SAFE, UNUSED)
+_EDITION, _BUS = Item("edition", ""), Item("bus", "")
 
 
-def compare(found: Found, old: Edition, new: Edition) -> None:
+def _fewer_rates(old: Mode, new: Mode) -> Impact:
+    gone = set(old.bit_rates_kbps) - set(new.bit_rates_kbps)
+    return Impact.LOUD if gone or new.default_kbps not in (None, old.default_kbps) else Impact.SAFE
+
+
+def _rates(mode: Mode) -> Fact:
+    rates = listed(sorted(mode.bit_rates_kbps, reverse=True))
+    return rates if mode.default_kbps is None else (rates, " (", Word("default"), f" {mode.default_kbps})")
+
+
+def _bounds(parameter: Parameter) -> str:
+    ends = [formatting.exact(end) if end is not None else "" for end in (parameter.minimum, parameter.maximum)]
+    return "..".join(ends)
+
+
+_OF_EDITION = (
+    Attribute[Edition](
+        "languages-changed", "languages", lambda e: listed(e.languages), Impact.SAFE, lambda e: set(e.languages)
+    ),
+)
+_OF_BUS = (
+    Attribute[Bus]("reply-time-changed", "reply_within_ms", lambda b: given(b.reply_within_ms), Impact.SAFE),
+    Attribute[Bus]("max-nodes-changed", "max_nodes", lambda b: given(b.max_nodes), Impact.SAFE),
+)
+_OF_MODE = (Attribute[Mode]("bit-rates-changed", "bit_rates_kbps", _rates, _fewer_rates),)
+_OF_EFFECT = (Attribute[Effect]("effect-level-changed", "level", lambda e: Word(e.level.value), Impact.SAFE),)
+_OF_SETTING = (Attribute[Setting]("setting-scope-changed", "only", lambda s: scope(s.only), Impact.SAFE),)
+_OF_PARAMETER = (Attribute[Parameter]("parameter-bounds-changed", "number", _bounds, Impact.SILENT),)
+
+
+def compare(found: Collector, old: Edition, new: Edition) -> None:
     """All changes that belong to no command."""
     _addresses(found, old.addresses, new.addresses)
     _bus(found, old.bus, new.bus)
     _parameters(found, old.parameters, new.parameters)
-    _settings(found, old.settings, new.settings)
-    for effect, now in by_name(old.effects, new.effects).pairs:
-        item, path = Item("effect", effect.name), ("effects", effect.name)
-        if effect.level is not now.level:
-            facts = {"name": effect.name, "old": Said(effect.level.value), "new": Said(now.level.value)}
-            place = (*path, "level")
-            found.add("effect-level-changed", item, place, place, Impact.SAFE, Use(), **facts)
-        found.texts(item, (path, path), effect, now)
+    _items(found, "setting", ("settings",), by_name(old.settings, new.settings), _OF_SETTING)
+    effects = by_name(old.effects, new.effects)  # others come and go with the commands that have them
+    _items(found, "effect", ("effects",), replace(effects, removed=(), added=()), _OF_EFFECT)
     _errata(found, old, new)
-    edition = Item("edition", "")
-    found.title(edition, (("title",), ("title",)), (old.family, new.family), old.title, new.title)
-    found.text("text-changed", edition, (("about",), ("about",)), old.family, old.about, new.about)
-    found.text("title-changed", edition, (("manual",), ("manual",)), "manual", old.manual, new.manual)
-    if set(old.languages) != set(new.languages):
-        facts = {"old": listed(old.languages), "new": listed(new.languages)}
-        found.add("languages-changed", edition, ("languages",), ("languages",), Impact.SAFE, Use(), **facts)
+    found.title(_EDITION, (("title",), ("title",)), (old.family, new.family), old.title, new.title)
+    found.text("text-changed", _EDITION, (("about",), ("about",)), old.family, old.about, new.about)
+    found.text("title-changed", _EDITION, (("manual",), ("manual",)), "manual", old.manual, new.manual)
+    found.attributes(_OF_EDITION, _EDITION, ((), ()), old, new, UNUSED)
 
 
-def _come_and_gone(
-    found: Found, kind: str, path: DocumentPath, matched: Matched[T], lost: tuple[Impact, Use], new: tuple[Impact, Use]
+def _items(
+    found: Collector,
+    kind: str,
+    path: DocumentPath,
+    matched: Matched[T],
+    rows: Sequence[Attribute[T]] = (),
+    use: Use = UNUSED,
+    removed: _Verdict = _SAFE,
+    added: _Verdict = _SAFE,
 ) -> None:
-    """What is gone and what is new at a path, each with how it hits and whom."""
+    """Changes of the attributes and texts of items of one kind; items that are removed and added."""
+    for one, other in matched.pairs:
+        item, places = Item(kind, one.name), ((*path, one.name), (*path, one.name))
+        found.attributes(rows, item, places, one, other, use, name=one.name)
+        found.texts(item, places, one, other)
     for gone in matched.removed:
-        found.add(f"{kind}-removed", Item(kind, gone.name), (*path, gone.name), path, *lost, name=gone.name)
+        found.add(f"{kind}-removed", Item(kind, gone.name), ((*path, gone.name), path), *removed, name=gone.name)
     for fresh in matched.added:
-        found.add(f"{kind}-added", Item(kind, fresh.name), path, (*path, fresh.name), *new, name=fresh.name)
+        found.add(f"{kind}-added", Item(kind, fresh.name), (path, (*path, fresh.name)), *added, name=fresh.name)
 
 
-def _settings(found: Found, old: Sequence[Setting], new: Sequence[Setting]) -> None:
-    settings = by_name(old, new)
-    for one, other in settings.pairs:
-        item, path = Item("setting", one.name), ("settings", one.name)
-        found.texts(item, (path, path), one, other)
-        if one.only != other.only:
-            scopes = [formatting.condition(setting.only) or Said("all") for setting in (one, other)]
-            facts = {"name": one.name, "old": scopes[0], "new": scopes[1]}
-            place = (*path, "only")
-            found.add("setting-scope-changed", item, place, place, Impact.SAFE, Use(), **facts)
-    _come_and_gone(found, "setting", ("settings",), settings, _UNHIT, _UNHIT)
-
-
-def _addresses(found: Found, old: Sequence[Address], new: Sequence[Address]) -> None:
+def _addresses(found: Collector, old: Sequence[Address], new: Sequence[Address]) -> None:
     matched = by_name(old, new).also(lambda a, b: (a.request, a.reply) == (b.request, b.reply))
     for one, other in matched.pairs:
-        item = Item("address", one.name)
-        if one.name != other.name:
-            found.renamed("address-renamed", item, one.path, other.path, BOTH_SIDES, old=one.name, new=other.name)
+        item, places = Item("address", one.name), paths(one, other)
+        found.renamed("address-renamed", item, places, BOTH_SIDES, old=one.name, new=other.name)
         if one.request == one.reply and other.request == other.reply:
             _rule(found, item, (one, other), tuple(Direction), one.request, other.request)
         else:
             _rule(found, item, (one, other), (Direction.REQUEST,), one.request, other.request)
             _rule(found, item, (one, other), (Direction.REPLY,), one.reply, other.reply)
-        found.section(item, (one.path, other.path), one.manual, other.manual, Use())
-        found.texts(item, (one.path, other.path), one, other)
+        found.section(item, places, one.manual, other.manual)
+        found.texts(item, places, one, other)
     for gone in matched.removed:
         facts = {"name": gone.name, "old": formatting.id_rule(gone.request)}
-        item = Item("address", gone.name)
-        found.add("address-removed", item, gone.path, ("addresses",), Impact.LOUD, BOTH_SIDES, **facts)
+        places = gone.path, ("addresses",)
+        found.add("address-removed", Item("address", gone.name), places, Impact.LOUD, BOTH_SIDES, **facts)
     for fresh in matched.added:
         facts = {"name": fresh.name, "new": formatting.id_rule(fresh.request)}
-        item = Item("address", fresh.name)
-        found.add("address-added", item, ("addresses",), fresh.path, Impact.SAFE, Use(), **facts)
+        places = ("addresses",), fresh.path
+        found.add("address-added", Item("address", fresh.name), places, Impact.SAFE, UNUSED, **facts)
 
 
 def _rule(
-    found: Found,
+    found: Collector,
     item: Item,
     pair: tuple[Address, Address],
     directions: tuple[Direction, ...],
     old: IdRule,
     new: IdRule,
 ) -> None:
-    use = Use(tuple(map(Side.of, directions)))
-    if (old.base, old.node_step, old.extended, old.nodes is None) != (
-        *(new.base, new.node_step, new.extended),
-        new.nodes is None,
-    ):
-        said = Said(" and ".join(d.value for d in directions))
-        facts = {"direction": said, "old": _id(old), "new": _id(new)}
-        places = [(*a.path, directions[0].value) for a in pair]
+    sides = tuple(map(Side.of, directions))
+    before, after = ((r.base, r.node_step, r.extended, r.nodes is None) for r in (old, new))
+    if before != after:
+        facts = {"direction": Word(" and ".join(d.value for d in directions)), "old": _id(old), "new": _id(new)}
         impact = Impact.SILENT if _taken(old, new) else Impact.LOUD
-        found.add("id-changed", item, places[0], places[1], impact, use, **facts)
+        found.add("id-changed", item, at(paths(*pair), directions[0].value), impact, Use(sides), **facts)
     if old.nodes is not None and new.nodes is not None and old.nodes != new.nodes:
         facts = {"old": f"{old.nodes[0]}..{old.nodes[-1]}", "new": f"{new.nodes[0]}..{new.nodes[-1]}"}
-        places = [(*a.path, "nodes") for a in pair]
-        for side in use.sides:
+        for side in sides:
             beyond = set(new.nodes) - set(old.nodes) if side is Side.RECEIVING else set(old.nodes) - set(new.nodes)
             impact = Impact.LOUD if beyond else Impact.SAFE
-            found.add("nodes-changed", item, places[0], places[1], impact, Use((side,)), **facts)
+            found.add("nodes-changed", item, at(paths(*pair), "nodes"), impact, Use((side,)), **facts)
 
 
 def _id(rule: IdRule) -> Fact:
-    return (formatting.id_rule(rule), *((" (", Said("29 bits"), ")") if rule.extended else ()))
+    return (formatting.id_rule(rule), *((" (", Word("29 bits"), ")") if rule.extended else ()))
 
 
 def _taken(old: IdRule, new: IdRule) -> bool:
@@ -125,84 +159,64 @@ def _taken(old: IdRule, new: IdRule) -> bool:
     return any(node.get(old.base + n * old.node_step, n) != n for n in old.nodes)
 
 
-def _bus(found: Found, old: Bus, new: Bus) -> None:
-    item = Item("bus", "")
-    if old.host != new.host:
-        names = {"old": old.host, "new": new.host}
-        found.renamed("host-renamed", item, ("bus", "host"), ("bus", "host"), BOTH_SIDES, **names)
-    found.section(item, (("bus",), ("bus",)), old.manual, new.manual, Use())
-    matched = by_name(old.modes, new.modes)
+def _bus(found: Collector, old: Bus, new: Bus) -> None:
+    places = ("bus",), ("bus",)
+    found.renamed("host-renamed", _BUS, at(places, "host"), BOTH_SIDES, old=old.host, new=new.host)
+    found.section(_BUS, places, old.manual, new.manual)
+    modes = by_name(old.modes, new.modes)
+    _items(found, "mode", ("bus", "modes"), modes, _OF_MODE, BOTH_SIDES, removed=(Impact.LOUD, BOTH_SIDES))
+    found.attributes(_OF_BUS, _BUS, places, old, new, UNUSED)
+
+
+def _parameters(found: Collector, old: Sequence[Parameter], new: Sequence[Parameter]) -> None:
+    matched, affected = by_name(old, new), (Impact.BUILD, BOTH_SIDES)
     for one, other in matched.pairs:
-        _mode(found, Item("mode", one.name), one, other)
-    _come_and_gone(found, "mode", ("bus", "modes"), matched, (Impact.LOUD, BOTH_SIDES), _UNHIT)
-    for rule, key, a, b in (
-        ("reply-time-changed", "reply_within_ms", old.reply_within_ms, new.reply_within_ms),
-        ("max-nodes-changed", "max_nodes", old.max_nodes, new.max_nodes),
-    ):
-        if a != b:
-            facts = {key: Said("not given") if n is None else str(n) for key, n in (("old", a), ("new", b))}
-            found.add(rule, item, ("bus", key), ("bus", key), Impact.SAFE, Use(), **facts)
-
-
-def _mode(found: Found, item: Item, old: Mode, new: Mode) -> None:
-    path = ("bus", "modes", old.name)
-    another = old.default_kbps != new.default_kbps
-    if set(old.bit_rates_kbps) != set(new.bit_rates_kbps) or another:
-        facts = {"old": _rates(old), "new": _rates(new)}
-        gone = set(old.bit_rates_kbps) - set(new.bit_rates_kbps) or (another and new.default_kbps is not None)
-        place = (*path, "bit_rates_kbps")
-        found.add("bit-rates-changed", item, place, place, Impact.LOUD if gone else Impact.SAFE, BOTH_SIDES, **facts)
-    found.texts(item, (path, path), old, new)
-
-
-def _rates(mode: Mode) -> Fact:
-    rates = listed(sorted(mode.bit_rates_kbps, reverse=True))
-    return rates if mode.default_kbps is None else (rates, " (", Said("default"), f" {mode.default_kbps})")
-
-
-def _parameters(found: Found, old: Sequence[Parameter], new: Sequence[Parameter]) -> None:
-    matched = by_name(old, new)
-    _come_and_gone(found, "parameter", ("parameters",), matched, (Impact.BUILD, BOTH_SIDES), (Impact.BUILD, BOTH_SIDES))
-    for one, other in matched.pairs:
-        item, path = Item("parameter", one.name), ("parameters", one.name)
-        at = (*path, "values")
+        item, path = Item("parameter", one.name), ("parameters", one.name, "values")
         values = by_name(one.values, other.values)
         for value, now in values.pairs:
-            found.texts(item, ((*at, value.name), (*at, now.name)), value, now)
+            found.texts(item, ((*path, value.name), (*path, now.name)), value, now)
         for value in values.removed:
-            facts = {"name": one.name, "value": value.name}
-            found.add("parameter-value-removed", item, (*at, value.name), at, Impact.BUILD, BOTH_SIDES, **facts)
+            found.add(
+                "parameter-value-removed", item, ((*path, value.name), path), *affected, name=one.name, value=value.name
+            )
         for value in values.added:
-            facts = {"name": one.name, "value": value.name}
-            found.add("parameter-value-added", item, at, (*at, value.name), Impact.SAFE, Use(), **facts)
-        if (one.minimum, one.maximum) != (other.minimum, other.maximum):
-            facts = {"name": one.name, "old": _bounds(one), "new": _bounds(other)}
-            place = (*path, "number")
-            found.add("parameter-bounds-changed", item, place, place, Impact.SILENT, BOTH_SIDES, **facts)
-        found.texts(item, (path, path), one, other)
+            found.add(
+                "parameter-value-added",
+                item,
+                (path, (*path, value.name)),
+                Impact.SAFE,
+                UNUSED,
+                name=one.name,
+                value=value.name,
+            )
+    _items(found, "parameter", ("parameters",), matched, _OF_PARAMETER, BOTH_SIDES, affected, affected)
 
 
-def _bounds(parameter: Parameter) -> str:
-    ends = [formatting.exact(end) if end is not None else "" for end in (parameter.minimum, parameter.maximum)]
-    return "..".join(ends)
-
-
-def _errata(found: Found, old: Edition, new: Edition) -> None:
+def _errata(found: Collector, old: Edition, new: Edition) -> None:
     before, after = ({e.id: (i, e) for i, e in enumerate(edition.errata)} for edition in (old, new))
     for id_ in dict.fromkeys((*before, *after)):
-        item = Item("erratum", id_)
         (i, one), (j, other) = before.get(id_, (None, None)), after.get(id_, (None, None))
-        places: list[DocumentPath] = [("errata",) if n is None else ("errata", n) for n in (i, j)]
+        rule: str | None = None
+        facts: dict[str, Fact] = {"name": id_} if other is None else {"name": id_, "used": other.used}
         if other is None:
-            found.add("erratum-removed", item, places[0], places[1], Impact.SAFE, Use(), name=id_)
+            rule = "erratum-removed"
         elif one is None:
-            found.add("erratum-added", item, places[0], places[1], Impact.SAFE, Use(), name=id_, used=other.used)
+            rule = "erratum-added"
         elif any(differ(a, b) for a, b in zip(_texts(one), _texts(other), strict=True)):
-            found.add("erratum-changed", item, places[0], places[1], Impact.SAFE, Use(), name=id_, used=other.used)
+            rule = "erratum-changed"
         elif (one.where, one.manual) != (other.where, other.manual):
-            about = [(listed(e.where), " (", Said("section"), " ", section(e.manual), ")") for e in (one, other)]
-            facts: dict[str, Fact] = {"name": id_, "old": about[0], "new": about[1]}
-            found.add("erratum-moved", item, places[0], places[1], Impact.SAFE, Use(), **facts)
+            rule, facts = "erratum-moved", {"name": id_, "old": _about(one), "new": _about(other)}
+        if rule is not None:
+            places = (_erratum(i), _erratum(j))
+            found.add(rule, Item("erratum", id_), places, Impact.SAFE, UNUSED, **facts)
+
+
+def _erratum(number: int | None) -> DocumentPath:
+    return ("errata",) if number is None else ("errata", number)
+
+
+def _about(erratum: Erratum) -> Fact:
+    return (listed(erratum.where), " (", Word("section"), " ", section(erratum.manual), ")")
 
 
 def _texts(erratum: Erratum) -> tuple[Text, Text, Text]:

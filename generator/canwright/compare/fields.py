@@ -1,4 +1,4 @@
-"""Changes of layouts: which bits hold which field."""
+"""Changes of layouts: which bits carry which field."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Field, Layout, NodeRole, ReservedRole
+from ..model.message import KeyRole, Message
 from ..model.types import Encoding, Type
 from . import match, quantities
-from .change import Fact, Impact, Item, Said, Side
-from .collector import Found, Use, listed
+from .change import Fact, Impact, Item, Side, Word
+from .collector import Attribute, Collector, Places, Use, at, listed, paths
 
 
 @dataclass(frozen=True)
@@ -25,156 +26,148 @@ class Editions:
     layouts: dict[str, str]
 
 
-def compare(found: Found, both: Editions, command: str, old: Layout, new: Layout, use: Use) -> None:
-    """All changes of one layout, as it is used by a message of `command`."""
-    item = _item(command, old, new)
-    if item.kind == "layout" and both.layouts.get(old.name) == new.name:
-        found.renamed("layout-renamed", item, old.path, new.path, use, old=old.name, new=new.name)
-    if item.kind == "layout":
-        found.texts(item, (old.path, new.path), old, new)
-        found.section(item, (old.path, new.path), old.manual, new.manual, Use((), use.commands))
+def compare(found: Collector, both: Editions, command: str, one: Message, another: Message, use: Use) -> None:
+    """All changes of the layout of a message of `command`."""
+    old, new = one.layout, another.layout
+    if _is_shared(both, old, new):
+        item, places = Item("layout", old.name), paths(old, new)
+        found.renamed("layout-renamed", item, places, use, old=old.name, new=new.name)
+        found.texts(item, places, old, new)
+        found.section(item, places, old.manual, new.manual, Use((), use.commands))
+    else:
+        item = Item("command", command)
     matched = match.fields(old, new)
-    for one, other in matched.pairs:
-        _field(found, both, item, one, other, use)
-        if (one.manual, other.manual) != (old.manual, new.manual):
-            found.section(item, (one.path, other.path), one.manual, other.manual, Use((), use.commands))
-    removed, added = list(matched.removed), list(matched.added)
-    for gone in matched.removed:
-        fresh = next((f for f in added if match.overlap(gone, f)), None)
-        if fresh is not None:
-            removed.remove(gone)
-            added.remove(fresh)
-            facts = {"place": places([gone]), "old": gone.name, "new": fresh.name}
-            found.add("field-replaced", item, gone.path, fresh.path, Impact.SILENT, use, **facts)
-    for gone in removed:
-        facts = {"name": gone.name, "place": places([gone])}
-        found.add("field-removed", item, gone.path, new.path, Impact.SILENT, use, **facts)
-    for fresh in added:
-        taken = any(match.overlap(fresh, f) for f in old.fields)
-        impact = Impact.SILENT if taken or Side.SENDING in use.sides else Impact.SAFE
-        impact = Impact.LOUD if fresh.demanded else impact
-        facts = {"name": fresh.name, "place": places([fresh])}
-        found.add("field-added", item, old.path, fresh.path, impact, use, **facts)
+    for before, after in matched.pairs:
+        owner = _owner(before, item)
+        _field(found, both, owner, before, after, use)
+        if (before.manual, after.manual) != (old.manual, new.manual):
+            found.section(owner, paths(before, after), before.manual, after.manual, Use((), use.commands))
+    replaced = matched.also(match.overlap)
+    for before, after in replaced.pairs[len(matched.pairs) :]:
+        facts = {"place": place_of(before), "old": before.name, "new": after.name}
+        found.add("field-replaced", _owner(before, item), paths(before, after), Impact.SILENT, use, **facts)
+    for gone in replaced.removed:
+        if gone.name not in constant_keys(another):
+            facts = {"name": gone.name, "place": place_of(gone)}
+            place = _parent(gone, new)
+            found.add("field-removed", _owner(gone, item), (gone.path, place), Impact.SILENT, use, **facts)
+    for fresh in replaced.added:
+        if fresh.name not in constant_keys(one):
+            taken = any(match.overlap(fresh, f) for f in old.fields)
+            impact = Impact.SILENT if taken or Side.SENDING in use.sides else Impact.SAFE
+            impact = Impact.LOUD if fresh.demanded else impact
+            facts = {"name": fresh.name, "place": place_of(fresh)}
+            found.add("field-added", _owner(fresh, item), (_parent(fresh, old), fresh.path), impact, use, **facts)
 
 
-def _item(command: str, old: Layout, new: Layout) -> Item:
-    if old.path[0] == "tables":
-        return Item("entry", f"{old.path[1]}.{old.path[3]}")
-    return Item("layout", old.name) if old.shared and new.shared else Item("command", command)
+def _is_shared(both: Editions, old: Layout, new: Layout) -> bool:
+    """Whether both are one layout with a name; the same name, or another one in the new edition."""
+    named = old.path[0] == new.path[0] == "layouts"
+    return named and both.layouts.get(old.name, old.name) == new.name
 
 
-def _field(found: Found, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
-    where = old.path, new.path
-    if old.name != new.name:
-        found.renamed("field-renamed", item, *where, use, old=old.name, new=new.name)
-
-    def add(rule: str, impact: Impact, key: str, one: str, other: str) -> None:
-        paths = (*old.path, key), (*new.path, key)
-        found.add(rule, item, *paths, impact, use, name=new.name, old=one, new=other)
-
-    if _moved(old, new):
-        add("field-moved", Impact.SILENT, "at", places([old]), places([new]))
-    before, after = ([e.index for e in f.elements] for f in (old, new))
-    if (old.is_array, before) != (new.is_array, after):
-        add("array-changed", Impact.SILENT, "array", *(_array(f) for f in (old, new)))
-    if old.only != new.only:
-        add("field-condition-changed", Impact.SILENT, "only", old_only(old), old_only(new))
-    if (old.fixed, old.demanded) != (new.fixed, new.demanded):
-        _constant(found, item, old, new, use)
-    if isinstance(old.role, NodeRole) != isinstance(new.role, NodeRole):
-        add(
-            "holds-changed",
-            Impact.LOUD,
-            "holds",
-            *(Said("the node" if isinstance(f.role, NodeRole) else "a value") for f in (old, new)),
-        )
-    if (old.title, new.title) != (old.type.title, new.type.title):
-        found.title(item, _at(old, new, "title"), (old.name, new.name), old.title, new.title)
-    found.text("text-changed", item, _at(old, new, "about"), new.name, old.about, new.about)
-    _type(found, both, item, old, new, use)
+def constant_keys(message: Message) -> set[str]:
+    """The names of constants that are keys of a message, and so no fields of its layout."""
+    return {key.name for key in message.keys if key.role is KeyRole.CONSTANT}
 
 
-def _constant(found: Found, item: Item, old: Field, new: Field, use: Use) -> None:
-    ignored = old.demanded is None and new.demanded is None and Side.SENDING not in use.sides
-    before, after = ((*f.path, "reserved" if isinstance(f.role, ReservedRole) else "constant") for f in (old, new))
-    impact = Impact.SAFE if ignored else Impact.LOUD
-    found.add("constant-changed", item, before, after, impact, use, name=new.name, old=_held(old), new=_held(new))
+def _owner(field: Field, item: Item) -> Item:
+    """The entry of a table whose layout has the field, or the command or layout."""
+    return Item("entry", f"{field.path[1]}.{field.path[3]}") if field.path[0] == "tables" else item
 
 
-def _held(field: Field) -> Fact:
-    if field.fixed is None:
-        return Said("any value")
-    if isinstance(field.role, ReservedRole):
-        return (Said("any value"), ", ", Said("sent as"), f" {field.fixed}")
-    return str(field.fixed)
-
-
-def old_only(field: Field) -> str:
-    return ", ".join(field.only) or Said("all")
+def _parent(field: Field, other: Layout) -> DocumentPath:
+    """Where a field would be in the other edition; a layout of a table may have fields of a command, and vice versa."""
+    if other.path[0] == field.path[0]:
+        return other.path
+    return field.path[:4] if field.path[0] == "tables" else field.path[:-1]
 
 
 def _array(field: Field) -> str:
-    return listed(e.index for e in field.elements) if field.is_array else Said("one alone")
+    return listed(e.index for e in field.elements) if field.is_array else Word("one alone")
 
 
-def places(fields: Sequence[Field]) -> str:
-    """Where fields stand, as `DATA[4..5]`."""
-    return ", ".join(formatting.place(f.space, tuple(s for e in f.elements for s in e.segments)) for f in fields)
+def place_of(field: Field) -> str:
+    """The bits of a field, as `DATA[4..5]`."""
+    return formatting.place(field.space, tuple(s for e in field.elements for s in e.segments))
+
+
+_OF_FIELD = (
+    Attribute[Field]("array-changed", "array", _array, Impact.SILENT),
+    Attribute[Field]("field-condition-changed", "only", lambda f: ", ".join(f.only) or Word("all"), Impact.SILENT),
+    Attribute[Field](
+        "holds-changed",
+        "holds",
+        lambda f: Word("the node" if isinstance(f.role, NodeRole) else "a value"),
+        Impact.LOUD,
+    ),
+)
+
+
+def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
+    places = paths(old, new)
+    found.renamed("field-renamed", item, places, use, old=old.name, new=new.name)
+    if _moved(old, new):
+        facts = {"name": new.name, "old": place_of(old), "new": place_of(new)}
+        found.add("field-moved", item, at(places, "at"), Impact.SILENT, use, **facts)
+    found.attributes(_OF_FIELD, item, places, old, new, use, name=new.name)
+    if (old.fixed, old.demanded) != (new.fixed, new.demanded):
+        ignored = old.demanded is None and new.demanded is None and Side.SENDING not in use.sides
+        before, after = ((*f.path, "reserved" if isinstance(f.role, ReservedRole) else "constant") for f in (old, new))
+        shown = {"old": _constant(old), "new": _constant(new)}
+        impact = Impact.SAFE if ignored else Impact.LOUD
+        found.add("constant-changed", item, (before, after), impact, use, name=new.name, **shown)
+    if (old.title, new.title) != (old.type.title, new.type.title):
+        found.title(item, at(places, "title"), (old.name, new.name), old.title, new.title)
+    found.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)
+    _type(found, both, item, old, new, use)
+
+
+def _constant(field: Field) -> Fact:
+    if field.fixed is None:
+        return Word("any value")
+    if isinstance(field.role, ReservedRole):
+        return (Word("any value"), ", ", Word("sent as"), f" {field.fixed}")
+    return str(field.fixed)
 
 
 def _moved(old: Field, new: Field) -> bool:
     """Whether a field starts elsewhere; one that only grew, or turned its bytes, has not moved."""
     if old.space is not new.space:
         return True
-    same_shape = (old.type.width, old.type.order, len(old.elements)) == (
-        *(new.type.width, new.type.order),
-        len(new.elements),
-    )
-    if same_shape:
+    before, after = ((f.type.width, f.type.order, len(f.elements)) for f in (old, new))
+    if before == after:
         return [e.segments for e in old.elements] != [e.segments for e in new.elements]
     return min(old.elements[0].bits) != min(new.elements[0].bits)
 
 
-def _type(found: Found, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
+_WIDTH = Attribute[Type]("width-changed", "raw", lambda t: str(t.width), Impact.SILENT)
+_SIGN = Attribute[Type]("sign-changed", "raw", lambda t: Word(t.encoding.value), Impact.SILENT)
+_ENCODING = Attribute[Type]("encoding-changed", "raw", lambda t: Word(t.encoding.value), Impact.SILENT)
+_ORDER = Attribute[Type]("byte-order-changed", "byte_order", lambda t: Word(t.order.value), Impact.SILENT)
+
+
+def _type(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
     one, other = old.type, new.type
-    named = one.path[0] == other.path[0] == "types"
-    same = named and both.types.get(one.name, one.name) == other.name
+    named = [t.path[0] == "types" for t in (one, other)]
+    same = all(named) and both.types.get(one.name, one.name) == other.name
     owner, name = (Item("type", one.name), one.name) if same else (item, new.name)
-    paths = (one.path, other.path) if same else (_path(old), _path(new))
-    pair = quantities.Pair(one, other, owner, name, *paths, use)
-    if same and one.name != other.name:
-        found.renamed("type-renamed", owner, *paths, use, old=one.name, new=other.name)
-    elif not same and one.name != other.name:
-        found.renamed("type-of-field-changed", item, *paths, use, name=new.name, old=one.name, new=other.name)
-    if one.width != other.width:
-        pair.add(found, "width-changed", Impact.SILENT, "raw", old=str(one.width), new=str(other.width))
-    floats = [t.encoding is Encoding.FLOAT for t in (one, other)]
-    if one.encoding is not other.encoding:
-        rule = "encoding-changed" if any(floats) else "sign-changed"
-        pair.add(found, rule, Impact.SILENT, "raw", old=Said(one.encoding.value), new=Said(other.encoding.value))
-    _order(found, both, pair)
+    places = paths(one, other) if same else (_path(old), _path(new))
     if same:
-        found.texts(owner, paths, one, other)
-        found.text("text-changed", owner, _at(one, other, "differs"), name, one.differs, other.differs)
-    quantities.compare(found, pair)
-
-
-def _order(found: Found, both: Editions, pair: quantities.Pair) -> None:
-    old, new = pair.old, pair.new
-    if old.order is new.order or min(old.width, new.width) <= 8:
-        return
-    facts = {"old": Said(old.order.value), "new": Said(new.order.value)}
-    everywhere = (old.order, new.order) == (both.old.order, both.new.order)
-    if everywhere:
-        place = ("byte_order",)
-        item = Item("edition", "")
-        found.add("byte-order-changed", item, place, place, Impact.SILENT, pair.use, name="byte_order", **facts)
-    else:
-        pair.add(found, "byte-order-changed", Impact.SILENT, "byte_order", **facts)
-
-
-def _at(old: Layout | Field | Type, new: Layout | Field | Type, key: str) -> tuple[DocumentPath, DocumentPath]:
-    return (*old.path, key), (*new.path, key)
+        found.renamed("type-renamed", owner, places, use, old=one.name, new=other.name)
+        found.texts(owner, places, one, other)
+        found.text("text-changed", owner, at(places, "differs"), name, one.differs, other.differs)
+    elif any(named):
+        found.renamed("type-of-field-changed", item, places, use, name=new.name, old=one.name, new=other.name)
+    encoding = _ENCODING if Encoding.FLOAT in (one.encoding, other.encoding) else _SIGN
+    found.attributes((_WIDTH, encoding), owner, places, one, other, use, name=name)
+    if min(one.width, other.width) > 8:
+        if (one.order, other.order) == (both.old.order, both.new.order):
+            edition: tuple[Item, Places] = Item("edition", ""), ((), ())
+            found.attributes([_ORDER], *edition, one, other, use, name="byte_order")
+        else:
+            found.attributes([_ORDER], owner, places, one, other, use, name=name)
+    quantities.compare(found, quantities.Pair(one, other, owner, name, places, use))
 
 
 def _path(field: Field) -> DocumentPath:

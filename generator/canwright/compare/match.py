@@ -1,4 +1,4 @@
-"""What of one edition is what of the other: by name, and then by what else tells that it is the same."""
+"""Matches the items of two editions: by name, then by what they mean."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ T = TypeVar("T", bound=Named)
 
 @dataclass(frozen=True)
 class Matched(Generic[T]):
-    """Pairs of old and new, and what has no other half."""
+    """Pairs of old and new items, and the items without a counterpart."""
 
     pairs: tuple[tuple[T, T], ...]
     removed: tuple[T, ...]
@@ -79,7 +79,7 @@ def fields(old: Layout, new: Layout) -> Matched[Field]:
 
 
 def code_of(command: Command) -> tuple[object, ...]:
-    """What tells the frames of a command from those of the others: address and keys."""
+    """What distinguishes the frames of a command: address and keys."""
     message = command.request or command.reply
     keys = tuple((key.space, key.segments, key.value) for key in message.keys) if message else ()
     return (command.address, *keys)

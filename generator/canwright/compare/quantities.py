@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeVar
 
-from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.types import Bound, Dependent, Linear, Member, Range, Type
-from .change import Impact, Item, Said, Side
-from .collector import Found, Use
+from .change import Impact, Item, Side, Word
+from .collector import Attribute, Collector, Places, Use, at
 from .match import by_name
 
 T = TypeVar("T")
@@ -19,136 +19,143 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Pair:
-    """A type of the old edition and what it is in the new one, under the name that people know it by."""
+    """A type of the old edition and its counterpart in the new one, and the name that people know it by."""
 
     old: Type
     new: Type
     item: Item
     name: str
-    old_path: DocumentPath
-    new_path: DocumentPath
+    places: Places
     use: Use
 
-    def add(self, found: Found, rule: str, impact: Impact, key: str, /, **facts: str) -> None:
-        found.add(
-            rule, self.item, (*self.old_path, key), (*self.new_path, key), impact, self.use, name=self.name, **facts
-        )
+    def add(self, found: Collector, rule: str, impact: Impact, key: str, when: str, old: str, new: str) -> None:
+        """Adds a change of a number that may depend on parameters."""
+        facts = {"name": self.name, "when": when, "old": old, "new": new}
+        found.add(rule, self.item, at(self.places, key), impact, self.use, **facts)
 
 
-def compare(found: Found, pair: Pair) -> None:
+_ATTRIBUTES = (
+    Attribute[Type]("unit-changed", "unit", lambda t: t.unit.symbol if t.unit else Word("no unit"), Impact.SILENT),
+    Attribute[Type](
+        "parameters-of-type-changed",
+        "scale",
+        lambda t: ", ".join((*t.parameters, *t.numbers)) or Word("nothing"),
+        Impact.BUILD,
+    ),
+)
+
+
+def compare(found: Collector, pair: Pair) -> None:
     """All changes of what a type means."""
     old, new = pair.old, pair.new
     _scales(found, pair)
-    if old.unit != new.unit:
-        facts = {key: t.unit.symbol if t.unit else Said("no unit") for key, t in (("old", old), ("new", new))}
-        pair.add(found, "unit-changed", Impact.SILENT, "unit", **facts)
     _ranges(found, pair)
     for key, before, after in (("enum", old.enum, new.enum), ("flags", old.flags, new.flags)):
         _members(found, pair, key, before, after)
-    needed = [(*type_.parameters, *type_.numbers) for type_ in (old, new)]
-    if needed[0] != needed[1]:
-        facts = {key: ", ".join(names) or Said("nothing") for key, names in zip(("old", "new"), needed, strict=True)}
-        pair.add(found, "parameters-of-type-changed", Impact.BUILD, "scale", **facts)
+    found.attributes(_ATTRIBUTES, pair.item, pair.places, old, new, pair.use, name=pair.name)
 
 
-def _scales(found: Found, pair: Pair) -> None:
-    def step(linear: Linear | None) -> tuple[object, object]:
-        """Scale and offset, each with what it is a multiple of."""
-        if linear is None:
-            return None, (Fraction(0), None)
-        return (linear.scale, linear.times), (linear.offset, linear.times if linear.offset else None)
-
-    old, new = pair.old.linear, pair.new.linear
-    for when, one, other in _cases(old, new, lambda a, b: step(a)[0] == step(b)[0]):
-        facts = {"when": when, "old": _worth(one, pair.old), "new": _worth(other, pair.new)}
-        pair.add(found, "scale-changed", Impact.SILENT, "scale", **facts)
-    for when, one, other in _cases(old, new, lambda a, b: not a or not b or step(a)[1] == step(b)[1]):
-        sides = ((one, pair.old), (other, pair.new))
-        told = [(formatting.offset(linear) if linear else "0") + _unit(type_) for linear, type_ in sides]
-        facts = {"when": when, "old": told[0], "new": told[1]}
-        pair.add(found, "offset-changed", Impact.SILENT, "offset", **facts)
-    for when, one, other in _cases(old, new, lambda a, b: a != b or not a or not b or a.printed == b.printed):
-        facts = {"when": when, "old": _worth(one, pair.old), "new": _worth(other, pair.new)}
-        pair.add(found, "scale-rewritten", Impact.SAFE, "scale", **facts)
+def _scale(linear: Linear | None) -> object:
+    return linear and (linear.scale, linear.times)
 
 
-def _worth(linear: Linear | None, type_: Type) -> str:
-    return Said("not given") if linear is None else f"{formatting.step(linear)}{_unit(type_)}"
+def _offset(linear: Linear) -> object:
+    return linear.offset, linear.times if linear.offset else None
+
+
+def _scales(found: Collector, pair: Pair) -> None:
+    for when, one, other in _cases(pair.old.linear, pair.new.linear):
+        shown = _scale_shown(one, pair.old), _scale_shown(other, pair.new)
+        if _scale(one) != _scale(other):
+            pair.add(found, "scale-changed", Impact.SILENT, "scale", when, *shown)
+        if one and other and _offset(one) != _offset(other):
+            offsets = formatting.offset(one) + _unit(pair.old), formatting.offset(other) + _unit(pair.new)
+            pair.add(found, "offset-changed", Impact.SILENT, "offset", when, *offsets)
+        if one and one == other and one.printed != other.printed:
+            pair.add(found, "scale-rewritten", Impact.SAFE, "scale", when, *shown)
+
+
+def _scale_shown(linear: Linear | None, type_: Type) -> str:
+    return Word("not given") if linear is None else f"{formatting.step(linear)}{_unit(type_)}"
 
 
 def _unit(type_: Type) -> str:
     return f" {type_.unit.symbol}" if type_.unit else ""
 
 
-def _ranges(found: Found, pair: Pair) -> None:
-    def whole(type_: Type, limits: Range | None) -> Range:
-        low, high = type_.raw_limits
-        return limits or Range(Bound(Fraction(low)), Bound(Fraction(high)))
-
-    for when, one, other in _cases(pair.old.raw_range, pair.new.raw_range, lambda a, b: a == b):
-        old, new = whole(pair.old, one), whole(pair.new, other)
-        if old == new or (one is None and other is None):
+def _ranges(found: Collector, pair: Pair) -> None:
+    for when, one, other in _cases(pair.old.raw_range, pair.new.raw_range):
+        old, new = one or _whole(pair.old), other or _whole(pair.new)
+        if old == new or one is other is None:
             continue
-        hit = (Side.SENDING in pair.use.sides and not _within(old, new)) or (
+        affected = (Side.SENDING in pair.use.sides and not _within(old, new)) or (
             Side.RECEIVING in pair.use.sides and not _within(new, old)
         )
-        impact = Impact.SILENT if hit else Impact.SAFE
-        told = [Said("not limited") if limits is None else formatting.span(limits) for limits in (one, other)]
-        facts = {"when": when, "old": told[0], "new": told[1]}
-        pair.add(found, "range-changed", impact, "raw_range", **facts)
+        shown = [Word("not limited") if limits is None else formatting.span(limits) for limits in (one, other)]
+        impact = Impact.SILENT if affected else Impact.SAFE
+        pair.add(found, "range-changed", impact, "raw_range", when, shown[0], shown[1])
+
+
+def _whole(type_: Type) -> Range:
+    low, high = type_.raw_limits
+    return Range(Bound(Fraction(low)), Bound(Fraction(high)))
 
 
 def _within(inner: Range, outer: Range) -> bool:
-    """Whether a range surely lies in another."""
-    if (inner.low.parameter, inner.high.parameter) != (outer.low.parameter, outer.high.parameter):
-        return False
-    if (inner.low.coefficient, inner.high.coefficient) != (outer.low.coefficient, outer.high.coefficient):
+    """Whether a range certainly lies in another."""
+    ends = (inner.low, outer.low), (inner.high, outer.high)
+    if any((a.parameter, a.coefficient) != (b.parameter, b.coefficient) for a, b in ends):
         return False
     return outer.low.constant <= inner.low.constant and inner.high.constant <= outer.high.constant
 
 
-def _cases(
-    old: Dependent[T], new: Dependent[T], same: Callable[[T | None, T | None], bool]
-) -> Iterator[tuple[str, T | None, T | None]]:
+def _cases(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, T | None, T | None]]:
     """Where two differ, cases that differ alike together: (` [series A, B]` or nothing, old, new)."""
-    parameter = old.parameter or new.parameter
-    if old.parameter and new.parameter and old.parameter != new.parameter:
-        parameter = None
-    names = [n for n in {**old.cases, **new.cases} if all(n in d.cases for d in (old, new) if d.parameter)]
     groups: list[tuple[list[str], T | None, T | None]] = []
-    for name in names if parameter else [""]:
-        at = {parameter or "": name}
-        one, other = old.at(at), new.at(at)
-        if not same(one, other):
-            known = next((group for group in groups if group[1:] == (one, other)), None)
-            if known is None:
-                groups.append(([name], one, other))
-            else:
-                known[0].append(name)
+    for name, assignment in _assignments(old, new):
+        one, other = old.at(assignment), new.at(assignment)
+        known = next((group for group in groups if (group[1], group[2]) == (one, other)), None)
+        if known is None:
+            groups.append(([name], one, other))
+        else:
+            known[0].append(name)
+    parameters = "" if len({old.parameter, new.parameter} - {None}) > 1 else f"{old.parameter or new.parameter} "
     for group, one, other in groups:
-        yield (f" [{parameter} {', '.join(group)}]" if parameter else ""), one, other
+        yield ("" if group == [""] else f" [{parameters}{', '.join(group)}]"), one, other
 
 
-def _members(found: Found, pair: Pair, key: str, old: tuple[Member, ...], new: tuple[Member, ...]) -> None:
+def _assignments(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, dict[str, str]]]:
+    """Every value of the parameters that two depend on, with a name."""
+    if old.parameter and new.parameter and old.parameter != new.parameter:
+        for a, b in itertools.product(old.cases, new.cases):
+            yield f"{old.parameter} {a} {new.parameter} {b}", {old.parameter: a, new.parameter: b}
+        return
+    parameter = old.parameter or new.parameter
+    if parameter is None:
+        yield "", {}
+        return
+    for name in {**old.cases, **new.cases}:
+        if all(name in d.cases for d in (old, new) if d.parameter):
+            yield name, {parameter: name}
+
+
+def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], new: tuple[Member, ...]) -> None:
     matched = by_name(old, new).also(lambda a, b: a.value == b.value)
-    sides = pair.use.sides
+    sides, parents = pair.use.sides, at(pair.places, key)
     for one, other in matched.pairs:
-        places = (*pair.old_path, key, one.name), (*pair.new_path, key, other.name)
-        if one.name != other.name:
-            facts = {"name": pair.name, "old": one.name, "new": other.name}
-            found.renamed("member-renamed", pair.item, *places, pair.use, **facts)
+        places = (*parents[0], one.name), (*parents[1], other.name)
+        facts = {"name": pair.name, "old": one.name, "new": other.name}
+        found.renamed("member-renamed", pair.item, places, pair.use, **facts)
         if one.value != other.value:
             facts = {"name": pair.name, "member": other.name, "old": str(one.value), "new": str(other.value)}
-            found.add("member-renumbered", pair.item, *places, Impact.SILENT, pair.use, **facts)
+            found.add("member-renumbered", pair.item, places, Impact.SILENT, pair.use, **facts)
         found.texts(pair.item, places, one, other)
     for gone in matched.removed:
         impact = Impact.SILENT if Side.SENDING in sides else Impact.SAFE
-        where = (*pair.old_path, key, gone.name), (*pair.new_path, key)
         facts = {"name": pair.name, "member": gone.name, "value": str(gone.value)}
-        found.add("member-removed", pair.item, *where, impact, pair.use, **facts)
+        found.add("member-removed", pair.item, ((*parents[0], gone.name), parents[1]), impact, pair.use, **facts)
     for fresh in matched.added:
-        unseen = Impact.SILENT if key == "flags" else Impact.LOUD
-        impact = unseen if Side.RECEIVING in sides else Impact.SAFE
-        where = (*pair.old_path, key), (*pair.new_path, key, fresh.name)
+        unknown = Impact.SILENT if key == "flags" else Impact.LOUD
+        impact = unknown if Side.RECEIVING in sides else Impact.SAFE
         facts = {"name": pair.name, "member": fresh.name, "value": str(fresh.value)}
-        found.add("member-added", pair.item, *where, impact, pair.use, **facts)
+        found.add("member-added", pair.item, (parents[0], (*parents[1], fresh.name)), impact, pair.use, **facts)

@@ -1,4 +1,4 @@
-"""What of the old edition has another name in the new one, and the old edition in the names of the new one."""
+"""Renamed items, and the old edition with the names of the new one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..model.message import Command
 from ..model.metadata import Effect, Mode, Setting
 from ..model.types import Bound, Dependent, Linear, Parameter
 from .change import Item
-from .collector import BOTH_SIDES, Found
+from .collector import BOTH_SIDES, Collector
 from .match import Matched, Named, by_name
 
 T = TypeVar("T", bound=Named)
@@ -38,7 +38,7 @@ class _Names:
         return {self.new(Parameter, p): tuple(self.value(p, value) for value in values) for p, values in only.items()}
 
 
-def compare(found: Found, old: Edition, new: Edition) -> Edition:
+def compare(found: Collector, old: Edition, new: Edition) -> Edition:
     """All renames of what commands name; the old edition as it would be with the new names."""
     names = _Names()
     _renamed(found, names, Parameter, ("parameters",), _parameters(old, new))
@@ -51,7 +51,7 @@ def compare(found: Found, old: Edition, new: Edition) -> Edition:
                 places = ("parameters", one.name, "values", value.name), ("parameters", other.name, "values", now.name)
                 facts = {"name": other.name, "old": value.name, "new": now.name}
                 item = Item("parameter", one.name)
-                found.renamed("parameter-value-renamed", item, *places, BOTH_SIDES, **facts)
+                found.renamed("parameter-value-renamed", item, places, BOTH_SIDES, **facts)
     settings = by_name(old.settings, new.settings).also(_same_title, _same_use(old, new, lambda c: c.limited_by))
     _renamed(found, names, Setting, ("settings",), settings)
     effects = by_name(old.effects, new.effects).also(_same_title, _same_use(old, new, lambda c: c.effects))
@@ -90,19 +90,19 @@ def _same_use(
 
 
 def _renamed(
-    found: Found,
+    found: Collector,
     names: _Names,
     kind: type[object],
     path: DocumentPath,
     matched: Matched[T],
 ) -> None:
-    called = kind.__name__.lower()
+    word = kind.__name__.lower()
     for one, other in matched.pairs:
         if one.name != other.name:
             names.of.setdefault(kind, {})[one.name] = other.name
             was, now = (*path, one.name), (*path, other.name)
             facts = {"old": one.name, "new": other.name}
-            found.renamed(f"{called}-renamed", Item(called, one.name), was, now, BOTH_SIDES, **facts)
+            found.renamed(f"{word}-renamed", Item(word, one.name), (was, now), BOTH_SIDES, **facts)
             found.moved[now] = was
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -38,6 +39,7 @@ class Concept(NamedTuple):
     keys: tuple[Key, ...]
 
 
+@functools.cache
 def concepts() -> tuple[Concept, ...]:
     """Every concept of specs and of golden frames, each after the one that has it."""
     found: dict[str, Concept] = {}

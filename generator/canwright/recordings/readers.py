@@ -7,10 +7,13 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from ..model.layout import MAX_DATA_BYTES
 from ..semantics.frame import CanFrame
 
+_LENGTHS = "".join(map(str, range(MAX_DATA_BYTES + 1)))
 _SHORT = re.compile(
-    r"(?:\([\d.]+\)\s+)?(?:\S+\s+)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(?:#[0-9A-Fa-f])?(R[0-8]?|[0-9A-Fa-f]*)"
+    r"(?:\([\d.]+\)\s+)?(?:\S+\s+)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(?:#[0-9A-Fa-f])?"
+    rf"(R[{_LENGTHS}]?|[0-9A-Fa-f]*)"
     r"(?:_[0-9A-Fa-f])?(?:\s+[RT])?"
 )
 _LONG = re.compile(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from .context import Context
 T = TypeVar("T")
 
 
+@functools.cache
 def read_units() -> tuple[Document, dict[str, Unit]]:
     """The unit vocabulary."""
     document, _ = read_document(resources.UNITS)

@@ -12,8 +12,9 @@ from . import bit_patterns, can_ids
 from .duplicate_code import sends_the_same
 from .rule import Finding, Found, Subject
 
-_ID_KEYS, _DATA = 32, 64
-"""Where the bits of keys stand behind those of the id."""
+_ID_KEYS = 32
+_DATA = 2 * _ID_KEYS
+"""Where the bits of keys stand: behind the id, those in the id first, as many as the id has room for."""
 
 
 def check(subject: Subject) -> Found:

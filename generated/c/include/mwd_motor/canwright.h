@@ -25,6 +25,9 @@
 /** The version of this file. Headers that need another version do not compile. */
 #define CANWRIGHT_H_VERSION 2
 
+/** The most data bytes of a frame. */
+#define CANWRIGHT_MAX_DATA 8u
+
 /** Set in an id of 29 bits. */
 #define CANWRIGHT_EXTENDED 0x80000000u
 
@@ -39,8 +42,8 @@ typedef struct {
     /** 11 bits, or 29 and CANWRIGHT_EXTENDED; with CANWRIGHT_REMOTE for a remote frame. */
     uint32_t id;
     /** The data bytes; only the first `dlc` are used. */
-    uint8_t data[8];
-    /** Number of data bytes, 0 to 8. */
+    uint8_t data[CANWRIGHT_MAX_DATA];
+    /** Number of data bytes, 0 to CANWRIGHT_MAX_DATA. */
     uint8_t dlc;
 } canwright_frame_t;
 
@@ -119,6 +122,9 @@ static inline void canwright_clear(canwright_frame_t *frame)
     frame->data[5] = 0u;
     frame->data[6] = 0u;
     frame->data[7] = 0u;
+#if CANWRIGHT_MAX_DATA != 8u
+#error "canwright_clear sets 8 bytes, one by one: a loop may become a call of memset"
+#endif
 }
 
 /** True for two frames with the same data bytes. */
@@ -128,7 +134,7 @@ static inline bool canwright_same_data(const canwright_frame_t *one, const canwr
     if (one->dlc != other->dlc) {
         return false;
     }
-    for (i = 0u; i < one->dlc && i < 8u; i++) {
+    for (i = 0u; i < one->dlc && i < CANWRIGHT_MAX_DATA; i++) {
         if (one->data[i] != other->data[i]) {
             return false;
         }

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ...model.edition import Edition
-from ...model.layout import Space
+from ...model.layout import MAX_DATA_BYTES, Space
 from ...model.message import Command, Direction, Message
 from . import docstrings, encoding, metadata, text
 from .class_bodies import BodyView, ClassBodies
@@ -33,7 +33,8 @@ class MessageView:
     doc: docstrings.Docstring
     command: str
     direction: str
-    dlc: int
+    dlc: int | None
+    """None where it is the most that a frame can have."""
     extended: bool
     remote: bool
     nodes: tuple[int, int] | None
@@ -110,7 +111,7 @@ class MessageViews:
             doc=docstrings.of_message(command, message),
             command=command.name,
             direction=message.direction.value,
-            dlc=message.dlc,
+            dlc=None if message.dlc == MAX_DATA_BYTES else message.dlc,
             extended=message.id.extended,
             remote=message.remote,
             nodes=(nodes[0], nodes[-1]) if nodes is not None else None,

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 Real = int | float | Fraction
 
 
+MAX_DATA = 8
+"""The most data bytes of a frame."""
+
+
 class Refusal(str, Enum):
     """Why a frame or a value is rejected."""
 
@@ -386,7 +390,7 @@ class Message:
     """The command of this request or reply."""
     DIRECTION: ClassVar[str]
     """`request` or `reply`."""
-    DLC: ClassVar[int] = 8
+    DLC: ClassVar[int] = MAX_DATA
     """Number of data bytes."""
     ID: ClassVar[int]
     """The CAN id, without the node."""

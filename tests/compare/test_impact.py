@@ -1,11 +1,14 @@
-"""Each change is told once, of what it belongs to, with whoever it hits and how."""
+"""Each change is reported once, for the item that it belongs to, with its impact and the sides that it affects."""
 
 from __future__ import annotations
 
+import functools
+import tempfile
 from pathlib import Path
 
 import pytest
 from canwright.compare import compare
+from canwright.model.edition import Edition
 
 from ..spec_texts import ROOT, edition
 
@@ -16,14 +19,20 @@ OFF = "    code: 0x80\n    manual: "
 ON = "    code: 0x88\n    manual: "
 
 
-def told(folder: Path, text: str, *changes: tuple[str, str]) -> list[str]:
+@functools.cache
+def _original(text: str) -> Edition:
+    with tempfile.TemporaryDirectory() as folder:
+        return edition(Path(folder), text)
+
+
+def impacts(folder: Path, text: str, *changes: tuple[str, str]) -> list[str]:
     changed = text
     for old, new in changes:
         assert old in changed, old
         changed = changed.replace(old, new)
     return [
-        f"{c.impact.value} {'+'.join(s.value for s in c.sides) or 'nobody'}: {c.item}: {c.rule.id}"
-        for c in compare(edition(folder, text), edition(folder, changed))
+        f"{c.impact.value} {'+'.join(s.value for s in c.sides) or 'none'}: {c.item}: {c.rule.id}"
+        for c in compare(_original(text), edition(folder, changed))
     ]
 
 
@@ -48,7 +57,10 @@ def told(folder: Path, text: str, *changes: tuple[str, str]) -> list[str]:
         ),
         ([("clears_turns", "forgets_turns")], ["build sending+receiving: effect clears_turns: effect-renamed"]),
         ([("max_angle", "top_angle")], ["build sending+receiving: setting max_angle: setting-renamed"]),
-        ([("series", "model")], ["build sending+receiving: parameter series: parameter-renamed"]),
+        (
+            [("\n  series:", "\n  model:"), ("by: series", "by: model"), ("only: {series", "only: {model")],
+            ["build sending+receiving: parameter series: parameter-renamed"],
+        ),
         (
             [("by: series, MF", "by: series, XF"), (" MF:", " XF:"), ("[MF,", "[XF,")],
             ["build sending+receiving: parameter series: parameter-value-renamed"],
@@ -63,16 +75,18 @@ def told(folder: Path, text: str, *changes: tuple[str, str]) -> list[str]:
     ],
 )
 def test_of_one_id(changes: list[tuple[str, str]], says: list[str], tmp_path: Path) -> None:
-    found = told(tmp_path, V2_35, *changes)
-    assert [line for line in found if "nobody" not in line] == says
+    assert impacts(tmp_path, V2_35, *changes) == says
 
 
 def test_of_tables(tmp_path: Path) -> None:
     renamed = [(f"{before}stored_settings", f"{before}kept_settings") for before in ("\n  ", "table: ", "tables.")]
-    found = told(tmp_path, V2_36, *renamed)
-    assert [line for line in found if "nobody" not in line] == ["build sending: table stored_settings: table-renamed"]
+    assert impacts(tmp_path, V2_36, *renamed) == [
+        "safe none: erratum torque_limit_names: erratum-moved",
+        "safe none: erratum read_index_of_gains: erratum-moved",
+        "build sending: table stored_settings: table-renamed",
+    ]
     index = "  control_parameters:\n    index: {at: 1, raw: u8}\n"
-    assert told(tmp_path, V2_36, (index, index.replace("at: 1, raw: u8", "at: 1.1, raw: u7"))) == [
+    assert impacts(tmp_path, V2_36, (index, index.replace("at: 1, raw: u8", "at: 1.1, raw: u7"))) == [
         "loud sending+receiving: table control_parameters: index-moved"
     ]
 
@@ -82,12 +96,12 @@ def test_of_reserved_bits(tmp_path: Path) -> None:
     cells = (ROOT / "tests/specs/cells/v1.yaml").read_text("utf-8")
     reply = "padding: {at: 1, raw: i16, reserved: -2}"
     safe = ["safe receiving: command balance: constant-changed"]
-    assert told(tmp_path, cells, (reply, reply.replace("-2", "-1"))) == safe
+    assert impacts(tmp_path, cells, (reply, reply.replace("-2", "-1"))) == safe
     loud = ["loud receiving: command balance: constant-changed"]
-    assert told(tmp_path, cells, (reply, reply.replace("reserved", "constant"))) == loud
+    assert impacts(tmp_path, cells, (reply, reply.replace("reserved", "constant"))) == loud
     request = "priority: {at: id.26, raw: u3, reserved: 6}"
     loud = ["loud sending: command balance: constant-changed"]
-    assert told(tmp_path, cells, (request, request.replace("6}", "3}"))) == loud
+    assert impacts(tmp_path, cells, (request, request.replace("6}", "3}"))) == loud
 
 
 @pytest.mark.parametrize("name", ["mark", "code", "index"])
@@ -99,6 +113,20 @@ def test_of_constants_where_there_is_no_selector(tmp_path: Path, name: str) -> N
         f"  stop: {{request: {{{name}: {{at: 0, raw: u8, constant: 7}}}}, reply: none}}\n"
     )
     constant = ["loud sending: command dim: constant-changed"]
-    assert told(tmp_path, text, ("constant: 5", "constant: 6")) == constant
+    assert impacts(tmp_path, text, ("constant: 5", "constant: 6")) == constant
     moved = ("{at: 0, raw: u8, constant", "{at: 2, raw: u8, constant")
-    assert told(tmp_path, text, moved) == [f"loud sending: command {one}: field-moved" for one in ("dim", "stop")]
+    assert impacts(tmp_path, text, moved) == [f"loud sending: command {one}: field-moved" for one in ("dim", "stop")]
+
+
+def test_of_a_constant_that_distinguishes_messages(tmp_path: Path) -> None:
+    """Such a constant is a key and no field of the layout; its name and its removal are changes all the same."""
+    joint = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
+    zero = "zero: {at: 1, raw: u8, constant: 0}, "
+    assert impacts(tmp_path, joint, (zero, "")) == ["silent receiving: command read_word: field-removed"]
+    without = joint.replace(zero, "")
+    added = ("holds: node}, word", f"holds: node}}, {zero}word")
+    assert impacts(tmp_path, without, added) == ["loud receiving: command read_word: field-added"]
+    renamed = ["build receiving: command read_word: field-renamed"]
+    assert impacts(tmp_path, joint, (zero, zero.replace("zero", "nought"))) == renamed
+    changed = ["loud receiving: command read_word: constant-changed"]
+    assert impacts(tmp_path, joint, (zero, zero.replace("constant: 0", "constant: 9"))) == changed
