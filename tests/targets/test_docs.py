@@ -11,7 +11,7 @@ import markdown as python_markdown
 import pytest
 from canwright.project.loader import specification
 from canwright.targets import docs
-from canwright.targets.docs.text import markdown
+from canwright.templating.markup import markdown
 
 from ..spec_texts import MINIMAL, ROOT
 

@@ -17,7 +17,7 @@ from canwright.language.edition import EditionSpec, json_schema
 from canwright.project.loader import spec_files, specification
 from canwright.targets import docs
 from canwright.targets.base import Specification
-from canwright.targets.docs.text import markdown
+from canwright.templating.markup import markdown
 from canwright.templating.resources import CHANGE_EXAMPLES
 
 from ..spec_texts import ROOT, SPECS, called

@@ -14,8 +14,8 @@ from ..compare import Category, Change, Impact, Item, by_impact, compare
 from ..diagnostics.diagnostic import DocumentPath, Position
 from ..model import formatting
 from ..project.loader import Loaded
-from ..targets.docs.text import markdown as markdown_text
 from ..targets.registry import targets
+from ..templating.markup import markdown as markdown_text
 from .printers import annotation
 
 _COLOURS = {Impact.SILENT: "red", Impact.LOUD: "yellow", Impact.BUILD: "cyan", Impact.SAFE: "green"}

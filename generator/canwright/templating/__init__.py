@@ -1,5 +1,5 @@
-"""The Jinja2 environment, and the files that an installed canwright brings along.
+"""The Jinja2 environment, escaping for markup, and the files that are installed with canwright.
 
 Belongs here: how templates are loaded and compiled. What they contain is up to each target.
-Imports nothing of canwright.
+Imports `diagnostics`, for characters that are shown by their number.
 """

@@ -13,12 +13,12 @@ from ...model.edition import Edition
 from ...model.types import Assignment
 from ...templating import resources
 from ...templating.environment import environment
+from ...templating.markup import code, markdown
 from ..base import Output, Specification, header
 from . import editions
 from .common import Common
 from .pages import Pages
 from .tables import Labels
-from .text import code, markdown
 
 _PAGES = ("types", "parameters", "errata", "bus")
 

@@ -13,11 +13,11 @@ from ...model.edition import Edition
 from ...model.layout import Field, Layout, Variant
 from ...model.message import Command, Direction, Message
 from ...model.metadata import Mode
+from ...templating.markup import code, markdown
 from ..registry import own_targets
 from .examples import Worked, worked
 from .picture import Drawing, Drawings
 from .tables import Cells, field_cells, index, key_cells
-from .text import code, markdown
 
 
 class Drawn(NamedTuple):

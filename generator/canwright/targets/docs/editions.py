@@ -9,8 +9,8 @@ from ...compare import Category, Change, Impact
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.message import Command, Direction, KeyRole
+from ...templating.markup import code, markdown, spaced
 from .tables import code_of, index as index_of
-from .text import code, markdown, spaced
 
 Wording = Mapping[Literal["sentences", "words"], Mapping[str, str]]
 """Sentences of changes by rule, and the words inserted into them, in one language."""

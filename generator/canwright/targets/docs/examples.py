@@ -10,7 +10,7 @@ from ...language.edition import Text
 from ...language.golden_frames import Frame, GoldenFrames, Value
 from ...model import formatting
 from ...model.message import Message
-from .text import code, markdown
+from ...templating.markup import code, markdown
 
 MOST = 4
 

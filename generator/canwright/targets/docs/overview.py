@@ -10,9 +10,9 @@ from ...model import formatting
 from ...model.edition import Edition
 from ...model.message import Command, Table
 from ...model.metadata import Effect
+from ...templating.markup import code, markdown
 from . import tables
 from .tables import Labels
-from .text import code, markdown
 
 
 @dataclass(frozen=True)

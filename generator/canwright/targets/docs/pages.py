@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 from ...model import formatting
 from ...model.message import Command, Direction
 from ...model.metadata import Erratum
+from ...templating.markup import code, markdown, xml
 from . import tables
 from .common import Common, Drawn, Side
 from .examples import Example, sources
 from .overview import overview
 from .tables import Labels, Row
-from .text import code, markdown, xml
 
 
 class Picture(NamedTuple):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ...model import formatting
 from ...model.layout import Segment, Space, Variant
 from ...model.message import IdRule, Message
-from .text import xml
+from ...templating.markup import xml
 
 CELL, ROW, LEFT, TOP = 44, 34, 96, 26
 _STYLE = (

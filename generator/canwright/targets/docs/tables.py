@@ -11,7 +11,7 @@ from ...model import formatting
 from ...model.layout import Field, Layout, NodeRole, ReservedRole, Space
 from ...model.message import Command, EchoReply, IdRule, Key, KeyRole, Message, OtherReply, OwnReply, SharedReply
 from ...model.types import Assignment, Encoding, Order, Text, Type
-from .text import code, markdown
+from ...templating.markup import code, markdown
 
 Labels = Mapping[str, str]
 _FORM_LABELS = {EchoReply: "echo", OwnReply: "own", SharedReply: "layout", OtherReply: "other"}

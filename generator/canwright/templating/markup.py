@@ -6,7 +6,7 @@ import functools
 import html
 import re
 
-from ...diagnostics.unicode_safety import visible
+from ..diagnostics.unicode_safety import visible
 
 _ESCAPED = re.compile(r"([\\`*\[\]|])|(?<![A-Za-z0-9])(_)|(_)(?![A-Za-z0-9])")
 _MARKS = re.compile(r"[{}~$]|\^(?=\S*\^)|=(?==)|\+(?=\+)")
