@@ -34,8 +34,7 @@ def diff(*arguments: str) -> Result:
 
 
 @pytest.mark.parametrize(
-    ("old", "new"),
-    [("v1", "v2"), ("lamp/v1", "lamp/v2"), ("spec/lamp/v1.yaml", "v2"), ("v1", "./spec/lamp/v2.yaml")],
+    ("old", "new"), [("v1", "v2"), ("lamp/v1", "lamp/v2"), ("spec/lamp/v1.yaml", "v2"), ("v1", "./spec/lamp/v2.yaml")]
 )
 def test_ways_to_name_an_edition(old: str, new: str) -> None:
     result = diff(old, new)

@@ -181,7 +181,7 @@ SAME = {
         *("motor_off", "motor_on", "motor_stop", "set_power", "set_torque", "move_to_angle", "move_to_angle_at_speed"),
         *("turn_to_angle", "turn_to_angle_at_speed", "move_by_angle", "move_by_angle_at_speed", "read_encoder"),
         *("write_position_as_zero_rom", "read_multi_turn_angle", "read_single_turn_angle", "read_status_2"),
-    ),
+    )
 }
 """Commands whose own lines say that nothing changed."""
 

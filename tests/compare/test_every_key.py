@@ -167,9 +167,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "ScaleBy.by": {"types.level.scale": {"by": "bits", "14": 0.1, "15": "none"}},
     "Selector.at": {"tables.store.index.at": 2},
     "Selector.raw": {"tables.store.index.raw": "u7"},
-    "Selector.byte_order": {
-        "selector": {"at": 6, "raw": "u16", "byte_order": "big"},
-    },
+    "Selector.byte_order": {"selector": {"at": 6, "raw": "u16", "byte_order": "big"}},
     "SettingSpec.title": {"settings.limit.title": TEXT},
     "SettingSpec.about": {"settings.limit.about": TEXT},
     "SettingSpec.only": {"settings.limit.only": {"size": ["big"]}},

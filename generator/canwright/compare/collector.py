@@ -90,15 +90,7 @@ class Collector:
         self._changes[key] = change
 
     def attributes(
-        self,
-        rows: Iterable[Attribute[T]],
-        item: Item,
-        places: Places,
-        old: T,
-        new: T,
-        use: Use,
-        /,
-        **facts: Fact,
+        self, rows: Iterable[Attribute[T]], item: Item, places: Places, old: T, new: T, use: Use, /, **facts: Fact
     ) -> None:
         """Adds a change for each attribute that differs."""
         for row in rows:

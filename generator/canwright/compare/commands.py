@@ -23,10 +23,7 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
     pairs = [(a.name, b.name) for a, b in layouts if a.shared and b.shared]
     types = [(a.name, b.name) for a, b in fields.type_pairs(layouts)]
     both = Editions(
-        old,
-        new,
-        match.renamed(types, old.types, new.types),
-        match.renamed(pairs, old.layouts, new.layouts),
+        old, new, match.renamed(types, old.types, new.types), match.renamed(pairs, old.layouts, new.layouts)
     )
     kept = _tables(found, old, new)
     matched = dataclasses.replace(

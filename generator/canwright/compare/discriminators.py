@@ -32,10 +32,7 @@ def index(command: Command) -> str:
 
 _OF_CONSTANT = (
     Attribute["_Field"](
-        "constant-changed",
-        "constant",
-        lambda f: Word("any value") if f.value is None else str(f.value),
-        Impact.LOUD,
+        "constant-changed", "constant", lambda f: Word("any value") if f.value is None else str(f.value), Impact.LOUD
     ),
     Attribute["_Field"]("field-moved", "at", lambda f: f.place, Impact.LOUD),
 )
@@ -56,10 +53,7 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
     if old.entry and new.entry:
         use = Use(tuple(Side), (old.group,))
         found.attributes([_INDEX], Item.of_entry(old.entry), paths(old.entry, new.entry), old, new, use)
-    for side, one, other_message in (
-        (Side.SENDING, old.request, new.request),
-        (Side.RECEIVING, old.reply, new.reply),
-    ):
+    for side, one, other_message in ((Side.SENDING, old.request, new.request), (Side.RECEIVING, old.reply, new.reply)):
         if one and other_message:
             use = Use((side,), (old.group,))
             if one.address == other_message.address or one.id == other_message.id:

@@ -96,10 +96,7 @@ _OF_FIELD = (
     Attribute[Field]("array-changed", "array", _array, Impact.SILENT),
     Attribute[Field]("field-condition-changed", "only", lambda f: ", ".join(f.only) or Word("all"), Impact.SILENT),
     Attribute[Field](
-        "holds-changed",
-        "holds",
-        lambda f: Word("the node" if isinstance(f.role, NodeRole) else "a value"),
-        Impact.LOUD,
+        "holds-changed", "holds", lambda f: Word("the node" if isinstance(f.role, NodeRole) else "a value"), Impact.LOUD
     ),
 )
 

@@ -89,13 +89,7 @@ def _same_use(
     return lambda one, other: bool(users(old, one.name)) and users(old, one.name) == users(new, other.name)
 
 
-def _renamed(
-    found: Collector,
-    names: _Names,
-    kind: type[object],
-    path: DocumentPath,
-    matched: Matched[T],
-) -> None:
+def _renamed(found: Collector, names: _Names, kind: type[object], path: DocumentPath, matched: Matched[T]) -> None:
     word = kind.__name__.lower()
     for one, other in matched.pairs:
         if one.name != other.name:
