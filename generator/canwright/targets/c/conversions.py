@@ -44,6 +44,7 @@ class Formula(NamedTuple):
 
 NO_SCALE = Formula(status="NO_SCALE")
 MISSING_PARAMETER = Formula(status="MISSING_PARAMETER")
+OUT_OF_RANGE = Formula(status="OUT_OF_RANGE")
 
 
 class ConversionView(NamedTuple):
@@ -197,6 +198,8 @@ def _to_milli(m: _Milli, kind: Integer, raw: Integer, ends: tuple[int, int]) -> 
 
 def _from_milli(m: _Milli, kind: Integer, type_: Type) -> Formula:
     low, high = m.span(*constant_limits(type_), kind)
+    if low > high and has_constant_limits(type_):  # a comparison with both would always be true
+        return OUT_OF_RANGE
     wide = common(*itertools.chain.from_iterable(m.steps_to(end) for end in (low, high))) or INT64
     source = _cast(wide, kind, "milli")
     factor, divisor, addend = (m.factor, m.divisor, -m.addend) if m.factor > 0 else (-m.factor, -m.divisor, m.addend)
