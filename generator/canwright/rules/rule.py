@@ -41,7 +41,7 @@ class Finding(NamedTuple):
     about: DocumentPath | None = None
 
 
-Found = Iterator[Finding]
+Findings = Iterator[Finding]
 
 
 class Phase(IntEnum):
@@ -64,7 +64,7 @@ class Rule(NamedTuple):
 
     id: str
     purpose: str
-    check: Callable[[Subject], Found] | None = None
+    check: Callable[[Subject], Findings] | None = None
     severity: Severity = Severity.ERROR
     whole: bool = False
     depth: Depth = Depth.VALUES

@@ -1,5 +1,5 @@
-"""The Jinja2 environment, and the files that an installed canwright brings along.
+"""The Jinja2 environment, and the data files of canwright.
 
-Belongs here: how templates are loaded and compiled. What they contain is up to each target.
+Belongs here: loading and compilation of templates. Their content belongs to the targets.
 Imports nothing of canwright.
 """

@@ -26,7 +26,7 @@ A = TypeVar("A", bound=Alternative)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case(Generic[T]):
+class Branch(Generic[T]):
     """What applies under some labels of a `switch`."""
 
     labels: tuple[str, ...]
@@ -38,7 +38,7 @@ class Choice(Generic[A]):
     """A value for each case of a `switch` over `subject` and one for all others, which is the only one without a subject."""
 
     subject: str | None
-    cases: tuple[Case[A], ...]
+    cases: tuple[Branch[A], ...]
     otherwise: A
 
     @property
@@ -77,7 +77,7 @@ def choose(names: Names, found: Dependent[T], view: Callable[[T | None], A], unk
     if not grouped:
         return Choice(subject=None, cases=(), otherwise=unknown)
     cases = (
-        Case(labels=tuple(names.upper(found.parameter, v) for v in values), value=value)
+        Branch(labels=tuple(names.upper(found.parameter, v) for v in values), value=value)
         for value, values in grouped.items()
     )
     return Choice(subject=parameter_access(found.parameter), cases=tuple(cases), otherwise=unknown)

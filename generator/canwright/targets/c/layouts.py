@@ -10,7 +10,7 @@ from ...model.edition import Edition
 from ...model.layout import Field, Layout, Variant
 from ...model.types import Encoding
 from . import bits
-from .choices import Case, parameter_access
+from .choices import Branch, parameter_access
 from .comments import errata, field_facts
 from .names import Names, member
 from .text import english
@@ -33,7 +33,7 @@ class Body(Generic[T]):
 
     always: tuple[T, ...]
     subject: str | None
-    cases: tuple[Case[tuple[T, ...]], ...]
+    cases: tuple[Branch[tuple[T, ...]], ...]
 
     @property
     def steps(self) -> list[T]:
@@ -123,7 +123,7 @@ def _body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]])
         return Body(always=made[0], subject=None, cases=())
     always = tuple(step for step in made[0] if all(step in other for other in made))
     cases = (
-        Case(
+        Branch(
             labels=tuple(names.upper(layout.parameter, value) for value in variant.values),
             value=tuple(step for step in every if step not in always),
         )

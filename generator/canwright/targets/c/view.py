@@ -13,7 +13,7 @@ from ...model.metadata import Level
 from ..base import header
 from .choices import ParameterView, parameter_access, parameters
 from .comments import errata
-from .dispatch import AnswerView, Entry, answers, entries
+from .dispatch import AnswerView, RouteView, answers, routes
 from .layouts import LayoutView, fields_named, layout_view
 from .messages import AddressView, Messages, MessageView, addresses
 from .names import Names, layouts, member
@@ -100,7 +100,7 @@ class DirectionView(NamedTuple):
     """Any message of one direction."""
 
     word: str
-    entries: tuple[Entry, ...]
+    routes: tuple[RouteView, ...]
     contents: tuple[ContentView, ...]
 
     @property
@@ -300,6 +300,6 @@ def _direction(
     )
     return DirectionView(
         word=direction.value,
-        entries=tuple(entries(names, edition, messages, direction)),
+        routes=tuple(routes(names, edition, messages, direction)),
         contents=tuple(contents),
     )
