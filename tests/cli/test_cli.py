@@ -76,7 +76,7 @@ def test_wrong_usage_gets_a_suggestion(folder: Path) -> None:
         (("generate", "--spec", "my.yaml", "--out", ""), "The path is empty; `.` is the current folder."),
         (("chek",), "there is no command `chek`; did you mean `check`?"),
         (("check", "--spec", "my.yaml", "--set", "size=big"), "--set size=big is not a parameter and its value"),
-        (("check", "--spec", ARM, "--set", "p_max=5", "--set", "p_max=6"), "`p_max` is set to 5 already"),
+        (("check", "--spec", ARM, "--set", "p_max=5", "--set", "p_max=6"), "`p_max` is already set to 5"),
     ):
         result = run(*arguments)
         assert (result.exit_code, message in result.output) == (2, True), result.output

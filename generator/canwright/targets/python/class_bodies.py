@@ -14,13 +14,13 @@ from .imports import Imports
 
 @dataclass(frozen=True, kw_only=True)
 class VariantView:
-    """How fields are read under some values of the layout's parameter: all by one `struct`, or each on its own."""
+    """A variant of a layout: how its fields are read, all by one `struct` or each separately."""
 
     values: tuple[str, ...]
     names: tuple[str, ...]
     struct: str
     targets: tuple[str, ...]
-    """What the result of the `struct` is assigned to."""
+    """The names that the result of the `struct` is assigned to."""
     reads: tuple[ReadView, ...]
     constants: tuple[ConstantView, ...]
 

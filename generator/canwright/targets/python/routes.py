@@ -1,4 +1,4 @@
-"""The dispatch plan and the answers to requests, as the template prints them."""
+"""Views of the dispatch plan and of the replies to requests."""
 
 from __future__ import annotations
 
@@ -46,12 +46,12 @@ class RouteView:
     extended: bool
     remote: bool
     answers: tuple[str, ...]
-    """Message classes that a frame is only where it answers their request."""
+    """Message classes that identify a frame only if their request is known."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AnswerView:
-    """What answers a request: expressions of the arguments of `Answer`."""
+    """The reply to a request: expressions of the arguments of `Answer`."""
 
     request: str
     reply: str
