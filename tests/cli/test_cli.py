@@ -55,16 +55,16 @@ def test_a_wrong_spec_writes_nothing(folder: Path) -> None:
     result = run("generate", "--spec", "my.yaml", "--out", "out")
     assert result.exit_code == 1
     assert "my.yaml:7:16: error: `u99` is not a raw format" in result.output
-    assert "1 error; run `canwright explain RULE` for more" in result.output
+    assert "1 error; `canwright explain RULE` explains a rule" in result.output
     assert not (folder / "out").exists()
 
 
 def test_exit_status_2_when_it_cannot_run(folder: Path) -> None:
     result = run("generate")
-    assert (result.exit_code, "there is no spec in spec/" in result.output) == (2, True)
+    assert (result.exit_code, "no spec found in spec/" in result.output) == (2, True)
     assert run("generate", "--spec", "missing.yaml").exit_code == 2
     result = run("generate", "--spec", "my.yaml", "--set", "size=big", "--out", "out")
-    assert (result.exit_code, result.output.endswith("; the spec has none\n")) == (2, True)
+    assert (result.exit_code, result.output.endswith("; the spec has no parameters\n")) == (2, True)
     (folder / "file").write_text("")
     assert run("generate", "--spec", "my.yaml", "--out", "file").exit_code == 2
 
@@ -72,11 +72,11 @@ def test_exit_status_2_when_it_cannot_run(folder: Path) -> None:
 def test_wrong_usage_gets_a_suggestion(folder: Path) -> None:
     for arguments, message in (
         (("check", "--spec", "me.yaml"), "File 'me.yaml' does not exist. Did you mean my.yaml?"),
-        (("check", "my.yaml"), "a spec is named like --spec my.yaml"),
+        (("check", "my.yaml"), "give a spec as --spec my.yaml"),
         (("generate", "--spec", "my.yaml", "--out", ""), "The path is empty; `.` is the current folder."),
         (("chek",), "there is no command `chek`; did you mean `check`?"),
         (("check", "--spec", "my.yaml", "--set", "size=big"), "--set size=big is not a parameter and its value"),
-        (("check", "--spec", ARM, "--set", "p_max=5", "--set", "p_max=6"), "`p_max` is set to 5 already"),
+        (("check", "--spec", ARM, "--set", "p_max=5", "--set", "p_max=6"), "`p_max` is already set to 5"),
     ):
         result = run(*arguments)
         assert (result.exit_code, message in result.output) == (2, True), result.output
@@ -148,16 +148,16 @@ def test_show_takes_the_name_of_a_table_command_and_one_edition(folder: Path) ->
 @pytest.mark.parametrize(
     ("setting", "says"),
     [
-        ("p_max=0", "`p_max` has to be above 0, since a scale is a multiple of it"),
-        ("p_max=-12.5", "`p_max` has to be above 0"),
-        ("p_max=0.01", "`p_max` is at least 0.1"),
-        ("p_max=100.5", "`p_max` is at most 100"),
+        ("p_max=0", "`p_max` must be above 0, because a scale is a multiple of it"),
+        ("p_max=-12.5", "`p_max` must be above 0"),
+        ("p_max=0.01", "`p_max` must be at least 0.1"),
+        ("p_max=100.5", "`p_max` must be at most 100"),
         ("p_max=", "`` is not a number"),
         ("p_max=nan", "`nan` is not a number"),
         ("p_max=1e1", "`1e1` is not a number"),
         ("p_max=1/0", "`1/0` divides by zero"),
         ("p_max=$(id)", "`$(id)` is not a number"),
-        ("winding=12.5", "there are: i_max=NUMBER; p_max=NUMBER; t_max=NUMBER; v_max=NUMBER; winding=delta|open|star"),
+        ("winding=12.5", "use one of: i_max=NUMBER; p_max=NUMBER; t_max=NUMBER; v_max=NUMBER; winding=delta|open|star"),
         ("q_max=12.5", "--set q_max=12.5 is not a parameter and its value"),
     ],
 )

@@ -38,7 +38,7 @@ def copy(*arguments: str) -> Result:
 def test_nothing_but_label_and_date_differs(lamp: Path) -> None:
     result = copy("v1", "v2", "--date", "2026-01")
     assert (result.exit_code, result.stdout) == (0, "wrote spec/lamp/v2.yaml\nwrote spec/lamp/v2.frames.yaml\n")
-    assert result.stderr.endswith("; then: canwright diff v1 v2\n")
+    assert result.stderr.endswith("; then run: canwright diff v1 v2\n")
     made = (lamp / "v2.yaml").read_text("utf-8")
     assert made == OLD.replace("edition: v1   # the label\n", "edition: v2   # the label\ndate: 2026-01\n")
     assert (lamp / "v2.frames.yaml").read_text("utf-8") == FRAMES.replace("edition: v1", "edition: v2")
@@ -49,7 +49,7 @@ def test_nothing_but_label_and_date_differs(lamp: Path) -> None:
 def test_the_frames_may_be_left_behind(lamp: Path) -> None:
     result = copy("spec/lamp/v1.yaml", "v2", "--no-frames")
     assert result.stdout == "wrote spec/lamp/v2.yaml\n"
-    assert result.stderr.endswith("; then: canwright diff spec/lamp/v1.yaml spec/lamp/v2.yaml\n")
+    assert result.stderr.endswith("; then run: canwright diff spec/lamp/v1.yaml spec/lamp/v2.yaml\n")
     assert not (lamp / "v2.frames.yaml").exists()
 
 
@@ -57,11 +57,11 @@ def test_the_frames_may_be_left_behind(lamp: Path) -> None:
     ("arguments", "says"),
     [
         (("v1", "v1"), "spec/lamp/v1.yaml exists already; nothing was written"),
-        (("v1", "v2.yaml"), "`v2.yaml` is a file; name the new edition, v2, and its file gets that name"),
+        (("v1", "v2.yaml"), "`v2.yaml` is a file name; give the name of the edition: v2"),
         (("v1", "../v2"), "`../v2` is not a valid edition"),
         (("v1", "v2", "--date", "soon"), "`soon` is not a valid date"),
         (("v11", "v2"), "did you mean `v1`?"),
-        (("bad", "v2"), "has errors; correct them before you copy it"),
+        (("bad", "v2"), "has errors; correct them first"),
     ],
 )
 def test_what_is_rejected(arguments: tuple[str, ...], says: str, lamp: Path) -> None:

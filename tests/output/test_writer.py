@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from canwright.output.paths import MANIFEST, OutputError
-from canwright.output.writer import Changes, Content, difference, write
+from canwright.output.writer import Content, FileChanges, difference, write
 
 
 def content(
@@ -23,16 +23,16 @@ def tree(out: Path) -> dict[str, str]:
 
 def test_writes_and_then_finds_nothing_to_do(tmp_path: Path) -> None:
     made = content({"c/a.h": "a\n", "c/x/b.h": "b\n"})
-    assert write(tmp_path, made) == Changes(("c/a.h", "c/x/b.h"), (), 0)
+    assert write(tmp_path, made) == FileChanges(("c/a.h", "c/x/b.h"), (), 0)
     assert tree(tmp_path) == {"c/a.h": "a\n", "c/x/b.h": "b\n"}
-    assert write(tmp_path, made) == Changes((), (), 2)
+    assert write(tmp_path, made) == FileChanges((), (), 2)
     assert list(difference(tmp_path, made)) == []
 
 
 def test_removes_files_of_former_runs_and_nothing_else(tmp_path: Path) -> None:
     write(tmp_path, content({"c/a.h": "a\n", "c/x/b.h": "b\n"}))
     (tmp_path / "c/mine.h").write_text("mine\n")
-    assert write(tmp_path, content({"c/a.h": "a\n"})) == Changes((), ("c/x/b.h",), 1)
+    assert write(tmp_path, content({"c/a.h": "a\n"})) == FileChanges((), ("c/x/b.h",), 1)
     assert tree(tmp_path) == {"c/a.h": "a\n", "c/mine.h": "mine\n"}
     assert not (tmp_path / "c/x").exists()
 
@@ -47,12 +47,12 @@ def test_a_target_that_needs_the_folder_for_itself(tmp_path: Path) -> None:
     site = tmp_path / "site"
     first, second = (Content((), ("site",), {name: b"a\n"}, alone=True) for name in ("a/x.html", "y.html"))
     write(site, first)
-    assert write(site, second) == Changes(("y.html",), ("a/x.html",), 0)
+    assert write(site, second) == FileChanges(("y.html",), ("a/x.html",), 0)
     for files in (content({"c/a.h": "a\n"}), content({"site/a.h": "a\n"}, targets=("site", "c"))):
         other = tmp_path / str(len(files.targets))
         write(other, files)
         before = tree(other)
-        with pytest.raises(OutputError, match="not of an earlier site"):
+        with pytest.raises(OutputError, match="no earlier run for site"):
             write(other, second, force=True)
         assert tree(other) == before
 

@@ -12,7 +12,7 @@ from canwright.cli import main
 from canwright.project.loader import spec_files, specification
 from canwright.recordings.identify import identify
 from canwright.recordings.readers import LogError, frames
-from canwright.recordings.scoring import Reader
+from canwright.recordings.scoring import Scorer
 from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result
 
@@ -63,16 +63,16 @@ def test_a_bus_of_three_editions_is_told_node_by_node(tmp_path: Path) -> None:
     assert "node 1, 2 frames: fits v2.35-2024-02\n" in result.output
     assert "node 2, 4 frames: fits v2.35\n" in result.output
     assert "node 3, 4 frames: fits v2.36-2025-03\n" in result.output
-    assert "is not within a plausible 6..100 V" in result.output
-    assert "0x183 is no id of this edition (2 of 2, as in 183#1800000100020011)" in result.output
+    assert "is outside the plausible range 6..100 V" in result.output
+    assert "0x183 is not an id of this edition (2 of 2, as in 183#1800000100020011)" in result.output
 
 
 def test_when_it_cannot_tell_it_says_what_would(tmp_path: Path) -> None:
     result = run(tmp_path, ["141#9C00000000000000", "141#9C32010002000A00", "7FF#00"])
     assert result.exit_code == 1
-    assert "cannot tell, v2.35 and v2.35-2024-02 fit alike" in result.output
-    assert "replies to read_status_1" in result.output
-    assert "1 of 3 frames have no id of mwd_motor and are left out: 0x7FF" in result.output
+    assert "undecided, v2.35 and v2.35-2024-02 fit equally well" in result.output
+    assert "record the reply to read_status_1" in result.output
+    assert "1 of 3 frames are ignored, since their ids do not belong to mwd_motor: 0x7FF" in result.output
     assert run(tmp_path, ["7FF#00"]).exit_code == 1
 
 
@@ -109,8 +109,8 @@ def test_what_follows_a_request_is_its_reply(tmp_path: Path) -> None:
         found, _ = identify(frames(write(tmp_path, lines)), EDITIONS)
         assert [e.name for e in found[0].editions] == ["v2.35"], lines
     text = run(tmp_path, POLLED).output
-    assert "0x141 carries a reply of read_status_1, though replies come on 0x181 (1 of 2, as in" in text
-    assert "request of read_status_1, though replies come on 0x181: DATA[1], DATA[3] should be 0" in (
+    assert "0x141 has a reply of read_status_1; expected replies on 0x181 (1 of 2, as in" in text
+    assert "request of read_status_1; expected replies on 0x181: DATA[1], DATA[3] should be 0" in (
         run(tmp_path, POLLED[1:]).output
     )
 
@@ -134,26 +134,26 @@ def test_frames_of_no_edition_are_told(tmp_path: Path) -> None:
     lines = ["141#B500000000000000"] * 2 + ["141#9A"] + V2_35_2024_02
     text = run(tmp_path, lines).output
     assert "node 1, 5 frames: fits v2.35-2024-02\n" in text
-    assert "  no edition has 3 frames, left out: 141#B500000000000000 (2), 141#9A (1)\n" in text
+    assert "  3 frames of no edition, ignored: 141#B500000000000000 (2), 141#9A (1)\n" in text
     assert "explains every frame" in text and "explains 1 of 2 frames" in text
     (node,) = json.loads(run(tmp_path, lines, "--format", "json").output)["nodes"]
     assert (node["frames"], node["of_no_edition"]) == (5, 3)
-    assert "it has no frame of 8 bytes that starts with 30 on 0x141" in run(tmp_path, MEASURED[4][0]).output
+    assert "no frame of 8 bytes that starts with 30 on 0x141" in run(tmp_path, MEASURED[4][0]).output
 
 
 def test_what_would_tell_only_reads_and_was_not_seen_yet(tmp_path: Path) -> None:
     # 23.88 V at 0.01 A reads as 26.5 V in the other edition
     text = run(tmp_path, ["141#9A00000000000000", "141#9A1F540901000000"]).output
-    assert "cannot tell, v2.35-2024-02 and v2.35 fit alike" in text
-    assert text.rstrip().endswith("read_status_1 would tell more") and "set_power" not in text
-    assert "replies to read_control_parameter would tell more" in run(tmp_path, V2_36).output
+    assert "undecided, v2.35-2024-02 and v2.35 fit equally well" in text
+    assert text.rstrip().endswith("read_status_1") and "set_power" not in text
+    assert "record the reply to read_control_parameter" in run(tmp_path, V2_36).output
     text = MINIMAL + "".join(
         f"  {name}:\n    code: 0x1{i}\n    effects: [{effects}]\n    reply: {{level: {{at: 2, type: level}}}}\n"
         for i, (name, effects) in enumerate((("burn", "burns"), ("read", "")), start=1)
     )
     editions = [edition(tmp_path, f"{text}effects: {{burns: {{}}}}\n".replace("0.1", scale)) for scale in ("0.1", "1")]
     (found,), _ = identify([CanFrame(0x101, bytes([0x10] + [0] * 7))], editions)
-    assert found.tell == ("read",)
+    assert found.distinguishing == ("read",)
 
 
 def test_a_long_log(tmp_path: Path) -> None:
@@ -161,7 +161,7 @@ def test_a_long_log(tmp_path: Path) -> None:
     recorded = list(frames(write(tmp_path, lines)))
     begin = time.process_time()
     found, _ = identify(recorded, EDITIONS)
-    assert (len(recorded), found[0].judged) == (10_000, 10_000)
+    assert (len(recorded), found[0].scored) == (10_000, 10_000)
     assert time.process_time() - begin < 5
 
 
@@ -169,7 +169,7 @@ def test_a_rare_slip_does_not_decide(tmp_path: Path) -> None:
     lines = V2_35 * 30 + ["142#9A3200E701000400"]
     found, _ = identify(frames(write(tmp_path, lines)), EDITIONS)
     assert [e.name for e in found[0].editions] == ["v2.35"]
-    assert found[0].candidates[0].against and found[0].candidates[0].score == 0
+    assert found[0].scores[0].against and found[0].scores[0].score == 0
 
 
 @pytest.mark.parametrize(
@@ -214,8 +214,8 @@ def test_a_log_of_python_can(ending: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("can0 141#9A0\n", ":1: expected a frame as candump writes it"),
-        ("can0 141#\nhello\n", ":2: expected a frame as candump writes it"),
+        ("can0 141#9A0\n", ":1: expected a frame of candump"),
+        ("can0 141#\nhello\n", ":2: expected a frame of candump"),
     ],
 )
 def test_what_is_no_log(text: str, says: str, tmp_path: Path) -> None:
@@ -230,7 +230,7 @@ def test_what_is_no_log(text: str, says: str, tmp_path: Path) -> None:
 def test_bytes_and_broken_recordings(tmp_path: Path) -> None:
     file = tmp_path / "x.log"
     file.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(LogError, match="is no text"):
+    with pytest.raises(LogError, match="is not a text file"):
         list(frames(file))
     broken = tmp_path / "x.blf"
     broken.write_bytes(b"not a recording at all, but long enough to be looked at" * 10)
@@ -247,4 +247,4 @@ def test_golden_frames_speak_for_their_own_edition(file: Path) -> None:
     checked = [g for g in item.frames.frames if not g.decode_only and g.command not in far_out]
     assert len(checked) > 100
     for golden in checked:
-        assert Reader(item.edition).read(CanFrame(golden.id, golden.data)).reasons == (), golden
+        assert Scorer(item.edition).interpret(CanFrame(golden.id, golden.data)).reasons == (), golden

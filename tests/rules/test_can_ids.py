@@ -60,8 +60,7 @@ def test_an_id_that_is_looked_for_at_another_address_is_found(tmp_path: Path) ->
     assert [(f.rule, f.message, f.hint) for f in found] == [
         (
             "id-collision",
-            "the ids of this reply are taken for those of the address `store`, which has no such code",
-            "0x1C000 is that of node 0 there: check `id`, `nodes` and `selector` of both addresses, or give it another "
-            "code",
+            "the ids of this reply are identified as ids of the address `store`, which has no such code",
+            "0x1C000 is node 0 there: check `id`, `nodes` and `selector` of both addresses, or give it another code",
         )
     ]

@@ -179,7 +179,7 @@ def test_github_annotations(tmp_path: Path) -> None:
     assert code == 1
     assert printed == (
         "::error file=folder/a%2C b.yaml,line=12,col=27,title=beyond-frame::"
-        "`level` takes bytes 7 to 8, and the frame has bytes 0 to 7%0Acheck `at`, the type and `dlc`\n"
+        "`level` uses bytes 7 to 8, but the frame has bytes 0 to 7%0Acheck `at`, the type and `dlc`\n"
     )
 
 
@@ -249,6 +249,6 @@ def test_a_field_that_moved_is_told_once_for_each_frame(tmp_path: Path) -> None:
     with pytest.raises(SpecError) as refused:
         load(tmp_path / "lamp.yaml")
     assert [(d.position.line, d.message) for d in refused.value.diagnostics] == [
-        (6, "the bytes hold 0 in `level`"),
-        (7, "`level` is 0 by the spec's scale"),
+        (6, "`level` is 0 in `data`"),
+        (7, "`level` is 0 according to the scale in the spec"),
     ]

@@ -15,12 +15,12 @@ LATEST = "spec/mwd_motor/v2.36-2025-03"
 FIRST = "spec/mwd_motor/v2.35"
 CASES = {
     "a range is wider": (LATEST, "raw_range: -2048..2048", "raw_range: -3000..3000", "iq raw 2049"),
-    "a range is narrower": (LATEST, "raw_range: -2048..2048", "raw_range: -2000..2000", "`iq` cannot be raw 2048"),
+    "a range is narrower": (LATEST, "raw_range: -2048..2048", "raw_range: -2000..2000", "raw 2048 is invalid for `iq`"),
     "a scale is known": (
         LATEST,
         "MS: none, MH: none}",
         "MS: 1, MH: 1}",
-        "the spec accepts this, the request of set_torque",
+        "the request of set_torque",
     ),
     "a name is new": (LATEST, "read: {value: 0x10,", "grip: {value: 2}\n      read: {value: 0x10,", "action raw 2"),
     "fields no longer depend on a parameter": (
@@ -28,44 +28,49 @@ CASES = {
         "      power: {at: 2, type: output_power, only: {series: [MS]}}\n"
         "      iq: {at: 2, type: measured_torque_current, only: {series: [MF, MH, MG]}}\n",
         "      iq: {at: 2, type: measured_torque_current}\n",
-        "the spec accepts this, the reply of set_speed, node 1: temperature 50 °C, iq raw 100",
+        "the spec accepts this frame: the reply of set_speed, node 1: temperature 50 °C, iq raw 100",
     ),
     "a code is another": (
         LATEST,
         "code: 0xA1\n",
         "code: 0xAF\n",
-        "by the spec the request cannot be read: no request on 0x141 has DATA[0] 0xA1",
+        "the request is rejected: no request on 0x141 has DATA[0] 0xA1",
     ),
-    "a code is taken": (LATEST, "code: 0xA1\n", "code: 0x12\n", "the spec accepts this, the request of set_torque"),
+    "a code is taken": (
+        LATEST,
+        "code: 0xA1\n",
+        "code: 0x12\n",
+        "the spec accepts this frame: the request of set_torque",
+    ),
     "an echo is a reply of its own": (
         LATEST,
         'code: 0x80\n    manual: "5"\n    reply: echo',
         'code: 0x80\n    manual: "5"\n    reply: {state: {at: 7, raw: u8}}',
-        "by the spec this is the answer, the reply of motor_off, node 1",
+        "this is the reply: the reply of motor_off, node 1",
     ),
     "a reply is an echo": (
         LATEST,
         "    reply: {state: {at: 1, type: brake_state}}",
         "    reply: echo",
-        "by the spec this is no answer: the reply of brake is an echo, and this differs",
+        "the reply of brake is an echo",
     ),
     "there are more nodes": (
         LATEST,
         "nodes: 1..32",
         "nodes: 0..33",
-        "the spec accepts this, the request of motor_off, node 33",
+        "the spec accepts this frame: the request of motor_off, node 33",
     ),
     "there are fewer nodes": (
         LATEST,
         "nodes: 1..32",
         "nodes: 1..31",
-        "by the spec the request cannot be read: no request has the id 0x160",
+        "the request is rejected: no request has the id 0x160",
     ),
     "replies come elsewhere": (
         LATEST,
         "reply: 0x180 + node",
         "reply: 0x140 + node",
-        "0x181 is no id of motor_off_reply",
+        "0x181 is not an id of motor_off_reply",
     ),
     "an entry has another index": (
         LATEST,
@@ -84,25 +89,25 @@ CASES = {
         LATEST,
         "      key: {at: 2, raw: u8, constant: 0xFA, title: {en: Fixed byte, zh: 固定值}}\n",
         "",
-        "the spec accepts this, the request of save_stored_settings",
+        "the spec accepts this frame: the request of save_stored_settings",
     ),
     "fewer nodes reply to all": (
         FIRST,
         "from_each: 1..4",
         "from_each: 1..3",
-        "by the spec this is no answer: it comes from node 4, not 1..3",
+        "this is not the reply: it comes from node 4, not 1..3",
     ),
     "a first byte is no longer accepted": (
         FIRST,
         "accept: [0x9B]",
         "accept: []",
-        "by the spec this is no answer: DATA[0] is 0x9B, but clear_errors_reply has 0x9A",
+        "this is not the reply: DATA[0] is 0x9B, but clear_errors_reply has 0x9A",
     ),
     "no field says who replies": (
         "tests/specs/joint/v1",
         "joint: {at: 0.3, raw: u4, holds: node,",
         "joint: {at: 0.3, raw: u4,",
-        "by the spec this is the answer, the reply of control",
+        "this is the reply: the reply of control",
     ),
 }
 

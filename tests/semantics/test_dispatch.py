@@ -13,7 +13,7 @@ from canwright.model.message import Direction, Key, Message
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Rejection
-from canwright.semantics.dispatch import Found, Node, Select, dispatch_plan
+from canwright.semantics.dispatch import Match, Node, Select, dispatch_plan
 from canwright.semantics.frame import CanFrame
 
 from ..resolve.test_tables import TABLE
@@ -95,14 +95,14 @@ def test_only_the_length_decides_between_messages_of_one_code(tmp_path: Path) ->
 def test_the_tree_has_every_message_that_claims_a_code(spec: Path) -> None:
     of_spec = specification(spec).edition
     for direction in Direction:
-        entries = dispatch_plan(of_spec.messages(direction)).entries
-        there = {name for entry in entries for name in names(entry.then)}
+        routes = dispatch_plan(of_spec.messages(direction)).routes
+        there = {name for route in routes for name in names(route.then)}
         assert there == {m.name for m in of_spec.messages(direction) if m.claims or not m.keys}
 
 
 def names(node: Node) -> Iterator[str]:
     """The messages below a node."""
-    if isinstance(node, Found):
+    if isinstance(node, Match):
         yield node.message.name
     elif isinstance(node, Select):
         for branch in (*(case.then for case in node.cases), node.otherwise):

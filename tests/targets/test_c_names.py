@@ -53,7 +53,7 @@ CLASHES = {
         "types:",
         "types:\n  command: {raw: u8, enum: {dim: {value: 1}}}",
         [
-            "the type `command` and something that every edition has would both be `lamp_v1_command_name` in C",
+            "the type `command` and a name in every edition would both be `lamp_v1_command_name` in C",
             "the command `dim` and the type `command` would both be `LAMP_V1_COMMAND_DIM` in C",
         ],
     ),

@@ -245,7 +245,7 @@ def test_a_shared_layout_is_no_frame_of_its_own(v2_35: ModuleType) -> None:
     values = {"temperature": 1, "iq": 1, "speed": 1, "encoder": 1}
     for make in (v2_35.MotionFeedback, v2_35.MotionFeedback.from_raw):
         with pytest.raises(
-            TypeError, match="MotionFeedback is no frame of its own; use the class of a request or a reply"
+            TypeError, match="MotionFeedback is only a base class; use the class of a request or a reply"
         ):
             make(node=1, parameters=known, **values)
 

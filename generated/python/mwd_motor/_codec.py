@@ -369,7 +369,7 @@ def each(check: Callable[[Any, Any, str], int], count: int) -> Callable[[Any, An
     def check_all(values: Iterable[Any], parameters: Any, field: str) -> tuple[int, ...]:
         found = tuple(values)
         if len(found) != count:
-            raise CodecError(Refusal.OUT_OF_RANGE, f"{field} has {len(found)} elements, {count} are needed", field)
+            raise CodecError(Refusal.OUT_OF_RANGE, f"{field} has {len(found)} elements, but needs {count}", field)
         return tuple(check(value, parameters, field) for value in found)
 
     return check_all
@@ -406,7 +406,7 @@ class Message:
     MANUAL: ClassVar[str] = ""
     """The manual's section."""
     EFFECTS: ClassVar[tuple[str, ...]] = ()
-    """What sending it causes besides its reply."""
+    """The effects of sending it besides its reply."""
     LIMITED_BY: ClassVar[tuple[str, ...]] = ()
     """The settings of the host that limit it."""
     ONLY: ClassVar[Mapping[str, tuple[object, ...]]] = {}
@@ -430,12 +430,12 @@ class Message:
 
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0."""
-        raise TypeError(f"{type(self).__name__} is no frame of its own")
+        raise TypeError(f"{type(self).__name__} is only a base class")
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Any) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        raise TypeError(f"{cls.__name__} is no frame of its own")
+        raise TypeError(f"{cls.__name__} is only a base class")
 
     @classmethod
     def from_raw(cls, *, node: int | None = None, parameters: Any = None, **raw: Any) -> Self:
@@ -456,9 +456,9 @@ class Message:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name):
-            """Raises the error for an attribute that does not exist: a field absent under the parameters, or no field."""
+            """Raises the error for an absent field or an unknown attribute."""
             if not hasattr(type(self), "COMMAND"):
-                raise TypeError(f"{type(self).__name__} is no frame of its own; use the class of a request or a reply")
+                raise TypeError(f"{type(self).__name__} is only a base class; use the class of a request or a reply")
             if name.removesuffix("_raw") not in type(self).TYPES:
                 raise AttributeError(f"{type(self).__name__} has no attribute {name}")
             there = ", ".join(self.fields())

@@ -242,7 +242,7 @@ class Series(str, Enum):
 
 @dataclass(frozen=True)
 class Parameters:
-    """What you know of a node and no frame contains; leave out what you do not know."""
+    """The properties of a node that no frame contains; leave out unknown ones."""
 
     series: Series | None = None
     """Motor series. One of MS, MF, MH, MG. Printed on the motor. It determines the scale of the torque current

@@ -1,4 +1,4 @@
-"""The command line: one command a module, listed here."""
+"""The command line: one module for each command, listed here."""
 
 from __future__ import annotations
 
@@ -38,20 +38,20 @@ class _Commands(click.Group):
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(__version__, "-V", "--version", message="canwright %(version)s")
 def main() -> None:
-    """Bindings and documents from one YAML description of a CAN protocol.
+    """Generate bindings and documents from one YAML description of a CAN protocol.
 
     \b
     Start here:
-      canwright generate                              everything in spec/ into generated/
-      canwright check                                 whether generated/ agrees with spec/
-      canwright explain RULE                          the meaning of a finding or of a key
+      canwright generate                              generate everything in spec/ into generated/
+      canwright check                                 compare generated/ with spec/
+      canwright explain RULE                          explain a rule or a key
       canwright copy OLD NEW                          start a new edition
-      canwright diff OLD NEW                          what changed between editions, and who is affected
-      canwright identify LOG                          which edition a recorded exchange fits
-      canwright editions                              a list of the editions
-      canwright show COMMAND                          one command, in the terminal
-      canwright site                                  the pages as a site, for a browser
-      canwright generate --spec my.yaml --out out     your own protocol, in any folder
+      canwright diff OLD NEW                          show changes between editions and who is affected
+      canwright identify LOG                          identify the edition of recorded frames
+      canwright editions                              list the editions
+      canwright show COMMAND                          show one command in the terminal
+      canwright site                                  build the pages into a website
+      canwright generate --spec my.yaml --out out     generate your own protocol
 
-    Exit status: 0 without findings, 1 with findings, 2 if it could not run.
+    Exit status: 0 without findings, 1 with findings, 2 if the command could not run.
     """

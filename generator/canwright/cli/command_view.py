@@ -1,4 +1,4 @@
-"""One command, as a person would want to read it in a terminal."""
+"""One command as a view for the terminal."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ _STYLES = {Level.NOTE: "cyan", Level.WARNING: "yellow", Level.DANGER: "bold red"
 
 
 def find(specifications: Sequence[Specification], wanted: str) -> tuple[list[tuple[Edition, Command]], str]:
-    """The commands of that name or code, in every edition, and a hint when there is none.
+    """The commands of this name or code in every edition, and a hint if there are none.
 
-    The name of a command that a table gives several forms names all of them.
+    The name of a command with a table finds all its forms.
     """
     try:
         code = int(wanted, 0)
@@ -34,11 +34,11 @@ def find(specifications: Sequence[Specification], wanted: str) -> tuple[list[tup
     found = [(e, c) for e, c in pairs if wanted in (c.name, c.group) or (code is not None and code == c.code)]
     return found, nearest(
         wanted, dict.fromkeys(name for _, c in pairs for name in (c.name, c.group))
-    ) or "`canwright show --help` says how to name one"
+    ) or "see `canwright show --help`"
 
 
 def show_command(edition: Edition, command: Command, language: str) -> None:
-    """Prints a command: layout first, then what it does and what to mind."""
+    """Prints a command: description, effects and limits, frames, errata."""
     language = language if language in edition.languages else edition.languages[0]
     Console(highlight=False, markup=False, emoji=False).print(Group(*_parts(edition, command, language)))
 
@@ -68,7 +68,7 @@ def _facts(command: Command, language: str) -> Iterator[RichText]:
     if command.only:
         yield RichText(f"only {formatting.condition(command.only)}")
     if not command.implemented:
-        yield RichText("not implemented, says the manual", "yellow")
+        yield RichText("not implemented according to the manual", "yellow")
     for effect in command.effects:
         yield RichText(effect.title[language], _STYLES[effect.level])
     if command.limited_by:
@@ -83,9 +83,9 @@ def _reply_form(command: Command) -> str:
     form = ""
     for reply in command.replies:
         if isinstance(reply, EchoReply):
-            form = "the request comes back"
+            form = "echo of the request"
         elif isinstance(reply, OtherReply):
-            form = f"that of {reply.of}"
+            form = f"the reply of {reply.of}"
         elif isinstance(reply, SharedReply):
             form = f"the shared layout {reply.message.layout.name}"
     each = f"one from each of {', '.join(map(str, command.from_each))}, in this order" if command.from_each else ""
@@ -102,7 +102,7 @@ def _frame(message: Message | None, note: str) -> str:
 
 
 def id_rule(rule: IdRule) -> str:
-    """`0x100 + node (1..32)`."""
+    """An id rule with its nodes: `0x100 + node (1..32)`."""
     if rule.nodes is None:
         return f"0x{rule.base:X}"
     return f"{formatting.id_rule(rule)} ({rule.nodes[0]}..{rule.nodes[-1]})"
@@ -110,9 +110,9 @@ def id_rule(rule: IdRule) -> str:
 
 def _table(command: Command, message: Message, language: str) -> RenderableType:
     if not message.layout.fields:
-        return RichText("  no fields, the other bytes are 0", "dim")
+        return RichText("  no fields; all other bytes are 0", "dim")
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
-    for column in ("  where", "field", "raw", "one step is", "raw range", "what"):
+    for column in ("  position", "field", "raw", "resolution (1 LSB)", "raw range", "title"):
         table.add_column(column)
     for field in message.layout.fields:
         for name, segments in formatting.elements(field):
@@ -127,7 +127,7 @@ def _table(command: Command, message: Message, language: str) -> RenderableType:
 
 
 def _relevant(command: Command, layout: Layout, field: Field) -> tuple[str, ...]:
-    """The values of the parameter that scales a field under which command and field are there."""
+    """The parameter values under which command and field exist, of the parameter that the scale depends on."""
     parameter = field.type.linear.parameter
     if parameter is None:
         return ()
@@ -143,6 +143,6 @@ def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
         return "\n".join(f"{m.value} {m.name}" for m in type_.enum), ""
     if type_.flags:
         return "\n".join(f"bit {m.value} {m.name}" for m in type_.flags), ""
-    scale = "\n".join(f"{worth} ({names})" if names else worth for names, worth in formatting.scale(type_, among))
+    scale = "\n".join(f"{step} ({names})" if names else step for names, step in formatting.scale(type_, among))
     limits = "\n".join(f"{limits} ({names})" if names else limits for names, limits in formatting.ranges(type_))
     return scale, limits

@@ -35,15 +35,17 @@ class FilePath(click.Path):
             return super().convert(value, param, ctx)
         except click.BadParameter as error:
             file = Path(str(value))
-            beside = sorted(f.name for f in file.parent.glob("*")) if file.parent.is_dir() and not file.exists() else []
-            meant = near(file.name, beside)
+            siblings = (
+                sorted(f.name for f in file.parent.glob("*")) if file.parent.is_dir() and not file.exists() else []
+            )
+            match = near(file.name, siblings)
             self.fail(
-                f"{error.message}{f' Did you mean {(file.parent / meant).as_posix()}?' if meant else ''}", param, ctx
+                f"{error.message}{f' Did you mean {(file.parent / match).as_posix()}?' if match else ''}", param, ctx
             )
 
 
 class OfSpecs(click.Command):
-    """A command without arguments: specs are named by an option."""
+    """A command without arguments; a spec is given by an option."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         try:
@@ -51,7 +53,7 @@ class OfSpecs(click.Command):
         except click.UsageError as error:
             if type(error) is not click.UsageError:
                 raise
-            raise click.UsageError(f"{error.message.rstrip('.')}; a spec is named like --spec my.yaml", ctx) from None
+            raise click.UsageError(f"{error.message.rstrip('.')}; give a spec as --spec my.yaml", ctx) from None
 
 
 spec_option = click.option(
@@ -74,7 +76,7 @@ format_option = click.option(
     type=click.Choice(list(PRINTERS)),
     default="text",
     show_default=True,
-    help="How findings are printed.",
+    help="The format of findings.",
 )
 set_option = click.option(
     "--set",
@@ -86,17 +88,15 @@ set_option = click.option(
 
 
 def read(specs: Sequence[Path], printer: str = "text") -> list[Specification]:
-    """The editions of the given specs, or of all specs. Errors are printed and end the run."""
+    """The editions of the given specs, or of all specs. Errors are printed and exit the command."""
     return [one.specification for one in load(specs, printer)]
 
 
 def load(specs: Sequence[Path], printer: str = "text") -> list[Loaded]:
-    """As `read`, with warnings and texts."""
+    """The given specs, or all specs, with their warnings and documents. Errors are printed and exit the command."""
     files = list({file.resolve(): file for file in specs}.values()) or spec_files(SPEC_FOLDER)
     if not files:
-        stop(
-            f"there is no spec in {SPEC_FOLDER}/ here; run it where {SPEC_FOLDER}/ is, or name one with --spec my.yaml"
-        )
+        stop(f"no spec found in {SPEC_FOLDER}/; change to its parent folder, or give a spec as --spec my.yaml")
     try:
         return all_loaded(files)
     except SpecError as error:
@@ -107,14 +107,14 @@ def load(specs: Sequence[Path], printer: str = "text") -> list[Loaded]:
 
 
 def show_findings(findings: Sequence[Diagnostic], printer: str) -> None:
-    """Findings for people on standard error with their count, for machines on standard output."""
+    """Prints findings: as text on standard error with their count, in any other format on standard output."""
     if printer != "text":
         click.echo(PRINTERS[printer](findings))
         return
     click.echo(PRINTERS[printer](findings), err=True)
     counts = Counter(finding.severity.value for finding in findings)
     total = " and ".join(counted(count, kind) for kind, count in sorted(counts.items()))
-    click.echo(f"{total}; run `canwright explain RULE` for more", err=True)
+    click.echo(f"{total}; `canwright explain RULE` explains a rule", err=True)
 
 
 def stop(message: str) -> NoReturn:

@@ -25,50 +25,50 @@ from .common import SPEC_FOLDER, show_findings, stop
 def copy(old: str, new: str, date: str | None, no_frames: bool) -> None:
     """Start the edition NEW as a copy of OLD, with its golden frames.
 
-    OLD is a file or an edition in spec/; the copy is written beside it. Edit it where the new manual differs. Then
-    `canwright diff OLD NEW` shows the changes, and `canwright check` the golden frames that contradict them.
+    OLD is a file or an edition in spec/; the copy is written to the same folder. Edit it where the new manual differs.
+    Then `canwright diff OLD NEW` shows the changes, and `canwright check` the golden frames that contradict them.
     """
     _fits("edition", new)
     if Path(new).suffix in (".yaml", ".yml"):
-        stop(f"`{new}` is a file; name the new edition, {Path(new).stem}, and its file gets that name")
+        stop(f"`{new}` is a file name; give the name of the edition: {Path(new).stem}")
     if date is not None:
         _fits("date", date)
     try:
         source = Path(find(old, SPEC_FOLDER).document.name)
         if not source.is_file():
-            stop(f"`{old}` is not a file, so the copy has no folder; name a file or an edition")
+            stop(f"`{old}` is not in a folder; give a file or an edition")
         target = source.with_name(f"{new}.yaml")
-        made = {target: _renamed(source, new, date)}
+        copies = {target: _renamed(source, new, date)}
         if frames_file(source).is_file() and not no_frames:
-            made[frames_file(target)] = _renamed(frames_file(source), new, None)
-        for file in made:
+            copies[frames_file(target)] = _renamed(frames_file(source), new, None)
+        for file in copies:
             if file.exists():
-                stop(f"{file.as_posix()} exists already; nothing was written")
-        for file, text in made.items():
+                stop(f"{file.as_posix()} exists already; nothing was written, choose another name or remove it")
+        for file, text in copies.items():
             file.write_text(text, "utf-8")
             click.echo(f"wrote {file.as_posix()}")
         load(target)
-        beside = target.as_posix() if Path(old).is_file() else target.stem
+        reference = target.as_posix() if Path(old).is_file() else target.stem
         click.echo(
-            f"Edit it where the new manual differs, its title included; then: canwright diff {old} {beside}",
+            f"Edit it where the new manual differs, including its title; then run: canwright diff {old} {reference}",
             err=True,
         )
     except SpecError as error:
         show_findings(error.diagnostics, "text")
-        stop(f"`{old}` has errors; correct them before you copy it")
+        stop(f"`{old}` has errors; correct them first")
     except (UnknownEditionError, OSError) as error:
         stop(str(error))
 
 
 def _fits(key: str, value: str) -> None:
-    """Stops unless the schema takes `value` for `key`."""
+    """Stops unless `value` is valid for `key`."""
     pattern = keys(EditionSpec)[key].limits.pattern
     if not re.fullmatch(str(pattern), value):
         stop(f"`{value}` is not a valid {key}; it must match {pattern}")
 
 
 def _renamed(file: Path, edition: str, date: str | None) -> str:
-    """The text of a file with another edition, and another date where one is given."""
+    """The text of a file with another edition, and another date if one is given."""
     document, content = read_document(file)
     lines = content.decode("utf-8").split("\n")
     if date is not None and ("date",) in document:

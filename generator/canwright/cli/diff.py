@@ -27,7 +27,7 @@ FAILS = (*(c.value for c in Category), Impact.SILENT.value, Impact.LOUD.value)
     type=click.Choice(list(REPORTS)),
     default="text",
     show_default=True,
-    help="How changes are printed.",
+    help="The format of the report.",
 )
 @click.option(
     "--fail-on", metavar="KIND,KIND", default="", help=f"Exit 1 on changes of these kinds: {', '.join(FAILS)}."
@@ -44,17 +44,18 @@ def diff(old: str, new: str, report: str, fail_on: str) -> None:
 
     Golden frames are ignored, so a new edition can be compared before they fit it.
 
-    wire is about bits, value about their meaning, api about names in the bindings, doc about texts. A silent change lets
-    a program of the old edition run on and read or command something else; a loud one gives it no answer, or an error.
+    Categories: wire (bits), value (meaning of bits), api (names in the bindings), doc (texts). After a silent change, a
+    program of the old edition keeps running, but reads or commands something else. After a loud one, it receives no
+    reply or reports an error.
     """
     kinds = [kind.strip() for kind in fail_on.split(",") if kind.strip()]
     for kind in kinds:
         if kind not in FAILS:
-            stop(f"--fail-on has no kind `{kind}`; there are: {', '.join(FAILS)}")
+            stop(f"--fail-on has no kind `{kind}`; use one of: {', '.join(FAILS)}")
     before, after = _find(old), _find(new)
     families = [one.specification.edition.family for one in (before, after)]
     if families[0] != families[1]:
-        stop(f"`{families[0]}` and `{families[1]}` are different families; compare editions of one")
+        stop(f"`{families[0]}` and `{families[1]}` are different families; give two editions of one family")
     found = Comparison.of(before, after)
     click.echo(REPORTS[report](found))
     if any({c.rule.category.value, c.impact.value} & set(kinds) for c in found.changes):

@@ -1,4 +1,4 @@
-"""A comparison for people and for machines: text, Markdown, a section of a changelog, JSON, GitHub annotations."""
+"""Reports of a comparison: text, Markdown, a section of a changelog, JSON, GitHub annotations."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from .printers import annotation
 
 _COLOURS = {Impact.SILENT: "red", Impact.LOUD: "yellow", Impact.BUILD: "cyan", Impact.SAFE: "green"}
 _MEANING = {
-    Impact.SILENT: "Silent: a program of the old edition keeps running, and reads or commands something else",
-    Impact.LOUD: "Loud: a program of the old edition gets no answer, or an error",
+    Impact.SILENT: "Silent: the program keeps running, but reads or commands something else",
+    Impact.LOUD: "Loud: the program receives no reply or reports an error",
     Impact.BUILD: "Names: a program has to be changed before it builds with the new bindings",
     Impact.SAFE: "Nothing breaks",
 }
@@ -29,7 +29,7 @@ _MEANING = {
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two editions, their texts with positions, and what changed between them."""
+    """Two editions, their documents, and the changes between them."""
 
     old: Loaded
     new: Loaded
@@ -41,12 +41,12 @@ class Comparison:
 
     @property
     def title(self) -> str:
-        """`lamp v1 -> v2`."""
+        """The heading of a report: `lamp v1 -> v2`."""
         old, new = self.old.specification.edition, self.new.specification.edition
         return f"{old.family} {old.name} -> {new.name}"
 
-    def places(self, change: Change) -> tuple[Position, Position]:
-        """Where a change stands in both specs."""
+    def positions(self, change: Change) -> tuple[Position, Position]:
+        """The positions of a change in both specs."""
         return _position(self.old, change.old), _position(self.new, change.new)
 
 
@@ -62,7 +62,7 @@ def _grouped(changes: Sequence[Change]) -> dict[Item, list[Change]]:
     return groups
 
 
-def _who(change: Change) -> str:
+def _affected(change: Change) -> str:
     return f"host {' and '.join(side.value for side in change.sides)}" if change.sides else ""
 
 
@@ -72,31 +72,31 @@ def _reach(item: Item, changes: Sequence[Change]) -> str:
     return f" ({', '.join(others)})" if others else ""
 
 
-def text(found: Comparison) -> str:
-    """Grouped by what they belong to, silent ones first, each with its place in both files."""
-    lines = [found.title, ""]
-    for item, changes in _grouped(found.changes).items():
+def text(comparison: Comparison) -> str:
+    """Changes grouped by item, silent ones first, each with its positions in both files."""
+    lines = [comparison.title, ""]
+    for item, changes in _grouped(comparison.changes).items():
         lines.append(_styled(str(item), None) + _reach(item, changes))
         for change in changes:
-            old, new = found.places(change)
+            old, new = comparison.positions(change)
             impact = _styled(f"{change.impact.value:6}", _COLOURS[change.impact])
             lines.append(f"  {impact}  {change.rule.category.value:5}  {change.says()} [{change.rule.id}]")
-            who = _who(change) and f"{_who(change)}; "
-            lines.append(f"                 {who}{_place(old)} -> {_place(new)}")
+            affected = _affected(change) and f"{_affected(change)}; "
+            lines.append(f"                 {affected}{_location(old)} -> {_location(new)}")
         lines.append("")
-    return "\n".join([*lines, summary(found.changes)])
+    return "\n".join([*lines, summary(comparison.changes)])
 
 
 def _styled(written: str, colour: str | None) -> str:
     return written if os.environ.get("NO_COLOR") else click.style(written, fg=colour, bold=True)
 
 
-def _place(at: Position) -> str:
+def _location(at: Position) -> str:
     return f"{at.file}:{at.line}:{at.column}"
 
 
 def summary(changes: Sequence[Change]) -> str:
-    """`12 changes: 3 wire, 9 doc; 2 silent, 1 loud`."""
+    """The counts of changes: `12 changes: 3 wire, 9 doc; 2 silent, 1 loud`."""
     categories = Counter(change.rule.category for change in changes)
     impacts = Counter(change.impact for change in changes)
     kinds = ", ".join(f"{categories[c]} {c.value}" for c in Category if categories[c])
@@ -107,33 +107,33 @@ def summary(changes: Sequence[Change]) -> str:
     )
 
 
-def markdown(found: Comparison) -> str:
-    """A table for each impact."""
-    lines = [f"# {found.title}", "", summary(found.changes), ""]
+def markdown(comparison: Comparison) -> str:
+    """A table of changes for each impact."""
+    lines = [f"# {comparison.title}", "", summary(comparison.changes), ""]
     for impact in Impact:
-        changes = [change for change in found.changes if change.impact is impact]
+        changes = [change for change in comparison.changes if change.impact is impact]
         if changes:
-            lines += [f"## {_MEANING[impact]}", "", "| what | change | kind | host | old | new |"]
-            lines += ["| --- | --- | --- | --- | --- | --- |", *(_row(found, change) for change in changes), ""]
+            lines += [f"## {_MEANING[impact]}", "", "| item | change | kind | host | old | new |"]
+            lines += ["| --- | --- | --- | --- | --- | --- |", *(_row(comparison, change) for change in changes), ""]
     return "\n".join(lines).rstrip("\n")
 
 
-def _row(found: Comparison, change: Change) -> str:
-    old, new = found.places(change)
+def _row(comparison: Comparison, change: Change) -> str:
+    old, new = comparison.positions(change)
     host = ", ".join(side.value for side in change.sides)
     kind = f"{change.rule.category.value} `{change.rule.id}`"
-    places = [markdown_text(f"{at.file}:{at.line}") for at in (old, new)]
-    return f"| {' | '.join([str(change.item), change.says(escape=markdown_text), kind, host, *places])} |"
+    locations = [markdown_text(f"{at.file}:{at.line}") for at in (old, new)]
+    return f"| {' | '.join([str(change.item), change.says(escape=markdown_text), kind, host, *locations])} |"
 
 
-def changelog(found: Comparison) -> str:
+def changelog(comparison: Comparison) -> str:
     """A section to paste into a changelog."""
-    new = found.new.specification.edition
+    new = comparison.new.specification.edition
     lines = [f"## {new.name}" + (f" ({new.date})" if new.date else ""), ""]
-    lines += [f"Since {found.old.specification.edition.name}, {summary(found.changes)}.", ""]
+    lines += [f"Since {comparison.old.specification.edition.name}, {summary(comparison.changes)}.", ""]
     by_heading: dict[str, list[str]] = {heading: [] for heading in ("Changed", "Added", "Removed")}
     documents: dict[str, list[str]] = {}
-    for change in by_impact(found.changes):
+    for change in by_impact(comparison.changes):
         if change.rule.category is Category.DOC:
             documents.setdefault(change.rule.purpose, []).append(f"`{change.item.name or change.item.kind}`")
         else:
@@ -153,15 +153,17 @@ def _heading(change: Change) -> str:
 
 
 def _entry(change: Change) -> str:
-    impact = f"**{change.impact.value}**, {_who(change)}: " if change.impact in (Impact.SILENT, Impact.LOUD) else ""
-    named = "" if change.item.name and f"`{change.item.name}`" in change.says() else f"{change.item}: "
-    return f"- {impact}{named}{change.says(escape=markdown_text)}"
+    impact = (
+        f"**{change.impact.value}**, {_affected(change)}: " if change.impact in (Impact.SILENT, Impact.LOUD) else ""
+    )
+    item = "" if change.item.name and f"`{change.item.name}`" in change.says() else f"{change.item}: "
+    return f"- {impact}{item}{change.says(escape=markdown_text)}"
 
 
-def as_json(found: Comparison) -> str:
+def as_json(comparison: Comparison) -> str:
     """An object with `old`, `new` and `changes`."""
 
-    def place(at: Position) -> dict[str, object]:
+    def location(at: Position) -> dict[str, object]:
         return {"file": at.file, "line": at.line, "column": at.column}
 
     changes = [
@@ -173,26 +175,28 @@ def as_json(found: Comparison) -> str:
             "item": {"kind": change.item.kind, "name": change.item.name},
             "message": change.says(),
             "used_by": list(change.used_by),
-            "old": place(found.places(change)[0]),
-            "new": place(found.places(change)[1]),
+            "old": location(comparison.positions(change)[0]),
+            "new": location(comparison.positions(change)[1]),
         }
-        for change in by_impact(found.changes)
+        for change in by_impact(comparison.changes)
     ]
-    old, new = found.old.specification.edition, found.new.specification.edition
+    old, new = comparison.old.specification.edition, comparison.new.specification.edition
     listed = {"family": old.family, "old": old.name, "new": new.name, "changes": changes}
     return json.dumps(listed, indent=2, ensure_ascii=False)
 
 
-def github(found: Comparison) -> str:
-    """Workflow commands that GitHub shows beside the lines of the new spec."""
+def github(comparison: Comparison) -> str:
+    """Workflow commands that GitHub shows at the lines of the new spec."""
 
     def line(change: Change) -> str:
-        old, new = found.places(change)
+        old, new = comparison.positions(change)
         level = "warning" if change.impact in (Impact.SILENT, Impact.LOUD) else "notice"
-        who = f"{change.impact.value}, {_who(change)}: " if change.sides else ""
-        return annotation(level, new, change.rule.id, f"{who}{change.item}: {change.says()} (was {_place(old)})")
+        affected = f"{change.impact.value}, {_affected(change)}: " if change.sides else ""
+        return annotation(
+            level, new, change.rule.id, f"{affected}{change.item}: {change.says()} (was {_location(old)})"
+        )
 
-    return "\n".join(map(line, by_impact(found.changes)))
+    return "\n".join(map(line, by_impact(comparison.changes)))
 
 
 REPORTS: Mapping[str, Callable[[Comparison], str]] = {

@@ -12,12 +12,12 @@ from .common import stop
 
 _FILES = (
     ("Bad, bad.yaml", "bad.yaml"),
-    ("With it, bad.frames.yaml", "bad.frames.yaml"),
+    ("Golden frames of the bad spec, bad.frames.yaml", "bad.frames.yaml"),
     ("Before, previous.yaml", "previous.yaml"),
     ("After, current.yaml", "current.yaml"),
     ("What canwright reports", "expected.txt"),
     ("Good, good.yaml", "good.yaml"),
-    ("With it, good.frames.yaml", "good.frames.yaml"),
+    ("Golden frames of the good spec, good.frames.yaml", "good.frames.yaml"),
 )
 
 
@@ -26,7 +26,7 @@ _FILES = (
 def explain(rule: str | None) -> None:
     """Explain a RULE by example, or the meaning of a KEY.
 
-    Without either, list all rules. The rule stands in brackets behind every finding of `check`, and every change of `diff`.
+    Without an argument, list all rules. `check` and `diff` print the rule in brackets after each finding and change.
     """
     kinds = {one.id: (one.severity.value, one.purpose) for one in EVERY.values()}
     kinds |= {one.id: (one.category.value, one.purpose) for one in CHANGES.values()}
@@ -42,7 +42,7 @@ def explain(rule: str | None) -> None:
         _show_rule(rule, *kinds[rule])
     elif not of_language:
         hint = nearest(rule, [*kinds, *reference.words()]) or "`canwright explain` lists the rules"
-        stop(f"there is no rule and no key `{rule}`; {hint}")
+        stop(f"there is no rule or key `{rule}`; {hint}")
     if of_language:
         click.echo(("\n" if rule in kinds else "") + "\n".join(of_language))
 

@@ -42,7 +42,9 @@ from .settings import assignment
     show_default=True,
     help="Folder to write to.",
 )
-@click.option("--force", is_flag=True, help="Overwrite files edited by hand, and drop editions not in this run.")
+@click.option(
+    "--force", is_flag=True, help="Overwrite files edited by hand, and remove editions that are not in this run."
+)
 def generate(
     specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], printer: str, out: Path, force: bool
 ) -> None:
@@ -74,13 +76,13 @@ def generate(
 @click.option(
     "--out", type=FilePath(file_okay=False, readable=False), help="Folder to compare with.  [default: generated]"
 )
-@click.option("--strict", is_flag=True, help="Exit 1 when there are warnings.")
+@click.option("--strict", is_flag=True, help="Exit 1 if there are warnings.")
 def check(
     specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], printer: str, out: Path | None, strict: bool
 ) -> None:
-    """Check the specs, and the output against them.
+    """Check the specs, and compare the output with them.
 
-    Prints a unified diff and exits 1 where the output differs. With --spec and without --out, the spec alone is checked.
+    Prints a unified diff and exits 1 if the output differs. With --spec but without --out, only the spec is checked.
     """
     loaded = load(specs, printer)
     specifications = [one.specification for one in loaded]

@@ -12,7 +12,7 @@ import click
 
 from ..model.edition import Edition
 from ..model.formatting import counted, sent
-from ..recordings.identify import Candidate, Evidence, Finding, identify as look
+from ..recordings.identify import EditionScore, Evidence, NodeResult, identify as look
 from ..recordings.readers import LogError, frames
 from .common import FINDINGS, FilePath, read, spec_option, stop
 
@@ -27,8 +27,8 @@ SHOWN = 4
 def identify(log: Path, specs: Sequence[Path], form: str) -> None:
     """Show which editions a recorded exchange fits, and why.
 
-    Each node is judged separately. LOG is a log of candump or any format that python-can reads. No frame names its
-    edition; the verdict follows from ids, codes, reserved bits and plausible ranges, and may be undecided.
+    Each node is identified separately. LOG is a log of candump or of any format that python-can reads. No frame
+    contains its edition; the result follows from ids, codes, reserved bits and plausible ranges, and may be undecided.
 
     Exit status: 0 if the edition of every node is identified, 1 if not, 2 if it could not run.
     """
@@ -40,47 +40,49 @@ def identify(log: Path, specs: Sequence[Path], form: str) -> None:
         stop(str(error))
     if not recorded:
         stop(f"{log} has no frames")
-    results = [(family, *look(recorded, [e for e in editions if e.family == family])) for family in families]
-    family, findings, foreign = max(results, key=lambda result: sum(f.frames for f in result[1]))
+    by_family = [(family, *look(recorded, [e for e in editions if e.family == family])) for family in families]
+    family, results, foreign = max(by_family, key=lambda one: sum(result.frames for result in one[1]))
     if form == "json":
-        click.echo(_json(family, findings, foreign))
+        click.echo(_json(family, results, foreign))
     else:
-        _text(family, findings, foreign, len(recorded))
-    if not findings or any(len(finding.editions) != 1 for finding in findings):
+        _text(family, results, foreign, len(recorded))
+    if not results or any(len(result.editions) != 1 for result in results):
         sys.exit(FINDINGS)
 
 
-def _text(family: str, findings: Sequence[Finding], foreign: Counter[int], count: int) -> None:
+def _text(family: str, results: Sequence[NodeResult], foreign: Counter[int], count: int) -> None:
     if foreign:
         ids = _some([f"0x{id_:X}" for id_, _ in foreign.most_common()])
-        click.echo(f"{foreign.total()} of {count} frames have no id of {family} and are left out: {ids}\n")
-    for finding in findings:
-        node = "no node" if finding.node is None else f"node {finding.node}"
-        click.echo(f"{family}, {node}, {counted(finding.frames, 'frame')}: {_verdict(finding)}")
-        if finding.strange:
-            ignored = _some([f"{sent(frame)} ({n})" for frame, n in finding.strange])
-            click.echo(f"  no edition has {counted(finding.frames - finding.judged, 'frame')}, left out: {ignored}")
-        for candidate in finding.candidates if finding.judged else ():
-            click.echo(f"  {candidate.edition.name:<16} {_summary(candidate, finding.judged)}")
-            for evidence in candidate.against[:SHOWN]:
+        click.echo(
+            f"{foreign.total()} of {count} frames are ignored, since their ids do not belong to {family}: {ids}\n"
+        )
+    for result in results:
+        node = "no node" if result.node is None else f"node {result.node}"
+        click.echo(f"{family}, {node}, {counted(result.frames, 'frame')}: {_outcome(result)}")
+        if result.unexplained:
+            ignored = _some([f"{sent(frame)} ({n})" for frame, n in result.unexplained])
+            click.echo(f"  {counted(result.frames - result.scored, 'frame')} of no edition, ignored: {ignored}")
+        for score in result.scores if result.scored else ():
+            click.echo(f"  {score.edition.name:<16} {_summary(score, result.scored)}")
+            for evidence in score.against[:SHOWN]:
                 click.echo(f"    {_evidence(evidence)}")
-        if finding.tell:
-            click.echo(f"  replies to {_some(list(finding.tell))} would tell more")
+        if result.distinguishing:
+            click.echo(f"  to decide, record the reply to {_some(list(result.distinguishing))}")
         click.echo()
-    if not findings:
-        click.echo(f"cannot tell: no frame has an id of {family}")
+    if not results:
+        click.echo(f"undecided: no frame has an id of {family}")
 
 
 def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:SHOWN]) + (", ..." if len(names) > SHOWN else "")
 
 
-def _verdict(finding: Finding) -> str:
-    if len(finding.editions) == 1:
-        return f"fits {finding.editions[0].name}"
-    if not finding.editions:
-        return "cannot tell, no edition fits"
-    return f"cannot tell, {_listed(finding.editions)} fit alike"
+def _outcome(result: NodeResult) -> str:
+    if len(result.editions) == 1:
+        return f"fits {result.editions[0].name}"
+    if not result.editions:
+        return "no edition fits"
+    return f"undecided, {_listed(result.editions)} fit equally well"
 
 
 def _listed(editions: Sequence[Edition]) -> str:
@@ -88,10 +90,10 @@ def _listed(editions: Sequence[Edition]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def _summary(candidate: Candidate, count: int) -> str:
-    if not candidate.against:
+def _summary(score: EditionScore, count: int) -> str:
+    if not score.against:
         return "explains every frame"
-    return f"explains {candidate.explained} of {count} frames; {counted(candidate.score, 'point')} against it"
+    return f"explains {score.explained} of {count} frames; {counted(score.score, 'point')} against it"
 
 
 def _evidence(evidence: Evidence) -> str:
@@ -100,8 +102,8 @@ def _evidence(evidence: Evidence) -> str:
     return f"{evidence.text} ({among}, as in {sent(evidence.example)})"
 
 
-def _json(family: str, findings: Sequence[Finding], foreign: Counter[int]) -> str:
-    def candidate(one: Candidate) -> dict[str, object]:
+def _json(family: str, results: Sequence[NodeResult], foreign: Counter[int]) -> str:
+    def score(one: EditionScore) -> dict[str, object]:
         against = [
             {
                 "text": e.text,
@@ -116,13 +118,13 @@ def _json(family: str, findings: Sequence[Finding], foreign: Counter[int]) -> st
 
     nodes = [
         {
-            "node": finding.node,
-            "frames": finding.frames,
-            "fits": [edition.name for edition in finding.editions],
-            "of_no_edition": finding.frames - finding.judged,
-            "would_tell": list(finding.tell),
-            "editions": [candidate(one) for one in finding.candidates],
+            "node": result.node,
+            "frames": result.frames,
+            "fits": [edition.name for edition in result.editions],
+            "of_no_edition": result.frames - result.scored,
+            "would_tell": list(result.distinguishing),
+            "editions": [score(one) for one in result.scores],
         }
-        for finding in findings
+        for result in results
     ]
     return json.dumps({"family": family, "foreign": foreign.total(), "nodes": nodes}, indent=2, ensure_ascii=False)

@@ -1,4 +1,4 @@
-"""Findings for people and for machines: text, JSON, GitHub annotations, SARIF."""
+"""Formats of findings: text, JSON, GitHub annotations, SARIF."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def _coloured(finding: Diagnostic) -> str:
 
 
 def as_json(findings: Sequence[Diagnostic]) -> str:
-    """An object with `findings` in order, each with file, line, column, end_column, severity, rule, message and hint."""
+    """An object with `findings`: file, line, column, end_column, severity, rule, message and hint of each."""
     listed = [
         {
             "file": d.position.file,
@@ -56,7 +56,7 @@ def as_json(findings: Sequence[Diagnostic]) -> str:
 
 
 def github(findings: Sequence[Diagnostic]) -> str:
-    """Workflow commands that GitHub shows beside the lines of a change."""
+    """Workflow commands that GitHub shows at the lines of a change."""
     return "\n".join(map(_annotation, findings))
 
 

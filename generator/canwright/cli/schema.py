@@ -9,8 +9,8 @@ from ..language.golden_frames import GoldenFrames
 
 
 @click.command()
-@click.option("--frames", is_flag=True, help="The schema of golden frames instead.")
-@click.option("--page", is_flag=True, help="How to write a spec, and every key, in Markdown instead.")
+@click.option("--frames", is_flag=True, help="Print the schema of golden frames instead.")
+@click.option("--page", is_flag=True, help="Print a guide to specs with every key, in Markdown, instead.")
 def schema(frames: bool, page: bool) -> None:
     """Print the JSON Schema of the language, for editors."""
     if page:

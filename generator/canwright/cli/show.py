@@ -14,12 +14,12 @@ from .common import read, spec_option, stop
 @click.command()
 @click.argument("command")
 @spec_option
-@click.option("--edition", help="The edition to show it of.  [default: all that have it]")
+@click.option("--edition", help="The edition to show.  [default: all with this command]")
 @click.option("--lang", type=click.Choice(["en", "zh"]), default="en", show_default=True, help="Language of the texts.")
 def show(command: str, specs: Sequence[Path], edition: str | None, lang: str) -> None:
     """Show one COMMAND, by name or by code (0x10).
 
-    Its bytes in both directions, what it does, and what to take care of.
+    Its frames in both directions, effects, limits and errata.
     """
     from .command_view import find, show_command
 
@@ -28,7 +28,7 @@ def show(command: str, specs: Sequence[Path], edition: str | None, lang: str) ->
         names = [one.edition.name for one in specifications]
         specifications = [one for one in specifications if one.edition.name == edition]
         if not specifications:
-            hint = nearest(edition, names) or "`canwright editions` lists them"
+            hint = nearest(edition, names) or "run `canwright editions` for a list"
             stop(f"there is no edition `{edition}`; {hint}")
     found, hint = find(specifications, command)
     if not found:

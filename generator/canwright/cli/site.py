@@ -27,7 +27,7 @@ from .common import OUT_FOLDER, FilePath, stop
 )
 @click.option("--force", is_flag=True, help="Overwrite pages of an earlier site that were edited by hand.")
 def site(docs: Path, out: Path, force: bool) -> None:
-    """Build the pages into a site, with search, in every language.
+    """Build the pages into a website with search, in every language.
 
     Nothing is downloaded. A broken link is an error. The folder must be new, empty, or an earlier site; files that
     canwright did not generate are never changed.

@@ -1,5 +1,5 @@
-"""A finding about a spec: where it is, which rule it is of, its message, and what to write instead.
+"""Diagnostics: position, rule, message, and what to write instead.
 
-Belongs here: positions, findings, the nearest known name, and characters that are invisible to a reader.
+Belongs here: positions, findings, the nearest known name, and invisible characters.
 Imports nothing of canwright.
 """

@@ -1,4 +1,4 @@
-"""One finding about a spec: position, rule, message and hint."""
+"""Findings about a spec: position, rule, message and hint."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from dataclasses import dataclass
 from enum import Enum
 
 DocumentPath = tuple[str | int, ...]
-"""Where an item is in its YAML document, as keys and indices from the top."""
+"""The path to an item of a YAML document: keys and indices from the top."""
 
 MOST_FINDINGS = 1000
-"""How many findings of one kind of check are told in one run; nobody reads more."""
+"""The maximum number of findings of one kind of check that one run reports."""
 
 WIDTH = 160
-"""How much of a line is shown; one that is longer is cut on both sides of what a finding is about."""
+"""The maximum number of characters of a source line; a longer line is cut on both sides of the marked part."""
 
 
 class Severity(str, Enum):
-    """An error stops generation, a warning does not."""
+    """The severity of a finding. An error stops generation, a warning does not."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -27,7 +27,7 @@ class Severity(str, Enum):
 
 @dataclass(frozen=True)
 class Position:
-    """Where a finding is: file as the user named it, line and column from 1, and the source line itself."""
+    """The position of a finding: file as the user named it, line and column from 1, and the source line."""
 
     file: str
     line: int
@@ -38,7 +38,7 @@ class Position:
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """What is wrong, where, by which rule, and what to do about it."""
+    """A finding: what is wrong, where, by which rule, and what to do about it."""
 
     severity: Severity
     rule: str
@@ -63,14 +63,14 @@ class Diagnostic:
 
 
 def _cells(text: str) -> int:
-    """How many columns of a terminal a text takes: two for a wide character, none for one that is put on the last."""
+    """The number of terminal columns of a text: two for a wide character, none for a combining one."""
     if text.isascii():
         return len(text)
     return sum(0 if unicodedata.combining(c) else 2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text)
 
 
 class SpecError(Exception):
-    """A spec that cannot be used; carries every finding of the run."""
+    """An invalid spec, with every finding of the run."""
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics = tuple(
@@ -80,33 +80,33 @@ class SpecError(Exception):
 
 
 def near(name: str, known: Iterable[str]) -> str | None:
-    """The one of `known` that `name` is probably a slip of the pen for."""
+    """The name in `known` that `name` is probably a misspelling of; None without one."""
     names = (sorted(known) if isinstance(known, (set, frozenset)) else list(dict.fromkeys(known)))[:MOST_FINDINGS]
-    alike = next((n for n in names if n.casefold() == name.casefold()), None)
-    if alike is not None:
-        return alike
-    close = difflib.get_close_matches(name, names, n=len(names) or 1, cutoff=CUTOFF)
-    if close:
-        best = _likeness(name, close[0])
-        return next(n for n in names if n in close and _likeness(name, n) == best)
+    same = next((n for n in names if n.casefold() == name.casefold()), None)
+    if same is not None:
+        return same
+    matches = difflib.get_close_matches(name, names, n=len(names) or 1, cutoff=CUTOFF)
+    if matches:
+        best = _similarity(name, matches[0])
+        return next(n for n in names if n in matches and _similarity(name, n) == best)
     starts = [n for n in names if min(len(n), len(name)) > 2 and (n.startswith(name) or name.startswith(n))]
     return starts[0] if len(starts) == 1 else None
 
 
 CUTOFF = 0.61
-"""How much alike a slip of the pen is at least, of 1; `meta` and `errata` are less."""
+"""The minimum similarity of a misspelling, from 0 to 1; that of `meta` and `errata` is lower."""
 
 
-def _likeness(name: str, other: str) -> float:
+def _similarity(name: str, other: str) -> float:
     return difflib.SequenceMatcher(None, other, name).ratio()
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """A hint that names the nearest of `known`, or lists them when none is near and they are few."""
+    """A hint with the nearest name in `known`; without one, a list of them if they are few; else empty."""
     names = sorted(set(known))
-    close = near(name, names)
-    if close:
-        return f"did you mean `{close}`?"
+    match = near(name, names)
+    if match:
+        return f"did you mean `{match}`?"
     if 0 < len(names) <= 12:
         return "there are: " + ", ".join(f"`{n}`" for n in names)
     return ""

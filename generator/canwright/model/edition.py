@@ -1,4 +1,4 @@
-"""The resolved edition: frozen, complete and exact. This is all that targets read."""
+"""The resolved edition: frozen, complete and exact. Targets read nothing else."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .types import Order, Parameter, Text, Type
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Edition:
-    """One exact protocol, resolved. `hash` is the SHA-256 of the spec's text, in hex."""
+    """One edition of a protocol, resolved. `hash` is the SHA-256 of the spec's text, in hex."""
 
     family: str
     name: str
@@ -55,7 +55,7 @@ class Edition:
         return self._index.of_rule.get((direction, rule), ())
 
     def of_layout(self, layout: Layout) -> Sequence[Message]:
-        """The messages that have a layout: this very one, not one like it."""
+        """The messages that have this layout; an equal layout of another message does not count."""
         return self._index.of_layout.get(layout, ())
 
     def command(self, name: str) -> Command:
@@ -65,7 +65,7 @@ class Edition:
         return next(p for p in self.parameters if p.name == name)
 
     def is_factor(self, parameter: Parameter) -> bool:
-        """Whether a scale is a multiple of a parameter, which then is above 0."""
+        """Whether a scale is a multiple of a parameter; the parameter must be above 0 then."""
         return any(parameter.name in type_.times for type_ in self.types)
 
     def address(self, name: str) -> Address:
@@ -75,21 +75,21 @@ class Edition:
         return next(t for t in self.tables if t.name == name)
 
     def errata_of(self, command: Command) -> tuple[Erratum, ...]:
-        """The errata that a user of `command` meets: its own and those of the entry, layouts and types it uses."""
+        """The errata that affect a command: its own and those of the entry, layouts and types it uses."""
         if not self.errata:
             return ()
         messages = [m for m in (command.request, command.reply) if m is not None]
         paths = [command.path, *(path for m in messages for path in (m.path, m.layout.path))]
         paths += [path for m in messages for f in m.layout.fields for path in (f.path, f.type.path)]
         paths += [command.entry.path] if command.entry else []
-        met = self._errata_at(paths)
+        numbers = self._errata_at(paths)
         if command.entry is not None:
             table = ("tables", command.entry.table)
-            met |= {n for n in self._errata_at([table]) if any(_is_about(w, table) for w in self.errata[n].where)}
-        return tuple(self.errata[number] for number in sorted(met))
+            numbers |= {n for n in self._errata_at([table]) if any(_is_about(w, table) for w in self.errata[n].where)}
+        return tuple(self.errata[number] for number in sorted(numbers))
 
     def errata_at(self, *paths: DocumentPath) -> tuple[Erratum, ...]:
-        """The errata about what stands at some paths, or within, in spec order."""
+        """The errata about the items at some paths and their parts, in spec order."""
         return tuple(self.errata[number] for number in sorted(self._errata_at(paths)))
 
     def _errata_at(self, paths: Iterable[DocumentPath]) -> set[int]:
@@ -101,13 +101,13 @@ class Edition:
 
 
 def _is_about(where: str, table: DocumentPath) -> bool:
-    """Whether a dotted path leads into a table, and not to one of its entries."""
+    """Whether a dotted path leads to a table or a part of it other than an entry."""
     dotted = ".".join(map(str, table))
     return where == dotted or (where.startswith(f"{dotted}.") and not where.startswith(f"{dotted}.entries."))
 
 
 class _Index:
-    """What is looked up in an edition again and again, found once. Of things of one name, the first is meant."""
+    """Lookup tables of an edition. Of several items with one name, the first is found."""
 
     def __init__(self, edition: Edition) -> None:
         self.commands = {command.name: command for command in reversed(edition.commands)}
@@ -124,7 +124,7 @@ class _Index:
             self.of_rule.setdefault((message.direction, message.id), []).append(message)
             self.of_layout.setdefault(message.layout, []).append(message)
         self.errata: dict[str, list[int]] = {}
-        """The numbers of the errata, by every dotted path that leads to what they are about."""
+        """The numbers of the errata, by each prefix of the dotted paths that they are about."""
         for number, erratum in enumerate(edition.errata):
             for where in erratum.where:
                 steps = where.split(".")

@@ -1,4 +1,4 @@
-"""Numbers, ranges and conditions in words, as people read them; the same everywhere they are printed."""
+"""Numbers, ranges, positions and conditions as text; the same in every output."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .types import Bound, Dependent, Encoding, Linear, Order, Parameter, Range, 
 
 
 def exact(number: Fraction) -> str:
-    """A decimal where it ends within fifteen digits, a quotient otherwise: `0.01`, `1/3`."""
+    """A decimal of at most fifteen decimal places, else a quotient: `0.01`, `1/3`."""
     if number.denominator == 1:
         return str(number.numerator)
     scaled, rest = divmod(abs(number.numerator) * 10**15, number.denominator)
@@ -30,19 +30,19 @@ def counted(count: int, noun: str) -> str:
 
 
 def spoken(name: str) -> str:
-    """A name as a title, where a spec gives none: `read_level` is `Read level`."""
+    """The title of an item without one, from its name: `read_level` is `Read level`."""
     return name.replace("_", " ").capitalize()
 
 
 def multiple(number: str, parameter: str | None) -> str:
-    """`2048`; or `2/65535*size`, `-size`, so many times a parameter."""
+    """A number as a factor of a parameter: `2/65535*size`, `-size`; without a parameter the number itself."""
     if parameter is None:
         return number
     return {"1": parameter, "-1": f"-{parameter}"}.get(number, f"{number}*{parameter}")
 
 
 def bound(end: Bound) -> str:
-    """`2048`, or `100*size-1`."""
+    """A bound of a range: `2048` or `100*size-1`."""
     if end.parameter is None:
         return exact(end.constant)
     tail = f"{'+' if end.constant > 0 else ''}{exact(end.constant)}" if end.constant else ""
@@ -50,12 +50,12 @@ def bound(end: Bound) -> str:
 
 
 def step(linear: Linear) -> str:
-    """What one raw step is worth, without its unit: `33/2048`, as it was written."""
+    """The resolution (1 LSB) without its unit, as written in the spec: `33/2048`."""
     return multiple(linear.printed or exact(linear.scale), linear.times)
 
 
 def offset(linear: Linear) -> str:
-    """What raw 0 is worth, without its unit."""
+    """The value of raw 0, without its unit."""
     return multiple(exact(linear.offset), linear.times if linear.offset else None)
 
 
@@ -65,7 +65,7 @@ def span(limits: Range) -> str:
 
 
 def in_unit(limits: Range, linear: Linear) -> Range:
-    """A range of raw integers as the range of their values."""
+    """The range of the values of a range of raw integers."""
 
     def value(end: Bound) -> Bound:
         worth = end.constant * linear.scale + linear.offset
@@ -78,7 +78,7 @@ def in_unit(limits: Range, linear: Linear) -> Range:
 
 
 def allowed(parameter: Parameter) -> str:
-    """What a number may be: `1..9`, `1 or more`, `9 or less`; empty for any."""
+    """The allowed values of a number parameter: `1..9`, `1 or more`, `9 or less`; empty for any."""
     low, high = parameter.minimum, parameter.maximum
     if low is not None and high is not None:
         return f"{exact(low)}..{exact(high)}"
@@ -89,13 +89,13 @@ _LETTERS = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}
 
 
 def raw_format(type_: Type, segments: tuple[Segment, ...] = ()) -> str:
-    """`i16`, or `i16 big-endian` when it spans bytes in that order, as more than eight bits do and fewer can."""
+    """`i16`, or `i16 big-endian` if it spans several bytes in that order."""
     spans = len(segments) > 1 or type_.width > 8
     return f"{_LETTERS[type_.encoding]}{type_.width}" + (" big-endian" if type_.order is Order.BIG and spans else "")
 
 
 def place(space: Space, segments: tuple[Segment, ...]) -> str:
-    """Where bits stand: `DATA[4..5]`, `DATA[3] bits 0..3`, `id bits 5..10`."""
+    """The position of bits: `DATA[4..5]`, `DATA[3] bits 0..3`, `id bits 5..10`."""
     if space is Space.ID:
         return "id " + _bits(segments[0].low, segments[0].width)
     ordered = sorted(segments, key=lambda s: s.byte)
@@ -110,9 +110,9 @@ def _bits(low: int, width: int) -> str:
 
 
 def scale(type_: Type, among: tuple[str, ...] = ()) -> Sequence[tuple[str, str]]:
-    """What one raw step is worth: (under which parameter values, `33/2048 A`); empty conditions hold always.
+    """Resolutions (1 LSB): (parameter values, `33/2048 A`); the parameter values are empty if it is constant.
 
-    `among` leaves out what holds under other values only, where it names values of the deciding parameter.
+    If `among` contains values of that parameter, the others are left out.
     """
     cases = (type_.linear.constant, *type_.linear.cases.values())
     return _scale(type_, among, tuple(linear.printed for linear in cases if linear is not None))
@@ -120,7 +120,7 @@ def scale(type_: Type, among: tuple[str, ...] = ()) -> Sequence[tuple[str, str]]
 
 @functools.lru_cache(maxsize=1 << 12)
 def _scale(type_: Type, among: tuple[str, ...], printed: tuple[str, ...]) -> Sequence[tuple[str, str]]:
-    """The same; types that differ only in how their scales are `printed` are equal, and have other words."""
+    """Cached by `printed` too: types that differ only in the notation of their scales are equal."""
     unit = f" {type_.unit.symbol}" if type_.unit else ""
 
     def worth(linear: Linear | None) -> str:
@@ -135,7 +135,7 @@ def _scale(type_: Type, among: tuple[str, ...], printed: tuple[str, ...]) -> Seq
 
 
 def _among(names: Sequence[str], among: Sequence[str]) -> Sequence[str] | None:
-    """The names that are among the given ones; None when there were some and none of them is."""
+    """The names that are in `among`; None if all of them are left out."""
     if not names or not among:
         return names
     return [name for name in names if name in among] or None
@@ -143,13 +143,13 @@ def _among(names: Sequence[str], among: Sequence[str]) -> Sequence[str] | None:
 
 @functools.lru_cache(maxsize=1 << 12)
 def ranges(type_: Type) -> Sequence[tuple[str, str]]:
-    """Allowed raw integers: (under which parameter values, `-2048..2048`)."""
-    found: Dependent[Range] = type_.raw_range
-    return [(", ".join(names), span(limits)) for names, limits in found.distinct() if limits is not None]
+    """Allowed raw integers: (parameter values, `-2048..2048`)."""
+    limits_of: Dependent[Range] = type_.raw_range
+    return [(", ".join(names), span(limits)) for names, limits in limits_of.distinct() if limits is not None]
 
 
 class Sent(Protocol):
-    """A frame as it is on the bus."""
+    """A frame on the bus."""
 
     @property
     def id(self) -> int: ...
@@ -162,23 +162,23 @@ class Sent(Protocol):
 
 
 def sent(frame: Sent) -> str:
-    """A frame as can-utils write it: `12B#0102`, `0000012B#0102` with a 29-bit id, `12B#R` for a remote one."""
+    """A frame in the notation of can-utils: `12B#0102`, `0000012B#0102` with a 29-bit id, `12B#R` for a remote one."""
     digits = 8 if frame.extended else 3
     return f"{frame.id:0{digits}X}#{'R' if frame.remote else frame.data.hex().upper()}"
 
 
 def condition(only: Mapping[str, tuple[str, ...]]) -> str:
-    """`model A, B`; empty when there is none."""
+    """A condition on parameters: `model A, B`; empty without one."""
     return "; ".join(f"{name} {', '.join(values)}" for name, values in only.items())
 
 
 def elements(field: Field) -> list[tuple[str, tuple[Segment, ...]]]:
-    """The places of a field, each with its name: `level`, or `level[1]`, `level[2]`, … for an array."""
+    """The elements of a field, each with its name and bits: `level`, or `level[1]`, `level[2]`, … for an array."""
     return [(field.name if e.index is None else f"{field.name}[{e.index}]", e.segments) for e in field.elements]
 
 
 def id_rule(rule: IdRule) -> str:
-    """`0x100 + node`, `0x1 + (node << 5)`, `node * 10`, or a fixed id."""
+    """An id rule: `0x100 + node`, `0x1 + (node << 5)`, `node * 10`, or a fixed id."""
     if rule.nodes is None:
         return f"0x{rule.base:X}"
     node, step = "node", rule.node_step

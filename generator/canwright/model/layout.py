@@ -1,4 +1,4 @@
-"""Fields and their bits: the part of the model that knows how a frame is laid out, and not which frame.
+"""Fields and layouts: where the values of a frame are.
 
 Positions are bits. In the data, bit `n` is bit `n % 8` (0 is the least significant) of byte `n // 8`; in the id, bit 0
 is the least significant.
@@ -15,11 +15,11 @@ from ..diagnostics.diagnostic import DocumentPath
 from .types import Assignment, Text, Type
 
 MAX_DATA_BYTES = 8
-"""Data bytes that a frame has room for: classic CAN. The only limit on the length of frames."""
+"""The maximum number of data bytes of a frame: classic CAN. No other code assumes a frame length."""
 
 
 class Space(str, Enum):
-    """Where bits stand: in the data bytes or in the CAN id."""
+    """The part of a frame that bits belong to: the data bytes or the CAN id."""
 
     DATA = "data"
     ID = "id"
@@ -27,7 +27,7 @@ class Space(str, Enum):
 
 @dataclass(frozen=True)
 class Segment:
-    """Bits of a field that lie in one byte: `raw |= (byte >> low & (1 << width) - 1) << raw_low`.
+    """Bits of a field within one byte: `raw |= (byte >> low & (1 << width) - 1) << raw_low`.
 
     In the id space there is one segment, its `byte` is 0 and `low` counts from bit 0 of the id.
     """
@@ -45,7 +45,7 @@ def bits_of(segments: Iterable[Segment]) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class Element:
-    """One place on the wire: the only one of a field, or one of an array, then with its index."""
+    """The bits of one value: of a field, or of one element of an array, which has an index."""
 
     index: int | None
     segments: tuple[Segment, ...]
@@ -77,18 +77,18 @@ class ReservedRole:
 
 @dataclass(frozen=True)
 class NodeRole:
-    """The role of a field whose value is the node that the frame is to or from."""
+    """The role of a field whose value is the node that receives or sends the frame."""
 
 
 FieldRole = ValueRole | ConstantRole | ReservedRole | NodeRole
-"""What a field is for; each field has one role."""
+"""The role of a field; each field has one."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Field:
     """A run of bits with a type; an array has one element for each index.
 
-    `only` names the value of the layout's parameter under which the field is there; empty means always.
+    `only` are the values of the layout's parameter under which the field exists; empty means always.
     """
 
     name: str
@@ -105,12 +105,12 @@ class Field:
 
     @property
     def fixed(self) -> int | None:
-        """The raw value that a sender always writes: the field is no part of the message. None where it varies."""
+        """The raw value that a sender always writes, so that the message does not contain it; None if it varies."""
         return self.role.raw if isinstance(self.role, (ConstantRole, ReservedRole)) else None
 
     @property
     def demanded(self) -> int | None:
-        """The raw value that a receiver insists on; None where it accepts any."""
+        """The only raw value that a receiver accepts; None if it accepts any."""
         return self.role.raw if isinstance(self.role, ConstantRole) else None
 
 
@@ -126,8 +126,8 @@ class Variant:
 class Layout:
     """Fields with their bits. `shared` layouts have a name in the spec; the others belong to one message.
 
-    `parameter` is the choice that decides which fields are there, `variants` the outcomes, in spec order.
-    Bits that no field covers are reserved: written as 0, ignored when read.
+    `parameter` is the choice that decides which fields exist, `variants` are the results, in spec order.
+    Bits without a field are reserved: written as 0, ignored when read.
     """
 
     name: str
@@ -141,7 +141,7 @@ class Layout:
     path: DocumentPath
 
     def variant(self, assignment: Assignment) -> Variant | None:
-        """The variant under `assignment`; None when the parameter it needs is not assigned."""
+        """The variant under `assignment`; None if the layout's parameter is not assigned."""
         if self.parameter is None:
             return self.variants[0]
         value = assignment.get(self.parameter)

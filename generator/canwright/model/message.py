@@ -1,4 +1,4 @@
-"""Messages and commands: which frame is which, who sends it, and what comes back."""
+"""Addresses, messages and commands: how a frame is identified, who sends it, and the reply to it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .types import Assignment, Order, Text
 
 
 class Direction(str, Enum):
-    """Who sends the frame: the host a request, the node a reply."""
+    """The direction of a frame: the host sends requests, the node sends replies."""
 
     REQUEST = "request"
     REPLY = "reply"
@@ -22,7 +22,7 @@ class Direction(str, Enum):
 
 @dataclass(frozen=True, kw_only=True)
 class IdRule:
-    """A rule from node to CAN id, and back: `id = base + node * node_step`, without the bits of keys and fields.
+    """The rule between node and CAN id: `id = base + node * node_step`, without the bits of keys and fields.
 
     `nodes` is None for a fixed id. `extended` means 29 bits instead of 11.
     """
@@ -35,7 +35,7 @@ class IdRule:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Address:
-    """Where requests go and replies come from; often the same rule."""
+    """The ids of requests and replies; often one rule for both."""
 
     name: str
     request: IdRule
@@ -46,19 +46,19 @@ class Address:
     path: DocumentPath
 
     def rule(self, direction: Direction) -> IdRule:
-        """The rule of its requests, or of its replies."""
+        """The rule of the requests or of the replies."""
         return self.request if direction is Direction.REQUEST else self.reply
 
 
 class KeyRole(str, Enum):
-    """What the value of a key stands for."""
+    """The role of a key: the meaning of its value."""
 
     CODE = "code"
-    """The code of the command, where its selector is."""
+    """The code of the command, at the position of the selector."""
     INDEX = "index"
-    """An index of the entry of a table."""
+    """An index of a table entry."""
     CONSTANT = "constant"
-    """The constant of a field that other messages have otherwise."""
+    """A constant field that has another value in other messages."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,11 +82,11 @@ class Key(BitRun):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Message:
-    """One frame form in one direction.
+    """A request or a reply: its id, its keys and its layout.
 
-    `keys` select it; `accept` are further values that a receiver takes for `keys[0]`. `claims` are the values of
-    `keys[0]` that `edition.messages(direction)` attributes to this message when nothing else is known: two messages
-    may share a first byte, and then the one whose command has that code is meant.
+    A frame with the values of all `keys` is this message; `accept` are further accepted values of `keys[0]`. `claims`
+    are the values of `keys[0]` that identify this message without its request: where several messages accept one
+    value, it identifies the message whose command has that code.
     """
 
     name: str
@@ -104,7 +104,7 @@ class Message:
 
     @property
     def node_bits(self) -> BitRun | None:
-        """The bits of the field whose role is the node; None when there is no such field."""
+        """The bits of the field whose role is the node; None without such a field."""
         field = next((f for f in self.layout.fields if isinstance(f.role, NodeRole)), None)
         if field is None:
             return None
@@ -118,7 +118,7 @@ class Message:
 
     @cached_property
     def id_mask(self) -> int:
-        """Bits of the id that keys and fields fill; the rest is the id rule's."""
+        """The bits of the id that keys and fields fill; the others belong to the id rule."""
         segments = [s for k in self.keys if k.space is Space.ID for s in k.segments]
         segments += [s for f in self.layout.fields if f.space is Space.ID for e in f.elements for s in e.segments]
         return sum(((1 << s.width) - 1) << s.low for s in segments)
@@ -126,7 +126,7 @@ class Message:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Table:
-    """Things that several commands read and write by an index."""
+    """A table: settings that several commands read and write by an index."""
 
     name: str
     title: Text
@@ -137,7 +137,7 @@ class Table:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Entry:
-    """The entry of a table that a form of a command is of; its `path` is where it stands."""
+    """An entry of a table: one of the settings; a command with a table has one form for each."""
 
     table: str
     name: str
@@ -149,7 +149,7 @@ class Entry:
 
 @dataclass(frozen=True, kw_only=True)
 class Reply:
-    """What comes back after a request, in one of the forms below.
+    """The reply to a request, in one of the forms below.
 
     `from_each` are the nodes that reply, one frame each in this order; empty when only the addressed node does.
     """
@@ -165,7 +165,7 @@ class EchoReply(Reply):
 
 @dataclass(frozen=True, kw_only=True)
 class OwnReply(Reply):
-    """The fields stand with the command."""
+    """The fields are defined in the command."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,9 +184,9 @@ class OtherReply(Reply):
 class Command:
     """A code with its request and its replies, at most one today.
 
-    `code` is None when no selector tells it. `only` maps a parameter to the values that have the command.
-    `group` is the command as the spec has it: the name, but for the forms that a table gives a command, `GROUP_ENTRY`;
-    then `entry` is that entry.
+    `code` is None without a selector. `only` maps a parameter to the values under which the command exists.
+    `group` is the name of the command in the spec. A command with a table has one form for each `entry`; the name of
+    such a form is `GROUP_ENTRY`.
     """
 
     name: str
@@ -210,14 +210,14 @@ class Command:
 
     @property
     def group_title(self) -> Text:
-        """The title of the command as the spec has it, without that of an entry."""
+        """The title of the command without that of the entry."""
         if self.entry is None:
             return self.title
         return {lang: text.removesuffix(f": {self.entry.title[lang]}") for lang, text in self.title.items()}
 
     @property
     def reply(self) -> Message | None:
-        """The frame that comes back."""
+        """The reply; None without one."""
         return self.replies[0].message if self.replies else None
 
     @property
@@ -231,9 +231,9 @@ class Command:
         return tuple(node for reply in self.replies for node in reply.from_each)
 
     def message(self, direction: Direction) -> Message | None:
-        """Its request, or its reply."""
+        """The request or the reply; None without one."""
         return self.request if direction is Direction.REQUEST else self.reply
 
     def available(self, assignment: Assignment) -> bool:
-        """False when an assigned parameter has a value that lacks the command."""
+        """False if the command does not exist under an assigned parameter value."""
         return all(assignment.get(name, values[0]) in values for name, values in self.only.items())

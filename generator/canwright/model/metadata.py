@@ -1,4 +1,4 @@
-"""What is known of a protocol besides its frames: effects, settings, the bus, errata. A part of the model."""
+"""Facts about a protocol other than its frames: effects, settings, the bus, errata."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .types import Text
 
 
 class Level(str, Enum):
-    """How much an effect matters to whoever sends the command."""
+    """The severity of an effect."""
 
     NOTE = "note"
     WARNING = "warning"
@@ -20,7 +20,7 @@ class Level(str, Enum):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Effect:
-    """What sending a command does besides its reply, as data for tools and a sentence for people."""
+    """A side effect of a command, as data for tools and as a sentence for people."""
 
     name: str
     level: Level
@@ -30,7 +30,7 @@ class Effect:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Setting:
-    """A limit that is set on the node by other means than this protocol."""
+    """A limit that is configured on the node by other means than this protocol."""
 
     name: str
     only: Mapping[str, tuple[str, ...]]
@@ -40,7 +40,7 @@ class Setting:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Mode:
-    """A way to run the bus; commands of different modes exclude each other."""
+    """A mode of the bus; commands of different modes exclude each other."""
 
     name: str
     bit_rates_kbps: tuple[int, ...]
@@ -51,7 +51,7 @@ class Mode:
 
 @dataclass(frozen=True, kw_only=True)
 class Bus:
-    """What host and nodes must agree on before the first frame."""
+    """The settings of the bus that host and nodes share."""
 
     host: str
     dlc: int
@@ -63,7 +63,7 @@ class Bus:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Erratum:
-    """Where the manual is wrong or silent, and what the spec does about it. `where` are dotted paths into the spec."""
+    """An error or omission of the manual, and what the spec uses instead. `where` are dotted paths into the spec."""
 
     id: str
     where: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""Why a frame or a value is refused."""
+"""The reasons for which frames and values are rejected."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ from enum import Enum
 
 
 class Refusal(str, Enum):
-    """Why a frame or a value is refused; the same words in every target."""
+    """The reason for which a frame or a value is rejected; the same in every target."""
 
     UNKNOWN_ID = "unknown_id"
     """No message of this direction has this CAN id."""
     UNKNOWN_CODE = "unknown_code"
-    """The id is known, the selector's value is not."""
+    """A message has this id, but none has this code."""
     WRONG_LENGTH = "wrong_length"
     """The message has another DLC."""
     WRONG_CONSTANT = "wrong_constant"
-    """A constant field holds something else."""
+    """A constant field has another value."""
     MISSING_PARAMETER = "missing_parameter"
-    """The answer depends on a parameter that was not given."""
+    """The result depends on a parameter that is not given."""
     NO_SCALE = "no_scale"
-    """There is a raw integer, and no way to a value."""
+    """The type has no scale; only its raw integer is known."""
     OUT_OF_RANGE = "out_of_range"
-    """The value is beyond the range, the bits, or the names of the type."""
+    """The value exceeds the range or the width of the type, or is none of its named values."""
     NOT_FINITE = "not_finite"
     """NaN or infinity."""
     UNKNOWN_NODE = "unknown_node"

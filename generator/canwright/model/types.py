@@ -1,4 +1,4 @@
-"""How raw bits become a value: parameters, scales, ranges, types. The part of the model that knows no frame.
+"""Types: the conversion from raw bits to values, with parameters, scales and ranges.
 
 Every number is an int or a Fraction; nothing here is a float.
 """
@@ -21,18 +21,18 @@ Text = Mapping[str, str]
 """One text in every language of the edition, by language code."""
 
 Assignment = Mapping[str, str]
-"""Parameter name to the name of its value, as `{"model": "A"}`; what is not known is left out."""
+"""Parameter values by name, as `{"model": "A"}`; unknown ones are left out."""
 
 
 class Order(str, Enum):
-    """Which byte comes first when a field spans several."""
+    """The byte order of a field."""
 
     LITTLE = "little"
     BIG = "big"
 
 
 class Encoding(str, Enum):
-    """How raw bits read as a number."""
+    """The encoding of a number in raw bits."""
 
     UNSIGNED = "unsigned"
     SIGNED = "signed"
@@ -52,7 +52,7 @@ class Unit:
 
 @dataclass(frozen=True, kw_only=True)
 class ParameterValue:
-    """One value a choice can take. `number` is set when the value is one, as 14 for an encoder of 14 bits."""
+    """A value of a choice. `number` is set if the value is a number, as 14 for an encoder of 14 bits."""
 
     name: str
     number: int | None
@@ -62,9 +62,9 @@ class ParameterValue:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Parameter:
-    """What the integrator knows of a node and no frame says.
+    """A property of a node that no frame contains.
 
-    A choice has `values`; a number has none, and lies between `minimum` and `maximum` where they are given.
+    A choice has `values`. A number has none; it lies between `minimum` and `maximum` if they are given.
     """
 
     name: str
@@ -86,7 +86,7 @@ class Parameter:
 
 @dataclass(frozen=True, kw_only=True)
 class Dependent(Generic[T]):
-    """Something that is constant, or depends on one choice parameter, or is not known."""
+    """A value that is constant, depends on one choice parameter, or is unknown."""
 
     parameter: str | None
     constant: T | None
@@ -97,13 +97,13 @@ class Dependent(Generic[T]):
         return cls(parameter=None, constant=value, cases={})
 
     def at(self, assignment: Assignment) -> T | None:
-        """The value under `assignment`; None where it is not given or its parameter is not assigned."""
+        """The value under `assignment`; None if it is unknown or its parameter is not assigned."""
         if self.parameter is None:
             return self.constant
         return self.cases.get(assignment.get(self.parameter, ""))
 
     def distinct(self) -> list[tuple[tuple[str, ...], T | None]]:
-        """The different values, each with the names of the parameter values that lead to it, in spec order."""
+        """The different values, each with the parameter values under which it applies, in spec order."""
         if self.parameter is None:
             return [((), self.constant)]
         groups: list[tuple[tuple[str, ...], T | None]] = []
@@ -119,9 +119,9 @@ class Dependent(Generic[T]):
 
 @dataclass(frozen=True)
 class Linear:
-    """value = raw * scale + offset, both exact, and both so many times the number parameter `times` where there is one.
+    """A scale and an offset: value = raw * scale + offset. If `times` is set, both are multiplied by that parameter.
 
-    `printed` is the scale as the spec's writer took it from the manual.
+    `printed` is the scale in the notation of the spec.
     """
 
     scale: Fraction
@@ -134,7 +134,7 @@ class Linear:
         return self.scale == 1 and self.offset == 0 and self.times is None
 
     def at(self, numbers: Mapping[str, Fraction]) -> Linear | None:
-        """The same with its number parameter given; None when that is not among them."""
+        """Scale and offset under these number parameters; None if the parameter is not given."""
         if self.times is None:
             return self
         number = numbers.get(self.times)
@@ -142,21 +142,21 @@ class Linear:
 
     @property
     def as_quotient(self) -> tuple[int, int, int]:
-        """Factor, addend and divisor: value = (raw * factor + addend) / divisor, all of them integers."""
+        """Factor, addend and divisor, all integers: value = (raw * factor + addend) / divisor."""
         divisor = math.lcm(self.scale.denominator, self.offset.denominator)
         return int(self.scale * divisor), int(self.offset * divisor), divisor
 
 
 @dataclass(frozen=True)
 class Bound:
-    """An end of a range: `constant + coefficient * parameter`, the latter a number parameter."""
+    """A bound of a range: `constant + coefficient * parameter`, with a number parameter."""
 
     constant: Fraction
     coefficient: Fraction = Fraction(0)
     parameter: str | None = None
 
     def at(self, numbers: Mapping[str, Fraction]) -> Fraction | None:
-        """The bound with the number parameters given; None when its parameter is not among them."""
+        """The bound under these number parameters; None if the parameter is not given."""
         if self.parameter is None:
             return self.constant
         number = numbers.get(self.parameter)
@@ -187,12 +187,12 @@ class Member:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Type:
-    """How raw bits become a value.
+    """The conversion from raw bits to a value.
 
-    `linear` is `Linear(1, 0)` where a spec gives no scale, and None where it says that there is none to be had.
-    `raw_range` bounds the raw integer and is None where any bits are allowed; for floats, it bounds the value.
-    `plausible` are values that a working node reports, for guessing alone. `differs` is why its scale or unit is another
-    one than that of its like.
+    `linear` is `Linear(1, 0)` if the spec gives no scale, and None if it states that the scale is unknown. `raw_range`
+    limits the raw integer, of a float the value; it is None if all are allowed. `plausible` are values that a working
+    node reports; only `identify` uses them. `differs` explains why scale or unit differ from those of other types of
+    the same quantity.
     """
 
     name: str
@@ -212,7 +212,7 @@ class Type:
 
     @property
     def raw_limits(self) -> tuple[int, int]:
-        """Smallest and largest raw integer that the bits hold."""
+        """Smallest and largest raw integer of this width."""
         if self.encoding is Encoding.SIGNED:
             return -(1 << (self.width - 1)), (1 << (self.width - 1)) - 1
         return 0, (1 << self.width) - 1
@@ -223,7 +223,7 @@ class Type:
 
     @property
     def is_plain(self) -> bool:
-        """True when value and raw are the same integer."""
+        """True if the value is the raw integer."""
         return self.is_number and self.encoding is not Encoding.FLOAT and self.linear == Dependent.always(IDENTITY)
 
     @property

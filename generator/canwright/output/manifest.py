@@ -1,4 +1,4 @@
-"""The manifest in an output folder: the files that canwright generated there, by digest, and the editions of each target."""
+"""The manifest of an output folder: the generated files with their digests, and the editions of each target."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 from .paths import MANIFEST, STAGING, OutputError, is_safe, refuse_obstacles
 
 _MAX_SIZE = 64 * 1024 * 1024
-"""Bytes; some hundred times what the largest known output needs."""
+"""Bytes; about a hundred times the largest known manifest."""
 
 _DIGEST = re.compile("[0-9a-f]{64}")
 
@@ -27,7 +27,7 @@ class Manifest:
 
 
 def damaged(out: Path, path: str, reason: object) -> OutputError:
-    """The error for a file that canwright did not write as it is."""
+    """The error for a file with content that canwright did not write."""
     remedy = f"remove {(out / STAGING).as_posix()}, left by an interrupted run, and run again"
     if path == MANIFEST:
         remedy = "restore it from version control, or generate into an empty folder"
@@ -35,7 +35,7 @@ def damaged(out: Path, path: str, reason: object) -> OutputError:
 
 
 def read_manifest(out: Path, path: str = MANIFEST) -> Manifest:
-    """The manifest of a folder, empty where there is none. Raises OutputError where it is damaged: it is untrusted."""
+    """The manifest of a folder, empty without one. Raises OutputError if it is damaged, since it is untrusted."""
     refuse_obstacles(out, path)
     file = out / path
     if not file.exists():

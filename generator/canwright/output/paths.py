@@ -1,4 +1,4 @@
-"""Names and checks of paths in an output folder, and errors of the file system as messages."""
+"""Paths in an output folder: names, checks, and messages for errors of the file system."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _REMEDIES = {
 
 
 class OutputError(Exception):
-    """The output cannot be written as requested; the message says why and what to do."""
+    """The output cannot be written as requested; the message states why and what to do."""
 
 
 def is_safe(path: str) -> bool:
@@ -39,7 +39,7 @@ def is_safe(path: str) -> bool:
 
 
 def content_of(file: Path) -> bytes | None:
-    """None where there is no regular file."""
+    """The content of a file; None if it is not a regular file."""
     try:
         if not stat.S_ISREG(file.stat().st_mode):
             return None
@@ -53,13 +53,13 @@ def digest(data: bytes) -> str:
 
 
 def digest_of(file: Path) -> str | None:
-    """None where there is no regular file."""
+    """The digest of a file; None if it is not a regular file."""
     data = content_of(file)
     return None if data is None else digest(data)
 
 
 def refuse_obstacles(out: Path, *paths: str) -> None:
-    """Raises OutputError where a file below `out` would go through a link, or where its path is taken by something else."""
+    """Raises OutputError if a path below `out` leads through a link, or belongs to something other than a file."""
     folders = {folder for path in paths for folder in accumulate(path.split("/")[:-1], "{}/{}".format)}
     for folder in ("", *sorted(folders)):
         _refuse_other_than(stat.S_ISDIR, "folder", out, folder)
@@ -83,7 +83,7 @@ def _refuse_other_than(is_wanted: Callable[[int], bool], wanted: str, out: Path,
 
 
 def conflict(out: Path, path: str, *, generated: bool) -> OutputError:
-    """The error for a file whose content is not that of an earlier run, if one `generated` it at all."""
+    """The error for a file that was edited, or that no earlier run `generated`."""
     name = (out / path).as_posix()
     if generated:
         return OutputError(f"{name} was edited by hand; move the edit into the spec, or drop it with --force")
@@ -94,7 +94,7 @@ def conflict(out: Path, path: str, *, generated: bool) -> OutputError:
 
 @contextmanager
 def file_system_errors(out: Path, action: str) -> Iterator[None]:
-    """Raises OSError as OutputError: the file, the reason, what to do and the state of the output."""
+    """Converts OSError to OutputError: the file, the reason, what to do and the state of the output."""
     try:
         yield
     except OSError as error:
@@ -106,5 +106,5 @@ def file_system_errors(out: Path, action: str) -> Iterator[None]:
 
 
 def is_interrupted(out: Path) -> bool:
-    """Whether a run stopped in the middle of a change, which the next one completes."""
+    """Whether a run was interrupted during a change; the next run completes it."""
     return os.access(out / JOURNAL, os.F_OK)

@@ -1,7 +1,8 @@
 """A change of many files that is made completely or not at all.
 
-New files are staged in the output folder. The journal, which is the new manifest, comes last: it decides the change. A
-run that is interrupted after that is completed by the next one. If the file system rejects a step, all are undone.
+New files are staged in the output folder. The journal, which is the new manifest, is written last and decides the
+change. The next run completes a run that was interrupted after that. If the file system rejects a step, all steps are
+undone.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ _OLD = f"{STAGING}/old"
 
 def removed_files(out: Path, old: Manifest, new: Manifest) -> list[str]:
     """Files that are no longer generated. A link in place of one was made by the user."""
-    gone = [path for path in old.files if path not in new.files]
-    return [path for path in gone if (out / path).is_file() and not (out / path).is_symlink()]
+    obsolete = [path for path in old.files if path not in new.files]
+    return [path for path in obsolete if (out / path).is_file() and not (out / path).is_symlink()]
 
 
 def stage(out: Path, files: Mapping[str, bytes], manifest: Manifest) -> None:
@@ -69,21 +70,21 @@ def complete(out: Path, *, force: bool) -> None:
 
 
 def _is_pending(out: Path, path: str, old: Manifest, new: Manifest, *, force: bool) -> bool:
-    """Whether a staged file has still to take its place."""
+    """Whether a staged file has not been moved to its path yet."""
     staged = digest_of(out / _NEW / path)
     before, after = old.files.get(path), new.files[path]
     if staged is None and before == after:
         return False
-    there = digest_of(out / path)
-    if there not in (None, before, after) and not force:
+    present = digest_of(out / path)
+    if present not in (None, before, after) and not force:
         raise conflict(out, path, generated=before is not None)
-    if staged != after and (staged is not None or there in (None, before)):
+    if staged != after and (staged is not None or present in (None, before)):
         raise damaged(out, f"{_NEW}/{path}", "it is not the file that was staged")
     return staged is not None
 
 
 def _undo(out: Path, old: Manifest, new: Manifest) -> None:
-    """Moves, because there may be no space to copy. At any moment the journal can still be carried out."""
+    """Moves the old files back, since there may be no space to copy. The journal can be completed at any moment."""
     for path in {**old.files, **new.files}:
         file, new_file, old_file = out / path, out / _NEW / path, out / _OLD / path
         if old_file.is_file() or old.files.get(path) != new.files.get(path):
@@ -94,18 +95,18 @@ def _undo(out: Path, old: Manifest, new: Manifest) -> None:
 
 
 def _move(file: Path, to: Path) -> None:
-    """Does nothing where there is no file."""
+    """Moves a file; does nothing without one."""
     if file.is_file():
         _make_folder(to.parent)
         file.replace(to)
 
 
 def _save(file: Path, data: bytes) -> None:
-    """Does not wait for the disk, which would take longer than all else: the digest shows what a power cut destroyed."""
+    """Writes without waiting for the disk, for speed; the digest reveals files that a power cut destroyed."""
     _make_folder(file.parent)
     try:
         file.write_bytes(data)
-    except OSError as error:  # of a write, it does not name the file
+    except OSError as error:  # the error of a write does not name the file
         raise OSError(error.errno, error.strerror, str(file)) from error
 
 
@@ -115,14 +116,14 @@ def _make_folder(folder: Path) -> None:
 
 
 def _clear(out: Path) -> None:
-    """The journal first: without it the rest has no meaning."""
+    """Removes the staged files, the journal first: without it the others are ignored."""
     (out / JOURNAL).unlink(missing_ok=True)
     if (out / STAGING).is_dir():
         shutil.rmtree(out / STAGING)
 
 
 def _remove_empty(out: Path, folder: Path) -> None:
-    """The folder and those above it, up to `out`, as long as they are empty."""
+    """Removes a folder and its parents below `out` if they are empty."""
     while folder != out:
         try:
             folder.rmdir()

@@ -1,7 +1,7 @@
-"""All or nothing: compare with what is there, write, and remove what is no longer generated.
+"""Writes the files of a run, or compares them with the output folder; removes files that are no longer generated.
 
-A manifest in the output folder lists the files that canwright generated, with their digests. Only those are ever replaced
-or removed, and none that was edited since, unless forced.
+A manifest in the output folder lists the generated files with their digests. Only those are replaced or removed, and
+files that were edited since only if forced.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ from .paths import (
 from .transaction import complete, removed_files, stage
 
 PATIENCE = 5.0
-"""Seconds to wait for another run in the same folder; one writes in less than that."""
+"""Seconds to wait for another run in the same folder; a run writes in less time."""
 
 
 @dataclass(frozen=True)
 class Content:
-    """What a run generates: its editions, its targets, and every file by its path below the output folder.
+    """The output of a run: its editions, its targets, and every file by its path below the output folder.
 
-    A target has a folder of its name there, or, `alone`, all of the output folder.
+    Each target has a folder of its name there; a target that is `alone` has the whole output folder.
     """
 
     editions: tuple[str, ...]
@@ -45,7 +45,7 @@ class Content:
     alone: bool = False
 
     def manifest_after(self, manifest: Manifest) -> Manifest:
-        """The manifest of a folder once this is there; other targets stay as they are."""
+        """The manifest of a folder after this content is written; other targets stay the same."""
         kept = {
             path: digest
             for path, digest in manifest.files.items()
@@ -57,15 +57,15 @@ class Content:
 
 
 @dataclass(frozen=True)
-class Changes:
-    """What a run changes, or has changed, in a folder."""
+class FileChanges:
+    """The files of a folder that a run changes."""
 
     written: tuple[str, ...]
     removed: tuple[str, ...]
     unchanged: int
 
 
-def write(out: Path, content: Content, *, force: bool = False, patience: float = PATIENCE) -> Changes:
+def write(out: Path, content: Content, *, force: bool = False, patience: float = PATIENCE) -> FileChanges:
     """Makes the files of `content.targets` below `out` exactly those of `content`.
 
     Raises OutputError, with nothing changed, when a file that canwright did not generate or that was edited by hand is
@@ -93,7 +93,7 @@ def write(out: Path, content: Content, *, force: bool = False, patience: float =
 
 
 def difference(out: Path, content: Content) -> Iterator[str]:
-    """The unified diff from what is there to what would be generated, file by file; empty when they are the same.
+    """The unified diff from the output folder to the generated content, by file; empty if they are the same.
 
     Writes nothing: an interrupted run is reported, not completed.
     """
@@ -102,40 +102,42 @@ def difference(out: Path, content: Content) -> Iterator[str]:
         old = read_manifest(out)
         changes = _changes(out, content, old, content.manifest_after(old))
         if is_interrupted(out):
-            yield f"Only in {out.as_posix()}: {JOURNAL}, of an interrupted run\n"
+            yield f"Only in {out.as_posix()}: {JOURNAL}, left by an interrupted run\n"
         for path in sorted((*changes.written, *changes.removed)):
-            there = (content_of(out / path) or b"").decode("utf-8", "replace")
+            present = (content_of(out / path) or b"").decode("utf-8", "replace")
             wanted = content.files.get(path, b"").decode("utf-8")
             names = (f"{out.as_posix()}/{path}", f"{path} as generated")
-            lines = difflib.unified_diff(there.splitlines(True), wanted.splitlines(True), *names)
+            lines = difflib.unified_diff(present.splitlines(True), wanted.splitlines(True), *names)
             yield "".join(line if line.endswith("\n") else line + "\n" for line in lines)
 
 
 def refuse_occupied(out: Path, targets: Sequence[str]) -> None:
-    """Raises OutputError where a folder has files other than those of an earlier run of exactly these targets."""
+    """Raises OutputError if a folder has files other than those of an earlier run of exactly these targets."""
     with file_system_errors(out, "read"):
-        there = sorted(file.name for file in out.iterdir() if file.name != LOCK) if out.is_dir() else []
-        if not there or is_interrupted(out) or list(read_manifest(out).editions) == list(targets):
+        present = sorted(file.name for file in out.iterdir() if file.name != LOCK) if out.is_dir() else []
+        if not present or is_interrupted(out) or list(read_manifest(out).editions) == list(targets):
             return
-    named = ", ".join(there[:3]) + (", …" if len(there) > 3 else "")
+    named = ", ".join(present[:3]) + (", …" if len(present) > 3 else "")
     raise OutputError(
-        f"{out.as_posix()} has files that are not of an earlier {'/'.join(targets)} ({visible(named)}); name a new or "
-        "empty folder with --out, or move them away"
+        f"{out.as_posix()} contains files that no earlier run for {'/'.join(targets)} generated ({visible(named)}); "
+        "choose a new or empty folder with --out, or move them away"
     )
 
 
-def _changes(out: Path, content: Content, old: Manifest, new: Manifest) -> Changes:
-    """Raises OutputError where a link, or something other than a file, is in the way."""
+def _changes(out: Path, content: Content, old: Manifest, new: Manifest) -> FileChanges:
+    """The changes of a run. Raises OutputError if a link, or something other than a file, is in the way."""
     removed = removed_files(out, old, new)
     refuse_obstacles(out, *content.files, *removed)
     written = [path for path, data in content.files.items() if content_of(out / path) != data]
-    return Changes(tuple(sorted(written)), tuple(sorted(removed)), len(content.files) - len(written))
+    return FileChanges(tuple(sorted(written)), tuple(sorted(removed)), len(content.files) - len(written))
 
 
 def _refuse_unsafe(out: Path, content: Content) -> None:
     for path in content.files:
         if not is_safe(path):
-            raise OutputError(f"{path!r} would be written outside {out.as_posix()}; change the name that it comes from")
+            raise OutputError(
+                f"{path!r} would be written outside {out.as_posix()}; change the name that the path is derived from"
+            )
 
 
 def _refuse_dropped(out: Path, content: Content, manifest: Manifest) -> None:
@@ -148,8 +150,8 @@ def _refuse_dropped(out: Path, content: Content, manifest: Manifest) -> None:
             )
 
 
-def _refuse_edited(out: Path, manifest: Manifest, changes: Changes) -> None:
+def _refuse_edited(out: Path, manifest: Manifest, changes: FileChanges) -> None:
     for path in (*changes.written, *changes.removed):
-        there = content_of(out / path)
-        if there is not None and digest(there) != manifest.files.get(path):
+        present = content_of(out / path)
+        if present is not None and digest(present) != manifest.files.get(path):
             raise conflict(out, path, generated=path in manifest.files)

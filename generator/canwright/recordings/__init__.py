@@ -1,5 +1,5 @@
-"""Logs of a bus: readers, and which editions the frames fit.
+"""Logs of a bus: readers of log formats, and the identification of the edition.
 
-Belongs here: formats of recordings, and what is inferred from many frames. What one frame means is in `semantics`.
+Belongs here: log formats, and conclusions from many frames. The meaning of one frame is in `semantics`.
 Imports every package but `cli`.
 """

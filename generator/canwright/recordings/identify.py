@@ -1,7 +1,7 @@
-"""Which editions a recorded exchange fits.
+"""Identification of the editions that a recorded exchange fits.
 
-No frame says the edition, so this looks for what an edition does not allow: ids, codes, lengths, reserved bits, names
-and ranges. Where two editions explain a log alike, it says so.
+No frame contains the edition, so this counts what an edition does not allow: ids, codes, lengths, reserved bits, names
+and ranges. If several editions explain a log equally well, the result lists all of them.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from ..compare import Change, Impact, Side, compare
 from ..model.edition import Edition
 from ..model.message import Command
 from ..semantics.frame import CanFrame, has_id, node_of
-from .scoring import STRONG, Reader, Reading, Reason
+from .scoring import STRONG, Interpretation, Reason, Scorer
 
 LEAD = 3
-"""How much more has to speak against every other edition before one is named."""
+"""The minimum lead in points over every other edition before one edition is identified."""
 SHARE = Fraction(1, 20)
-"""A reason that fewer of the frames of its kind give is taken for noise."""
+"""The minimum share of the frames of a kind; evidence from fewer frames does not count."""
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """What speaks against an edition: how many frames give it out of how many of their kind, and the first of them."""
+    """Evidence against an edition: in `count` of `among` frames of a kind, of which `example` is the first."""
 
     points: int
     text: str
@@ -39,8 +39,8 @@ class Evidence:
 
 
 @dataclass(frozen=True)
-class Candidate:
-    """An edition, and all that speaks against it."""
+class EditionScore:
+    """An edition with all evidence against it, and the number of frames that it explains."""
 
     edition: Edition
     against: tuple[Evidence, ...]
@@ -56,27 +56,27 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Finding:
-    """What there is to say of one node. `editions` are those that fit; one when it can be told.
+class NodeResult:
+    """The result for one node. `editions` are those that fit; exactly one if the edition is identified.
 
-    `strange` are frames that no edition has, by their kind, and how many; nothing follows from them. `tell` are commands
-    whose replies would tell the editions that fit apart.
+    `unexplained` are frames that no edition has, the first of each kind with its count; they do not affect the scores.
+    The replies to the commands `distinguishing` differ between the editions that fit.
     """
 
     node: int | None
     frames: int
-    strange: tuple[tuple[CanFrame, int], ...]
-    candidates: tuple[Candidate, ...]
+    unexplained: tuple[tuple[CanFrame, int], ...]
+    scores: tuple[EditionScore, ...]
     editions: tuple[Edition, ...]
-    tell: tuple[str, ...]
+    distinguishing: tuple[str, ...]
 
     @property
-    def judged(self) -> int:
-        return self.frames - sum(count for _, count in self.strange)
+    def scored(self) -> int:
+        return self.frames - sum(count for _, count in self.unexplained)
 
 
-def identify(frames: Iterable[CanFrame], editions: Sequence[Edition]) -> tuple[list[Finding], Counter[int]]:
-    """What fits each node, and the ids that belong to no edition. All editions are of one family."""
+def identify(frames: Iterable[CanFrame], editions: Sequence[Edition]) -> tuple[list[NodeResult], Counter[int]]:
+    """The result for each node, and the ids that belong to no edition. All editions are of one family."""
     by_node: dict[int | None, list[CanFrame]] = {}
     foreign: Counter[int] = Counter()
     known: dict[tuple[int, bool, bool], list[int | None]] = {}
@@ -90,52 +90,58 @@ def identify(frames: Iterable[CanFrame], editions: Sequence[Edition]) -> tuple[l
             foreign[frame.id] += 1
     ordered = sorted(by_node.items(), key=lambda item: (item[0] is None, item[0] or 0))
     compared: Compared = {}
-    return [_finding(node, own, editions, compared) for node, own in ordered], foreign
+    return [_node_result(node, own, editions, compared) for node, own in ordered], foreign
 
 
 Compared = dict[tuple[str, str], tuple[Change, ...]]
-"""What was found to differ between two editions, by their names; nodes mostly leave the same ones open."""
+"""The changes between two editions, by their names: a cache, since several nodes mostly fit the same editions."""
 
 
-def _finding(node: int | None, frames: Sequence[CanFrame], editions: Sequence[Edition], compared: Compared) -> Finding:
-    readers = [Reader(edition) for edition in editions]
+def _node_result(
+    node: int | None, frames: Sequence[CanFrame], editions: Sequence[Edition], compared: Compared
+) -> NodeResult:
+    scorers = [Scorer(edition) for edition in editions]
     tallies = [_Tally() for _ in editions]
-    strange: dict[str, tuple[CanFrame, int]] = {}
+    unexplained: dict[str, tuple[CanFrame, int]] = {}
     for frame in frames:
-        readings = [reader.read(frame) for reader in readers]
-        if all(reading.points >= STRONG for reading in readings):
+        interpretations = [scorer.interpret(frame) for scorer in scorers]
+        if all(interpretation.points >= STRONG for interpretation in interpretations):
             kind = f"{frame.id} {frame.data[:1].hex()} {len(frame.data)}"
-            first, count = strange.get(kind, (frame, 0))
-            strange[kind] = (first, count + 1)
+            first, count = unexplained.get(kind, (frame, 0))
+            unexplained[kind] = (first, count + 1)
         else:
-            for tally, reading in zip(tallies, readings, strict=True):
-                tally.add(frame, reading)
-    told = zip(editions, tallies, strict=True)
-    candidates = sorted(
-        (Candidate(edition, tally.evidence(), tally.explained) for edition, tally in told),
+            for tally, interpretation in zip(tallies, interpretations, strict=True):
+                tally.add(frame, interpretation)
+    scores = sorted(
+        (
+            EditionScore(edition, tally.evidence(), tally.explained)
+            for edition, tally in zip(editions, tallies, strict=True)
+        ),
         key=lambda c: (not c.is_possible, c.score),
     )
-    possible = [c for c in candidates if c.is_possible and tallies[0].kinds]
+    possible = [c for c in scores if c.is_possible and tallies[0].kinds]
     fitting = tuple(c.edition for c in possible if c.score < possible[0].score + LEAD)
     seen = {kind for tally in tallies for kind in tally.kinds}
-    by_count = sorted(strange.values(), key=lambda one: -one[1])
-    return Finding(node, len(frames), tuple(by_count), tuple(candidates), fitting, _tell(fitting, seen, compared))
+    by_count = sorted(unexplained.values(), key=lambda one: -one[1])
+    return NodeResult(
+        node, len(frames), tuple(by_count), tuple(scores), fitting, _distinguishing(fitting, seen, compared)
+    )
 
 
 @dataclass
 class _Tally:
-    """The readings of the frames of one node in one edition, counted."""
+    """The interpretations of the frames of one node in one edition, counted."""
 
     explained: int = 0
     kinds: Counter[str] = field(default_factory=Counter)
     _found: dict[Reason, tuple[CanFrame, int]] = field(default_factory=dict)
     _reserved: dict[Reason, tuple[CanFrame, int]] = field(default_factory=dict)
 
-    def add(self, frame: CanFrame, reading: Reading) -> None:
-        self.kinds[reading.kind] += 1
-        self.explained += not reading.reasons
+    def add(self, frame: CanFrame, interpretation: Interpretation) -> None:
+        self.kinds[interpretation.kind] += 1
+        self.explained += not interpretation.reasons
         some = None
-        for reason in reading.reasons:
+        for reason in interpretation.reasons:
             first, count = self._found.get(reason, (frame, 0))
             self._found[reason] = (first, count + 1)
             if reason.byte is not None:
@@ -145,7 +151,7 @@ class _Tally:
             self._reserved[some] = (first, count + 1)
 
     def evidence(self) -> tuple[Evidence, ...]:
-        """All that was found, the worst first; the reserved bytes of one message together."""
+        """All evidence, the strongest first; the reserved bytes of one message are one item."""
         found = [
             Evidence(reason.points, reason.text, count, self.kinds[reason.kind], first)
             for reason, (first, count) in self._found.items()
@@ -161,8 +167,8 @@ class _Tally:
         return tuple(sorted(found, key=lambda e: (not e.counts, -e.points, -e.count)))
 
 
-def _tell(fitting: Sequence[Edition], seen: set[str], compared: Compared) -> tuple[str, ...]:
-    """Commands that only read and whose replies differ between the editions that fit, those not yet seen first."""
+def _distinguishing(fitting: Sequence[Edition], seen: set[str], compared: Compared) -> tuple[str, ...]:
+    """Read commands whose replies differ between the editions that fit; those without a recorded reply first."""
     if len(fitting) < 2:
         return ()
     first = fitting[0]

@@ -1,4 +1,4 @@
-"""Recorded frames: what candump writes, and every format that python-can reads."""
+"""Readers of logs: the formats of candump, and every format of python-can."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _LONG = re.compile(
 )
 _COLOUR = re.compile(r"\x1b\[[\d;]*m")
 _ERROR = 0x20000000
-"""Set in the ids of what is no frame but an error that the controller tells of."""
+"""Set in the id of an error that the controller reports, which is not a frame."""
 _BINARY = (".asc", ".blf", ".csv", ".db", ".mf4", ".trc")
 
 
 class LogError(Exception):
-    """A log that cannot be read; the message says where and what to do."""
+    """A log that cannot be read; the message states where and what to do."""
 
 
 def frames(file: Path) -> Iterator[CanFrame]:
@@ -38,7 +38,7 @@ def frames(file: Path) -> Iterator[CanFrame]:
     try:
         text = file.read_text("utf-8")
     except UnicodeDecodeError:
-        raise LogError(f"{file} is no text; write it with `candump -l`, or as {', '.join(_BINARY)}") from None
+        raise LogError(f"{file} is not a text file; record it with `candump -l`, or as {', '.join(_BINARY)}") from None
     for number, line in enumerate(text.splitlines(keepends=True), start=1):
         written = _COLOUR.sub("", line).strip()
         if not written or line.startswith(("#", ";", "\t")):
@@ -46,10 +46,9 @@ def frames(file: Path) -> Iterator[CanFrame]:
         frame = _parsed(written)
         if frame is not None and not frame.id & _ERROR:
             yield frame
-        elif frame is None and line.endswith("\n"):  # the last line is cut off where a recording was
+        elif frame is None and line.endswith("\n"):  # an interrupted recording ends within a line
             raise LogError(
-                f"{file}:{number}: expected a frame as candump writes it, `141#9A00000000000000`; found "
-                f"`{written[:60]}`"
+                f"{file}:{number}: expected a frame of candump, `141#9A00000000000000`; found `{written[:60]}`"
             )
 
 
@@ -65,7 +64,7 @@ def _parsed(line: str) -> CanFrame | None:
 
 def _by_python_can(file: Path) -> Iterator[CanFrame]:
     if importlib.util.find_spec("can") is None:
-        raise LogError(f"to read {file.suffix} files, run: pip install python-can; or write the log with `candump -l`")
+        raise LogError(f"to read {file.suffix} files, run: pip install python-can; or record the log with `candump -l`")
     import can
 
     try:
@@ -77,5 +76,5 @@ def _by_python_can(file: Path) -> Iterator[CanFrame]:
                     )
     except OSError:
         raise
-    except Exception as error:  # each of the readers raises its own
+    except Exception as error:  # each reader has its own exceptions
         raise LogError(f"{file} cannot be read as {file.suffix}: {error}") from None

@@ -1,7 +1,7 @@
-"""What a recorded frame can be in an edition, and what speaks against it.
+"""Interpretations of recorded frames in an edition, and the evidence against them.
 
-One reader reads the frames of one node in one edition, in order: where a request and its reply share an id, what comes
-after a request tells them apart. All that can be worked out once for an id is; logs are long.
+A scorer interprets the frames of one node in one edition, in order: if a request and its reply share an id, the order
+distinguishes them. Everything that depends on the id only is computed once per id, because logs are long.
 """
 
 from __future__ import annotations
@@ -23,17 +23,16 @@ from ..semantics.frame import CanFrame, data_bits, node_of
 WEAK = 1
 """Unusual: a reserved byte of a reply that is not 0, a raw integer beyond its printed range."""
 UNNAMED = 2
-"""A reserved byte of a request, which a host leaves 0; flags and values of a reply without a name: nodes know more of
-them than manuals tell."""
+"""A reserved byte of a request that is not 0; an unnamed flag or value of a reply: manuals do not list all of them."""
 IMPLAUSIBLE = 3
 """A value that no working node reports."""
 STRONG = 4
-"""Not in this edition: an id, a code, a length, a constant, a name that a host would have to know."""
+"""Not in this edition: an id, a code, a length, a constant, an unnamed value in a request."""
 
 
 @dataclass(frozen=True)
 class Reason:
-    """What speaks against an edition. `kind` are the frames among which it is counted; a reserved byte has its number."""
+    """A reason against an edition, counted among the frames of a `kind`; `byte` is set for a reserved byte."""
 
     points: int
     kind: str
@@ -42,8 +41,8 @@ class Reason:
 
 
 @dataclass(frozen=True)
-class Reading:
-    """What a frame is taken for, and what speaks against that."""
+class Interpretation:
+    """A possible meaning of a frame, and the reasons against it."""
 
     kind: str
     reasons: tuple[Reason, ...]
@@ -54,8 +53,8 @@ class Reading:
         return min(sum(reserved), STRONG) + sum(r.points for r in self.reasons if r.byte is None)
 
 
-class Reader:
-    """Reads the frames of one node in one edition."""
+class Scorer:
+    """Interprets the frames of one node in one edition."""
 
     def __init__(self, edition: Edition) -> None:
         self.edition = edition
@@ -63,39 +62,41 @@ class Reader:
         self._forms: dict[tuple[Message, int], list[_Form]] = {}
         self._asked: dict[str, bool] = {}
 
-    def read(self, frame: CanFrame) -> Reading:
-        """What the next frame is taken for: of all readings, the one with the least against it."""
+    def interpret(self, frame: CanFrame) -> Interpretation:
+        """The interpretation of the next frame with the fewest points against it."""
         if not self._candidates.has_id(frame):
             kind = f"0x{frame.id:X}"
-            return Reading(kind, (Reason(STRONG, kind, f"{kind} is no id of this edition"),))
+            return Interpretation(kind, (Reason(STRONG, kind, f"{kind} is not an id of this edition"),))
         data = int.from_bytes(frame.data, "little")
         forms = (form for message in self._candidates.of(frame) for form in self._forms_of(message, frame))
-        readings = [(form, form.read(frame, data)) for form in forms]
-        if not readings:
+        interpretations = [(form, form.interpret(frame, data)) for form in forms]
+        if not interpretations:
             start = frame.data[:1].hex().upper()
             kind = f"0x{frame.id:X} {start}"
             size = formatting.counted(len(frame.data), "byte")
             code = f" that starts with {start}" if start else ""
-            return Reading(kind, (Reason(STRONG, kind, f"it has no frame of {size}{code} on 0x{frame.id:X}"),))
-        return self._chosen(frame, readings)
+            return Interpretation(kind, (Reason(STRONG, kind, f"no frame of {size}{code} on 0x{frame.id:X}"),))
+        return self._chosen(frame, interpretations)
 
-    def _chosen(self, frame: CanFrame, readings: list[tuple[_Form, Reading]]) -> Reading:
-        """The reading with the least against it. What is no request in order, right after one that is, is its reply."""
-        asking = any(form.is_request and not reading.reasons for form, reading in readings)
-        asked = [form for form, _ in readings if self._asked.get(form.command)]
-        for form, _ in readings:
+    def _chosen(self, frame: CanFrame, interpretations: list[tuple[_Form, Interpretation]]) -> Interpretation:
+        """The interpretation with the fewest points; a frame that follows a request and is none is a reply."""
+        asking = any(form.is_request and not interpretation.reasons for form, interpretation in interpretations)
+        asked = [form for form, _ in interpretations if self._asked.get(form.command)]
+        for form, _ in interpretations:
             self._asked[form.command] = asking
         if asked and not asking:
-            replies = [reading for form, reading in readings if not form.is_request]
+            replies = [interpretation for form, interpretation in interpretations if not form.is_request]
             if not replies:
                 kind = asked[0].kind
-                text = f"0x{frame.id:X} carries a reply of {asked[0].command}{asked[0].elsewhere}"
-                return Reading(kind, (Reason(STRONG, kind, text),))
-            return min(replies, key=lambda reading: reading.points)
-        return min((reading for _, reading in readings), key=lambda reading: reading.points)
+                text = f"0x{frame.id:X} has a reply of {asked[0].command}{asked[0].reply_id}"
+                return Interpretation(kind, (Reason(STRONG, kind, text),))
+            return min(replies, key=lambda interpretation: interpretation.points)
+        return min(
+            (interpretation for _, interpretation in interpretations), key=lambda interpretation: interpretation.points
+        )
 
     def _forms_of(self, message: Message, frame: CanFrame) -> list[_Form]:
-        """A form for each variant of the layout, made once for an id."""
+        """A form for each variant of the layout, cached by id."""
         known = (message, frame.id)
         if known not in self._forms:
             self._forms[known] = [_Form(self.edition, message, v, frame) for v in message.layout.variants]
@@ -103,7 +104,7 @@ class Reader:
 
 
 class _Form:
-    """A message under one variant of its layout, ready to read data that is one integer, the first byte lowest."""
+    """A message under one variant of its layout; reads data as one little-endian integer."""
 
     def __init__(self, edition: Edition, message: Message, variant: Variant, frame: CanFrame) -> None:
         self.kind = message.name
@@ -112,14 +113,14 @@ class _Form:
         keys = data_bits((key.space, key.segments) for key in message.keys)
         fields = data_bits((f.space, e.segments) for f in variant.fields for e in f.elements)
         self._reserved = ~(keys | fields)
-        self.elsewhere = _elsewhere(edition, message, frame)
-        self._where = f"{message.direction.value} of {message.command}" + (self.elsewhere if self.is_request else "")
+        self.reply_id = _reply_id(edition, message, frame)
+        self._where = f"{message.direction.value} of {message.command}" + (self.reply_id if self.is_request else "")
         self._per_byte = UNNAMED if self.is_request else WEAK
         self._checks = [check for field in variant.fields for check in self._checks_of(field)]
-        self._clean = Reading(self.kind, ())
+        self._clean = Interpretation(self.kind, ())
 
-    def read(self, frame: CanFrame, data: int) -> Reading:
-        """What speaks against a frame's being this."""
+    def interpret(self, frame: CanFrame, data: int) -> Interpretation:
+        """The frame as this message, with the reasons against it."""
         reasons = []
         if data & self._reserved:
             reasons = [
@@ -135,7 +136,7 @@ class _Form:
             reason = check(raw)
             if reason is not None:
                 reasons.append(reason)
-        return Reading(self.kind, tuple(reasons)) if reasons else self._clean
+        return Interpretation(self.kind, tuple(reasons)) if reasons else self._clean
 
     def _checks_of(self, field: Field) -> list[tuple[bool, list[tuple[int, int, int]], Callable[[int], Reason | None]]]:
         type_ = field.type
@@ -148,7 +149,7 @@ class _Form:
         return [(field.space is Space.ID, _parts(element), check) for element in field.elements]
 
     def _reason(self, field: Field, bits: int) -> Reason | None:
-        """What speaks against the bits of a field."""
+        """The reason against the bits of a field; None without one."""
         type_, named = field.type, f"{self._where}: `{field.name}`"
         signed = type_.encoding is Encoding.SIGNED and bits >> (type_.width - 1)
         raw = bits - (1 << type_.width) if signed else bits
@@ -163,22 +164,22 @@ class _Form:
         if not _is_plausible(type_, raw):
             limits = formatting.span(type_.plausible) if type_.plausible else ""
             unit = f" {type_.unit.symbol}" if type_.unit else ""
-            return Reason(IMPLAUSIBLE, self.kind, f"{named} is not within a plausible {limits}{unit}")
+            return Reason(IMPLAUSIBLE, self.kind, f"{named} is outside the plausible range {limits}{unit}")
         if not _is_in_range(type_, raw):
-            return Reason(WEAK, self.kind, f"{named} is beyond its range")
+            return Reason(WEAK, self.kind, f"{named} is out of range")
         return None
 
 
-def _elsewhere(edition: Edition, message: Message, frame: CanFrame) -> str:
-    """Where replies to a request come, when it is not on its id."""
+def _reply_id(edition: Edition, message: Message, frame: CanFrame) -> str:
+    """The id of the reply to a request, as text; empty if both have the same id."""
     reply, node = edition.command(message.command).reply, node_of(message, frame)
     if reply is None or reply.id == message.id or reply.id.nodes is None or node is None:
         return ""
-    return f", though replies come on 0x{reply.id.base + node * reply.id.node_step:X}"
+    return f"; expected replies on 0x{reply.id.base + node * reply.id.node_step:X}"
 
 
 def _parts(element: Element) -> list[tuple[int, int, int]]:
-    """Shift, mask and place in the raw integer; neighbours that stay in order are one."""
+    """Shift, mask and position in the raw integer; consecutive segments are joined."""
     parts: list[tuple[int, int, int]] = []
     for s in sorted(element.segments, key=lambda s: s.raw_low):
         shift, mask = s.byte * 8 + s.low, (1 << s.width) - 1
@@ -205,6 +206,6 @@ def _is_plausible(type_: Type, raw: int) -> bool:
 
 
 def _is_in_range(type_: Type, raw: int) -> bool:
-    """Whether a raw integer is in the range under some parameter; one that a number decides is not judged."""
+    """Whether a raw integer is in range under some parameter value; ranges with a number parameter are not checked."""
     spans = [type_.raw_range.at(a) for a in _assignments(type_.raw_range.parameter, type_.raw_range.cases)]
     return any(s is None or not s.is_constant or s.low.constant <= raw <= s.high.constant for s in spans)

@@ -1,4 +1,4 @@
-"""One rule a file, listed in one table; behind them what is found while a spec is read."""
+"""Rules about a spec, one in each module, listed in one table with the rules that loading and resolving check."""
 
 from __future__ import annotations
 
@@ -39,24 +39,36 @@ from .rule import Finding as Finding, Phase as Phase, Rule as Rule, Subject as S
 WARNING = Severity.WARNING
 
 RULES: tuple[Rule, ...] = (
-    Rule("too-large", "A spec has at most 5000 commands, 64 combinations of choices, 2500000 lines.", too_large.check),
+    Rule(
+        "too-large",
+        "A spec has at most 5000 commands, 64 combinations of choices and 2500000 generated lines.",
+        too_large.check,
+    ),
     Rule(
         "overlap",
-        "No two fields of one message share a bit, nor a field and a key, nor two keys.",
+        "Fields and keys of one message do not overlap.",
         overlap.check,
     ),
     Rule(
         "beyond-frame",
-        "Every field lies within the data bytes, or the bits of the id.",
+        "Every field lies within the data bytes or the bits of the id.",
         beyond_frame.check,
     ),
-    Rule("beyond-width", "A range and a constant lie within what the bits hold.", beyond_width.check),
-    Rule("zero-scale", "A scale is not zero.", zero_scale.check),
-    Rule("member-value", "The values of an enum and the bits of flags are distinct and fit.", member_value.check),
-    Rule("mixed-type", "A type is a number, an enum or flags: one of them.", mixed_type.check),
-    Rule("parameter-range", "Limits leave room, and choices do not repeat.", parameter_range.check),
-    Rule("repeated-value", "A list of names or codes has each once.", repeated_value.check),
-    Rule("reserved-word", "A word of the language is not used as a name.", reserved_word.check),
+    Rule("beyond-width", "Ranges and constants fit the width of their type.", beyond_width.check),
+    Rule("zero-scale", "A scale is not 0.", zero_scale.check),
+    Rule(
+        "member-value",
+        "The values of an enum and the bits of flags are distinct and fit the width of the type.",
+        member_value.check,
+    ),
+    Rule("mixed-type", "A type is either a number, an enum or flags.", mixed_type.check),
+    Rule(
+        "parameter-range",
+        "The limits of a parameter allow a value, and its choices are distinct.",
+        parameter_range.check,
+    ),
+    Rule("repeated-value", "A list of names or codes has no duplicates.", repeated_value.check),
+    Rule("reserved-word", "A reserved word of the language is not used as a name.", reserved_word.check),
     Rule(
         "duplicate-code",
         "No two commands of one address have the same code.",
@@ -65,50 +77,54 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "duplicate-name",
-        "Commands, layouts and errata have names of their own.",
+        "The names of commands, layouts and errata are unique.",
         duplicate_name.check,
         phase=Phase.CODES,
     ),
     Rule(
         "ambiguous-message",
-        "Two messages that a receiver cannot tell apart have one layout.",
+        "Messages that a receiver cannot distinguish have one layout.",
         ambiguous_message.check,
         phase=Phase.WHOLE,
     ),
     Rule(
         "id-collision",
-        "No id belongs to two addresses of one direction, unless all their ids are the same.",
+        "No id belongs to two addresses of one direction, unless all their ids are equal.",
         id_collision.check,
         phase=Phase.WHOLE,
     ),
     Rule(
         "id-bits",
-        "Fields and selectors in the id leave the bits of the address alone.",
+        "Fields and selectors in the id do not use bits of the address.",
         id_bits.check,
     ),
-    Rule("unknown-node", "The nodes that reply are nodes of their address.", unknown_node.check, phase=Phase.WHOLE),
-    Rule("node-field", "The field that holds the node is one bare number, and always there.", node_field.check),
+    Rule("unknown-node", "The nodes in `from_each` are nodes of the address.", unknown_node.check, phase=Phase.WHOLE),
+    Rule(
+        "node-field",
+        "The field that contains the node is an unsigned number without a scale, and always exists.",
+        node_field.check,
+    ),
     Rule(
         "name-collision",
-        "No two names become one in a target, as in C or Python.",
+        "Different items have different names in every target, such as C or Python.",
         name_collision.check,
         phase=Phase.CODES,
     ),
     Rule(
         "frame-contradiction",
-        "Golden frames mean what the spec says.",
+        "Golden frames decode and encode as listed.",
         frame_contradiction.check,
         phase=Phase.FRAMES,
     ),
     Rule(
         "refused-contradiction",
-        "What golden frames say is refused, the spec refuses as they say.",
+        "Golden frames and values listed under `refused` are rejected for the listed reason.",
         refused_contradiction.check,
         phase=Phase.FRAMES,
     ),
     Rule(
         "exchange-contradiction",
-        "A golden reply answers a request, or does not, as the spec says.",
+        "The exchanges in golden frames are accepted or rejected as listed.",
         exchange_contradiction.check,
         phase=Phase.FRAMES,
     ),
@@ -119,10 +135,15 @@ RULES: tuple[Rule, ...] = (
         WARNING,
         phase=Phase.COVERAGE,
     ),
-    Rule("missing-manual", "Every command names its section of the manual.", missing_manual.check, WARNING),
-    Rule("differing-quantity", "One quantity has one unit and scale, or a reason.", differing_quantity.check, WARNING),
-    Rule("unused", "What a spec defines is used.", unused.check, WARNING, Phase.COVERAGE),
-    Rule("long-name", "A name is short enough for every target, as for a DBC file.", long_name.check, WARNING),
+    Rule("missing-manual", "Every command has the section of the manual.", missing_manual.check, WARNING),
+    Rule(
+        "differing-quantity",
+        "All types of a quantity have one unit and scale, or a reason in `differs`.",
+        differing_quantity.check,
+        WARNING,
+    ),
+    Rule("unused", "Every item that a spec defines is used.", unused.check, WARNING, Phase.COVERAGE),
+    Rule("long-name", "A name does not exceed the maximum length of a target, such as DBC.", long_name.check, WARNING),
 )
 
 EVERY: dict[str, Rule] = {rule.id: rule for rule in (*READING, *RULES)}

@@ -1,4 +1,4 @@
-"""Two messages that a receiver cannot tell apart have one layout."""
+"""Messages that a receiver cannot distinguish have one layout."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from ..model.layout import Space
 from ..model.message import Direction, Message
 from . import bit_patterns, can_ids
 from .duplicate_code import sends_the_same
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 _ID_KEYS = 32
 _DATA = 2 * _ID_KEYS
 """Where the bits of keys stand: behind the id, those in the id first, as many as the id has room for."""
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     edition = subject.edition
     without_code: set[str] = set()
-    """Commands that were told to lack a code: what is alike in their replies follows from that."""
+    """Commands reported as lacking a code; their ambiguous replies follow from that and are not reported."""
     for direction in Direction:
         messages = {m.command: m for m in edition.messages(direction)}
         groups = {name: edition.command(name).group for name in messages}
         others: dict[str, set[str]] = {}
         first = dict(zip(reversed(groups.values()), reversed(messages.values()), strict=True))
-        for one, other in _alike(edition, direction):
+        for one, other in _ambiguous(edition, direction):
             pair = groups[one.command], groups[other.command]
             if without_code.isdisjoint(pair):
                 for group, its in (pair, pair[::-1]):
@@ -39,13 +39,13 @@ def check(subject: Subject) -> Found:
                 others[group].discard(most)
             others = {group: left for group, left in others.items() if left}
             names = sorted(found, key=order.index)
-            yield _finding(first[most], names, _unsaid(subject.spec, direction, [most, *names]))
+            yield _finding(first[most], names, _without_explicit_request(subject.spec, direction, [most, *names]))
             if edition.command(first[most].command).code is None:
                 without_code.add(most)
 
 
-def _alike(edition: Edition, direction: Direction) -> Iterator[tuple[Message, Message]]:
-    """Every two messages that nothing tells apart, though they should be."""
+def _ambiguous(edition: Edition, direction: Direction) -> Iterator[tuple[Message, Message]]:
+    """Every pair of different messages that one frame can be."""
     messages = edition.messages(direction)
     for i, j in bit_patterns.pairs([_known(message) for message in messages]):
         message, other = messages[i], messages[j]
@@ -55,35 +55,35 @@ def _alike(edition: Edition, direction: Direction) -> Iterator[tuple[Message, Me
             yield message, other
 
 
-def _unsaid(spec: EditionSpec, direction: Direction, commands: Sequence[str]) -> str:
-    """The first command without a code that has a request only because nothing says that it has none, and a reply."""
+def _without_explicit_request(spec: EditionSpec, direction: Direction, commands: Sequence[str]) -> str:
+    """The first command with a reply but without a code and `request`; its request may not exist. Empty without one."""
     written = {name: spec.commands[name] for name in commands if direction is Direction.REQUEST}
     bare = (name for name, one in written.items() if one.code is None and one.request is None and one.reply != "none")
     return next(bare, "")
 
 
-def _finding(message: Message, others: Sequence[str], unsaid: str) -> Finding:
+def _finding(message: Message, others: Sequence[str], implicit: str) -> Finding:
     more = f" and {len(others) - SHOWN} more" if len(others) > SHOWN else ""
     names = ", ".join(f"`{name}`" for name in others[:SHOWN]) + more
     those = "that" if len(others) == 1 else "those"
-    text = f"nothing tells this {message.direction.value} from {those} of {names}, but their fields differ"
-    hint = "give it a code, an id or a dlc of its own, a constant that the other has not, or let them share a layout"
-    if unsaid:
-        hint = f"if nodes send `{unsaid}` unasked, write `request: none` there; or {hint}"
+    text = f"this {message.direction.value} cannot be distinguished from {those} of {names}, but their fields differ"
+    hint = "give it a different code, id, dlc or constant, or use one layout for both"
+    if implicit:
+        hint = f"if nodes send `{implicit}` without a request, write `request: none` there; else {hint}"
     return Finding((*message.path, "code"), text, hint, key=True)
 
 
 SHOWN = 3
-"""Up to so many messages are named."""
+"""The maximum number of messages in a finding."""
 
 
 def _known(message: Message) -> bit_patterns.Known:
-    """What is known of a frame of a message: its id, and behind that the bits that keys fix."""
+    """The known bits of a frame of a message: those of the id, then those of the keys."""
     mask, value = can_ids.known(can_ids.of_message(message), can_ids.free_bits(message))
-    for (space, bit), held in _fixed(message).items():
+    for (space, bit), value_of_bit in _fixed(message).items():
         at = bit + (_ID_KEYS if space is Space.ID else _DATA)
         mask |= 1 << at
-        value |= held << at
+        value |= value_of_bit << at
     return bit_patterns.Known(mask, value)
 
 
@@ -94,14 +94,14 @@ def _same_frame(one: Message, other: Message) -> bool:
     if (one.id, first) == (other.id, second) and one.dlc != other.dlc and not one.remote:
         return False
     differ = any(second.get(bit, value) != value for bit, value in first.items())
-    return not (differ or _is_rest(one, first, second) or _is_rest(other, second, first))
+    return not (differ or _is_remainder(one, first, second) or _is_remainder(other, second, first))
 
 
 Bits = dict[tuple[Space, int], int]
 
 
 def _fixed(message: Message) -> Bits:
-    """The bits that the keys of a message fix, with what they hold."""
+    """The bits of the keys of a message, with their values."""
     return {
         (key.space, s.byte * 8 + s.low + i): key.value >> (s.raw_low + i) & 1
         for key in message.keys
@@ -110,7 +110,7 @@ def _fixed(message: Message) -> Bits:
     }
 
 
-def _is_rest(message: Message, mine: Bits, others: Bits) -> bool:
-    """Whether a message is any frame but the other: it has fields where that one has further keys."""
+def _is_remainder(message: Message, mine: Bits, others: Bits) -> bool:
+    """Whether a message is every frame except the other: it has fields at the additional keys of the other."""
     fields = {(f.space, bit) for f in message.layout.fields for e in f.elements for bit in e.bits}
     return set(mine) < set(others) and not fields.isdisjoint(set(others) - set(mine))

@@ -1,4 +1,4 @@
-"""Every field lies within the data bytes, or the bits of the id."""
+"""Every field lies within the data bytes or the bits of the id."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model.layout import MAX_DATA_BYTES, Field, Segment, Space
 from ..model.message import KeyRole, Message
 from ..model.types import Order
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     seen: set[DocumentPath | str | tuple[str, tuple[Segment, ...]]] = set()
     for message in subject.edition.all_messages():
         limit = {Space.DATA: 0 if message.remote else message.dlc * 8, Space.ID: 29 if message.id.extended else 11}
@@ -27,8 +27,8 @@ def check(subject: Subject) -> Found:
                 if "selector" not in seen:
                     yield Finding(
                         ("selector", "at"),
-                        "no frame reaches to this selector",
-                        f"`at` counts bytes, from 0 to {MAX_DATA_BYTES - 1}",
+                        "this selector is beyond the end of every frame",
+                        f"`at` counts bytes: write 0 to {MAX_DATA_BYTES - 1}",
                     )
                 seen.add("selector")
             else:
@@ -38,19 +38,19 @@ def check(subject: Subject) -> Found:
                         yield _short_id(message, name, limit[Space.ID])
                     seen.add((message.address, key.segments))
                     continue
-                text = f"the frame has {message.dlc} data bytes, too few for its {name}"
+                text = f"the frame has only {message.dlc} data bytes; its {name} is beyond them"
                 if message.remote:
-                    text = f"a remote frame has no data, and so no {name}"
-                hint = "leave `code` out, or `remote`" if message.remote else "check `dlc`"
+                    text = f"a remote frame has no data bytes for a {name}"
+                hint = "remove `code` or `remote`" if message.remote else "check `dlc`"
                 yield Finding((*message.path, "remote" if message.remote else "dlc"), text, hint)
 
 
 MOST = {Space.DATA: 8 * MAX_DATA_BYTES, Space.ID: 29}
-"""The bits that a frame can have."""
+"""The maximum number of bits of a frame."""
 
 
 def _short_id(message: Message, name: str, bits: int) -> Finding:
-    text = f"the ids of `{message.address}` have {bits} bits, too few for the {name}"
+    text = f"the ids of `{message.address}` have only {bits} bits; the {name} is beyond them"
     longer = "" if message.id.extended else "; `extended: true` has 29 bits"
     return Finding(("addresses", message.address), text, f"check `at` and `raw` of the {name}{longer}", key=True)
 
@@ -59,18 +59,18 @@ def _beyond(message: Message, field: Field, limit: int) -> Finding:
     bits = [bit for e in field.elements for bit in e.bits]
     at: DocumentPath = (*field.path, "at")
     if field.space is Space.ID:
-        text = f"`{field.name}` has bits {min(bits)} to {max(bits)} of the id, and the id has {limit}"
+        text = f"`{field.name}` uses bits {min(bits)} to {max(bits)} of the id, but the id has {limit}"
         longer = "" if message.id.extended else "; `extended: true` of the address has 29 bits"
         return Finding(at, text, f"check `at` and the type{longer}")
     first, last = min(bits) // 8, max(bits) // 8
-    takes = f"byte {first}" if first == last else f"bytes {first} to {last}"
-    there = f"has bytes 0 to {message.dlc - 1}" if message.dlc else "has no data"
-    there = "is a remote one, without data" if message.remote else there
+    used = f"byte {first}" if first == last else f"bytes {first} to {last}"
+    available = f"has bytes 0 to {message.dlc - 1}" if message.dlc else "has no data"
+    available = "is a remote frame without data" if message.remote else available
     hint = "check `at`, the type and `dlc`"
     if MAX_DATA_BYTES <= first < MAX_DATA_BYTES * 8:
-        hint = f"`at` counts bytes, from 0 to {MAX_DATA_BYTES - 1}: bit {first} is in byte {first // 8}"
+        hint = f"`at` counts bytes from 0 to {MAX_DATA_BYTES - 1}; bit {first} is in byte {first // 8}"
     elif (
         field.type.order is Order.BIG and field.elements[0].segments[-1].low + field.elements[0].segments[-1].width < 8
     ):
-        hint = "`at` is where a big-endian field has its highest bit; check it, the type and `dlc`"
-    return Finding(at, f"`{field.name}` takes {takes}, and the frame {there}", hint)
+        hint = "`at` is the highest bit of a big-endian field; check it, the type and `dlc`"
+    return Finding(at, f"`{field.name}` uses {used}, but the frame {available}", hint)

@@ -1,4 +1,4 @@
-"""The CAN ids that messages and addresses can have, and whether two of them meet."""
+"""The CAN ids of messages and addresses, and whether two of them share one."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .bit_patterns import Known
 
 ALL_BITS = (1 << 29) - 1
 ENUMERATED = 1 << 16
-"""Up to so many nodes, ids are listed; above, bits of the id that fields fill are not told from the rest."""
+"""The maximum number of nodes whose ids are enumerated; above, the bits of fields in the id are not excluded."""
 
 
 def of_rule(rule: IdRule) -> range:
@@ -30,21 +30,21 @@ def of_message(message: Message) -> range:
 
 
 def free_bits(message: Message) -> int:
-    """Bits of the id that fields fill, and may hold anything."""
+    """The bits of the id that fields fill with any value."""
     fields = (f for f in message.layout.fields if f.space is Space.ID and f.demanded is None)
     segments = [s for f in fields for e in f.elements for s in e.segments]
     return sum(((1 << s.width) - 1) << s.low for s in segments)
 
 
 def known(ids: range, free: int = 0) -> Known:
-    """The bits that all of these ids have in common, but for the `free` ones."""
+    """The bits that all of these ids have in common, except the `free` ones."""
     differing = (1 << (ids[0] ^ ids[-1]).bit_length()) - (ids.step & -ids.step)
     mask = ALL_BITS & ~(max(differing, 0) | free)
     return Known(mask, ids[0] & mask)
 
 
 def meet(one: range, other: range, free: int = 0) -> int | None:
-    """The lowest id that two ranges share when the `free` bits do not count; None when there is none."""
+    """The lowest id that two ranges share, without the `free` bits; None without one."""
     if free:
         ids = {id_ & ~free for id_ in islice(one, ENUMERATED)}
         shared = ids & {id_ & ~free for id_ in islice(other, ENUMERATED)}

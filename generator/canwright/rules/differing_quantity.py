@@ -1,23 +1,29 @@
-"""Types of one quantity have one unit and one scale, or say why not."""
+"""All types of a quantity have one unit and scale, or a reason in `differs`."""
 
 from __future__ import annotations
 
 from ..model import formatting
 from ..model.types import Type
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     first: dict[str, Type] = {}
     for type_ in subject.edition.types:
         written = subject.spec.types.get(type_.name)
         if type_.unit is None or type_.enum or type_.flags or written is None or written.differs is not None:
             continue
-        like = first.setdefault(type_.unit.quantity, type_)
-        if (like.unit, like.linear) != (type_.unit, type_.linear):
-            text = f"`{type_.name}` has {_step(type_)} a step, `{like.name}` {_step(like)}: two scales of {type_.unit.quantity}"
-            yield Finding(type_.path, text, "if that is right, say why in `differs`", key=True)
+        first_type = first.setdefault(type_.unit.quantity, type_)
+        if (first_type.unit, first_type.linear) != (type_.unit, type_.linear):
+            one, other = _resolution(type_), _resolution(first_type)
+            text = f"`{type_.name}` has a resolution of {one}, but `{first_type.name}` of {other}"
+            yield Finding(
+                type_.path,
+                text,
+                f"both are a {type_.unit.quantity}; check the scales, or give the reason in `differs`",
+                key=True,
+            )
 
 
-def _step(type_: Type) -> str:
+def _resolution(type_: Type) -> str:
     return ", ".join(f"{step} ({names})" if names else step for names, step in formatting.scale(type_))

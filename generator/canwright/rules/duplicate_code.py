@@ -6,10 +6,10 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
 from ..model.message import Command, Direction
 from ..semantics.dispatch import selection
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     seen: set[tuple[str, str]] = set()
     entries: set[DocumentPath] = set()
     earlier: dict[object, list[Command]] = {}
@@ -24,11 +24,11 @@ def check(subject: Subject) -> Found:
                     yield finding
                 entries |= {finding.path} if command.group == other.group else set()
         same.append(command)
-    yield from _accepted_in_vain(subject.edition)
+    yield from _accepted_codes(subject.edition)
 
 
-def _accepted_in_vain(edition: Edition) -> Found:
-    """Further codes of a request that are those of others by right. A reply is also read as what was asked for."""
+def _accepted_codes(edition: Edition) -> Findings:
+    """Accepted codes of a request that are the codes of others. Replies are exempt: their request decides."""
     for message in edition.all_messages():
         for i, code in enumerate(message.accept if message.direction is Direction.REQUEST else ()):
             others = edition.of_rule(message.direction, message.id) if code not in message.claims else ()
@@ -36,27 +36,25 @@ def _accepted_in_vain(edition: Edition) -> Found:
                 (m for m in others if code in m.claims and m.keys[0].segments == message.keys[0].segments), None
             )
             if other is not None:
-                text = f"0x{code:02X} is taken for `{other.command}`, whose code it is"
-                yield Finding((*message.path, "accept", i), text, "check both codes, or take it out")
+                text = f"0x{code:02X} is the code of `{other.command}` and identifies it"
+                yield Finding((*message.path, "accept", i), text, "check both codes, or remove it")
 
 
 def sends_the_same(one: Command, other: Command) -> bool:
-    """Whether the requests of two commands have the same code, the same index and as many bytes, at the same address."""
+    """Whether the requests of two commands have the same address, code, index and length."""
     if one.request is None or other.request is None or one.code is None:
         return False
     return _sent(one) == _sent(other)
 
 
 def _sent(command: Command) -> object:
-    """What tells the request of a command from others; None where it has none."""
+    """The facts that distinguish the request of a command from others; None without a request."""
     return selection(command.request) if command.request is not None else None
 
 
 def _finding(command: Command, other: Command) -> Finding:
     if command.entry is not None and other.entry is not None and command.group == other.group:
-        text = f"`{other.entry.name}` has this index as well, so `{command.name}` and `{other.name}` are one command"
+        text = f"`{other.entry.name}` also has this index, so `{command.name}` and `{other.name}` are one command"
         return Finding((*command.entry.path, "index"), text, "give each entry its own `index`")
-    text = f"`{other.group}` has the code 0x{command.code:02X} as well"
-    return Finding(
-        (*command.path, "code"), text, "check both codes, or give one of them another `address`, or another `dlc`"
-    )
+    text = f"`{other.group}` also has the code 0x{command.code:02X}"
+    return Finding((*command.path, "code"), text, "check both codes, or give one of them another `address` or `dlc`")

@@ -1,12 +1,12 @@
-"""Commands, layouts and errata have names of their own, those that come of tables included."""
+"""The names of commands, layouts and errata are unique, including those that tables generate."""
 
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     edition = subject.edition
     commands = [(c.name, c.path) for c in edition.commands]
     layouts = [(layout.name, layout.path) for layout in edition.layouts]
@@ -15,13 +15,13 @@ def check(subject: Subject) -> Found:
         first: dict[str, DocumentPath] = {}
         for name, path in named:
             if name in first:
-                text = f"there is another {what} `{name}`, {'.'.join(map(str, first[name]))}"
+                text = f"the {what} `{name}` is already defined at {'.'.join(map(str, first[name]))}"
                 yield Finding(path, text, "rename one of them", key=what != "erratum")
             first.setdefault(name, path)
     for message in edition.all_messages():
         seen: dict[str, DocumentPath] = {}
         for field in message.layout.fields:
             if field.name in seen:
-                text = f"the request or reply has another field `{field.name}`, of its layout"
+                text = f"the layout of this message already has a field `{field.name}`"
                 yield Finding(seen[field.name], text, "rename one of them", key=True)
             seen.setdefault(field.name, field.path)

@@ -1,4 +1,4 @@
-"""What golden frames say of requests and answers, the spec says as well."""
+"""The exchanges in golden frames are accepted or rejected as listed."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from ..model.refusal import Refusal
 from ..semantics.decoder import Decoder, Rejection
 from ..semantics.exchange import check_reply
 from ..semantics.frame import CanFrame
-from .golden_entries import Problem, judged, named
-from .rule import Found, Subject
+from .golden_entries import EntryProblem, entry_findings, named
+from .rule import Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     if subject.frames is not None and subject.frames.exchanges:
         decoder = Decoder(subject.edition)
-        yield from judged(
+        yield from entry_findings(
             subject.edition, "exchanges", subject.frames.exchanges, lambda entry: _exchange(decoder, entry)
         )
 
 
-def _exchange(decoder: Decoder, entry: Exchange) -> Iterator[Problem]:
+def _exchange(decoder: Decoder, entry: Exchange) -> Iterator[EntryProblem]:
     found = check_reply(decoder, _frame(entry.request), _frame(entry.reply))
     says = found.reason if isinstance(found, Rejection) else None
     if says is entry.says:
         return
     at: DocumentPath = ("says",) if entry.says else ("reply",)
     if isinstance(found, Rejection):
-        no = "this is no answer" if found.reason is Refusal.NOT_ANSWER else "the request cannot be read"
-        hint = f"says: {found.reason.value}" + ("" if entry.says else ", if that is right; otherwise check the spec")
-        yield at, f"by the spec {no}: {found.text}", hint
+        what = "this is not the reply" if found.reason is Refusal.NOT_ANSWER else "the request is rejected"
+        hint = f"write `says: {found.reason.value}`, or check the spec"
+        yield at, f"according to the spec, {what}: {found.text}", hint
     else:
-        text = f"by the spec this is the answer, {named(found.message, found.node)}"
-        yield at, text, "leave `says` out, if that is right; otherwise check the spec"
+        text = f"according to the spec, this is the reply: {named(found.message, found.node)}"
+        yield at, text, "remove `says`, or check the spec"
 
 
 def _frame(frame: CheckedFrame) -> CanFrame:

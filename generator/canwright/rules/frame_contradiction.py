@@ -1,4 +1,4 @@
-"""Golden frames mean what the spec says they mean."""
+"""Golden frames decode and encode as listed."""
 
 from __future__ import annotations
 
@@ -17,91 +17,93 @@ from ..semantics.decoder import Decoder, Identified, Rejection, Value, field_val
 from ..semantics.encoder import Encoder, Encoders
 from ..semantics.frame import CanFrame, Raw, difference, node_of, raws, wrong_constants
 from . import can_ids
-from .golden_entries import KEY, Problem, judged, named
-from .rule import Found, Subject
+from .golden_entries import KEY, EntryProblem, entry_findings, named
+from .rule import Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     if subject.frames is not None:
-        yield from judged(subject.edition, "frames", subject.frames.frames, _Judge(subject.edition).judge)
+        yield from entry_findings(
+            subject.edition, "frames", subject.frames.frames, _FrameChecker(subject.edition).problems
+        )
 
 
-class _Judge:
-    """Judges the frames of an edition; what depends on parameters is computed once."""
+class _FrameChecker:
+    """Checks the golden frames of an edition; encoders are cached by their parameters."""
 
     def __init__(self, edition: Edition) -> None:
         self._messages = {direction: _messages(edition, direction) for direction in Direction}
         self._encoders = Encoders()
         self._decoder = Decoder(edition)
 
-    def judge(self, frame: Frame) -> list[Problem]:
+    def problems(self, frame: Frame) -> list[EntryProblem]:
         direction = frame.direction
         if not frame.command or (frame.request and frame.reply):
-            text = "this is no frame of a command" if not frame.command else "a frame is a request or a reply, not both"
+            text = "this frame has no command" if not frame.command else "a frame is either a request or a reply"
             return [((), text, "write `request: COMMAND` or `reply: COMMAND`")]
         message = self._messages[direction].get(frame.command)
         if message is None:
             return [self._unknown(frame.command, direction)]
         can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
         alone = self._decoder.identify(direction, can)
-        is_meant = isinstance(alone, Identified) and (alone.message.name, alone.node) == (message.name, frame.node)
-        if not is_meant:
+        is_expected = isinstance(alone, Identified) and (alone.message.name, alone.node) == (message.name, frame.node)
+        if not is_expected:
             problem = _header(message, frame, can)
             if problem:
                 return [problem]
         encoder = self._encoders.under(frame.parameters)
         variant = message.layout.variant(encoder.assignment)
         if variant is None:
-            text = f"the fields depend on `{message.layout.parameter}`, which is not given"
+            text = f"the fields depend on `{message.layout.parameter}`, which is missing"
             return [((), text, f"add parameters: {{{message.layout.parameter}: …}}")]
         wrong = [
-            (("data",), f"`{f.name}` should hold {f.fixed}", "check `data`")
+            (("data",), f"the constant `{f.name}` is not {f.fixed}", "check `data`")
             for f in wrong_constants(variant.fields, can)
         ]
         found = raws(variant, can)
         fields = {f.name: f for f in variant.fields}
-        if not is_meant and (direction is Direction.REQUEST or not _reads_alike(alone, encoder, can, found)):
-            said = f"refused: {alone.text}" if isinstance(alone, Rejection) else named(alone.message, alone.node)
-            return [(("data",), f"by itself this is {said}", "check the codes in the spec")]
+        if not is_expected and (direction is Direction.REQUEST or not _has_same_fields(alone, encoder, can, found)):
+            text = f"rejected: {alone.text}" if isinstance(alone, Rejection) else named(alone.message, alone.node)
+            return [(("data",), f"without its request, this frame is {text}", "check the codes in the spec")]
         problems = [*wrong, *_raws(frame, fields, found), *_values(frame, fields, found, encoder.assignment)]
         return problems or ([] if frame.decode_only else list(_encoded(encoder, message, fields, frame, can)))
 
-    def _unknown(self, command: str, direction: Direction) -> Problem:
-        """That there is no such command, or that it has no such message."""
+    def _unknown(self, command: str, direction: Direction) -> EntryProblem:
+        """The problem of a frame whose command is unknown, or has no message of this direction."""
         other = next(one for one in Direction if one is not direction)
         if command in self._messages[other]:
             text = f"`{command}` has no {direction.value}"
-            return (direction.value,), text, f"write `{other.value}: {command}`, or take it out"
-        hint = nearest(command, self._messages[direction]) or "take it out"
+            return (direction.value,), text, f"write `{other.value}: {command}`, or remove it"
+        hint = nearest(command, self._messages[direction]) or "remove it"
         return (direction.value,), f"there is no command `{command}`", hint
 
 
 def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:
-    """What each command sends in a direction, by its name."""
+    """The message of each command in a direction, by command name."""
     both = ((c.name, c.message(direction)) for c in edition.commands)
     return {name: message for name, message in both if message is not None}
 
 
-def _reads_alike(alone: Identified | Rejection, encoder: Encoder, can: CanFrame, found: Mapping[str, Raw]) -> bool:
-    """Whether a frame that is read as another message has the same fields in it."""
+def _has_same_fields(alone: Identified | Rejection, encoder: Encoder, can: CanFrame, found: Mapping[str, Raw]) -> bool:
+    """Whether a frame has the same fields if it is identified as another message."""
     variant = alone.message.layout.variant(encoder.assignment) if isinstance(alone, Identified) else None
     return variant is not None and raws(variant, can) == found
 
 
 def _encoded(
     encoder: Encoder, message: Message, fields: Mapping[str, Field], frame: Frame, can: CanFrame
-) -> Iterator[Problem]:
-    """Why the encoder writes another frame than the one that is decoded so."""
+) -> Iterator[EntryProblem]:
+    """Problems of a frame that the encoder rejects or writes differently."""
     for name, raw in frame.raw.items():
         rejection = encoder.rejects_raw(fields[name], raw)
         if rejection:
-            limits = f"`{name}` may be {encoder.limits(fields[name].type)}"
+            limits = f"`{name}` allows {encoder.limits(fields[name].type)}"
             yield ("raw", name), f"this frame cannot be encoded: {rejection.text}", f"{limits}; {_DECODE_ONLY}"
     sent = encoder.encode_raws(message, frame.node, frame.raw)
     if isinstance(sent, Rejection):
         return
     if sent.id != can.id:
-        yield ("id",), f"an encoder writes the id 0x{sent.id:X}", _CHECK_LAYOUT
+        yield ("id",), f"the id is 0x{can.id:X}, but an encoder writes 0x{sent.id:X}", _CHECK_LAYOUT
     if can.remote and can.data:
         yield ("data",), "a remote frame has no data", 'data: ""'
     elif sent.data != can.data:
@@ -110,53 +112,53 @@ def _encoded(
         yield ("data",), text, _CHECK_LAYOUT
 
 
-_DECODE_ONLY = "decode_only: true is for frames that are only decoded"
-_CHECK_LAYOUT = f"check the layout, with its `reserved`, in the spec; {_DECODE_ONLY}"
+_DECODE_ONLY = "or add decode_only: true if the frame is never sent"
+_CHECK_LAYOUT = f"check the layout and its `reserved` fields; {_DECODE_ONLY}"
 
 
-def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
+def _header(message: Message, frame: Frame, can: CanFrame) -> EntryProblem | None:
     wrong = difference(message, can)
     if wrong is None:
         node = node_of(message, can)
         if node is None and frame.node is not None:
-            return ("node",), f"the id 0x{frame.id:X} is that of no node, but of all", "leave `node` out"
+            return ("node",), f"the id 0x{frame.id:X} has no node", "remove `node`"
         if node != frame.node:
-            return ("node",), f"the id 0x{frame.id:X} is that of node {node}", f"check `id`, and write `node: {node}`"
+            return ("node",), f"the id 0x{frame.id:X} belongs to node {node}", f"check `id`, or write `node: {node}`"
         return None
     if wrong.part in ("extended", "remote"):
         return (), wrong.text, f"{wrong.part}: {str(not getattr(frame, wrong.part)).lower()}"
     if wrong.part == "id":
-        meant = int(str(frame.id), 16) if str(frame.id).isdigit() else 0
-        is_decimal = difference(message, dataclasses.replace(can, id=meant)) is None
-        hint = f"did you mean 0x{meant:X}?" if is_decimal else _id_of(message, frame)
+        from_hex = int(str(frame.id), 16) if str(frame.id).isdigit() else 0
+        is_decimal = difference(message, dataclasses.replace(can, id=from_hex)) is None
+        hint = f"did you mean 0x{from_hex:X}?" if is_decimal else _id_of(message, frame)
         return ("id",), wrong.text, hint
     if wrong.part == "length":
         return ("data",), wrong.text, "check `data` and `dlc`"
-    return ("data",), wrong.text, "check `data`, and the code in the spec"
+    return ("data",), wrong.text, "check `data` and the code in the spec"
 
 
 def _id_of(message: Message, frame: Frame) -> str:
-    """What to do about an id that is none of a message, with the one that the node has where no field is a part of it."""
-    hint, nodes = "check the id, and the address in the spec", message.id.nodes
+    """The hint for a wrong id, with the id of the node if no field is a part of it."""
+    hint, nodes = "check the id and the address in the spec", message.id.nodes
     node = frame.node
     if nodes is None or node is None or node not in nodes or any(f.space is Space.ID for f in message.layout.fields):
         return hint
-    return f"that of node {node} is 0x{can_ids.of_message(message)[nodes.index(node)]:X}; {hint}"
+    return f"the id of node {node} is 0x{can_ids.of_message(message)[nodes.index(node)]:X}; {hint}"
 
 
-def _raws(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[Problem]:
+def _raws(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[EntryProblem]:
     unknown = [name for name in frame.raw if name not in found]
     if unknown:
         return [(("raw", name, KEY), *_no_field(name, fields, found)) for name in unknown]
     missing = [name for name in found if name not in frame.raw]
     if missing:
         names = ", ".join(f"`{name}`" for name in missing)
-        return [(("raw",), f"`raw` lacks {names}", "write the raw number of every field; `values` may have fewer")]
+        return [(("raw",), f"`raw` lacks {names}", "write the raw integer of every field; `values` may have fewer")]
     return [
         (
             ("raw", name),
-            f"the bytes hold {raw} in `{name}`",
-            f"check `data` by hand, and the layout in the spec{_where(fields[name])}",
+            f"`{name}` is {raw} in `data`",
+            f"check `data` and the layout in the spec{_where(fields[name])}",
         )
         for name, raw in found.items()
         if raw != frame.raw[name]
@@ -165,14 +167,14 @@ def _raws(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -
 
 def _values(
     frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw], assignment: Assignment
-) -> list[Problem]:
-    problems: list[Problem] = []
+) -> list[EntryProblem]:
+    problems: list[EntryProblem] = []
     for name, wanted in frame.values.items():
         if name not in fields or name not in found:
             problems.append((("values", name, KEY), *_no_field(name, fields, found)))
             continue
         if name in frame.raw and frame.raw[name] != found[name]:
-            continue  # told already: the value follows from the raw integer
+            continue  # already reported: the value follows from the raw integer
         value = field_value(fields[name], found[name], assignment)
         if not _same(wanted, value):
             problems.append((("values", name), *_other_value(fields[name], value, assignment)))
@@ -180,30 +182,30 @@ def _values(
 
 
 def _no_field(name: str, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> tuple[str, str]:
-    """That a name is none of a field with a value, and what to do."""
+    """The text and hint for a name that is not a field with a value."""
     if name in fields:
-        return f"`{name}` always holds {fields[name].fixed}", "take it out: constants are left out here"
-    return f"there is no field `{name}`", nearest(name, found) or "take it out"
+        return f"`{name}` is a constant", "remove it; golden frames list only fields with a value"
+    return f"there is no field `{name}`", nearest(name, found) or "remove it"
 
 
 def _other_value(field: Field, value: Value | list[Value], assignment: Assignment) -> tuple[str, str]:
-    """What a value is by the spec, and what to do."""
+    """The text and hint for a value that differs from that of the spec."""
     type_, none = field.type, (None, [None] * len(field.elements))
-    lacking = [name for name in (type_.linear.parameter, *type_.times) if name and name not in assignment]
-    if value in none and lacking:
-        text = f"the value of `{field.name}` depends on `{lacking[0]}`, which is not given"
-        return text, f"add parameters: {{{lacking[0]}: …}}"
+    missing = [name for name in (type_.linear.parameter, *type_.times) if name and name not in assignment]
+    if value in none and missing:
+        text = f"the value of `{field.name}` depends on `{missing[0]}`, which is missing"
+        return text, f"add parameters: {{{missing[0]}: …}}"
     by = "names" if type_.enum or type_.flags else "scale"
-    hint = f"check the value by hand, and the type in the spec{_where(field)}"
-    return f"`{field.name}` is {_shown(value)} by the spec's {by}", hint
+    hint = f"check the value and the type in the spec{_where(field)}"
+    return f"`{field.name}` is {_shown(value)} according to the {by} in the spec", hint
 
 
 def _where(field: Field) -> str:
-    """Where the bits of a big-endian field are that is less than a byte: `at` is the highest of them."""
+    """A note on the bits of a big-endian field narrower than a byte, whose `at` is the highest; else empty."""
     one = field.elements[0].segments
     if field.space is not Space.DATA or field.type.order is not Order.BIG or len(one) > 1 or one[0].width == 8:
         return ""
-    return f": it stands in {formatting.place(field.space, one)}, because `at` is the highest bit of what is big-endian"
+    return f"; it is in {formatting.place(field.space, one)}, since `at` is the highest bit of a big-endian field"
 
 
 def _same(wanted: object, value: object) -> bool:

@@ -1,4 +1,4 @@
-"""What the rules about golden frames have in common: the parameters of an entry, and a message in words."""
+"""Shared by the rules about golden frames: checks of ids and parameters, and frames as text."""
 
 from __future__ import annotations
 
@@ -17,29 +17,31 @@ from ..model.types import Parameter
 from ..semantics.decoder import Decoded, Value
 from ..semantics.frame import Raw
 from ..semantics.parameters import number
-from .rule import Finding, Found
+from .rule import Finding, Findings
 
-Problem = tuple[DocumentPath, str, str]
-"""Where in an entry, what is wrong, and what to do about it."""
+EntryProblem = tuple[DocumentPath, str, str]
+"""The path within an entry, what is wrong, and what to do about it."""
 
 KEY = "[key]"
-"""Behind a path: it is about the key there, and not about its value."""
+"""At the end of a path: the problem concerns the key, not its value."""
 
 E = TypeVar("E", bound=Sourced)
 
 
-def judged(edition: Edition, key: str, entries: Sequence[E], judge: Callable[[E], Iterable[Problem]]) -> Found:
-    """What is wrong with the entries of a list: with their parameters, or, where these are right, by `judge`."""
+def entry_findings(
+    edition: Edition, key: str, entries: Sequence[E], problems_of: Callable[[E], Iterable[EntryProblem]]
+) -> Findings:
+    """Findings about the entries of a list: their ids and parameters; if these are valid, those of `problems_of`."""
     known = {parameter.name: parameter for parameter in edition.parameters}
     for i, entry in enumerate(entries):
-        amiss = [*_ids(entry), *_parameters(edition, known, entry.parameters)]
-        for path, text, hint in amiss or judge(entry):
+        problems = [*_ids(entry), *_parameters(edition, known, entry.parameters)]
+        for path, text, hint in problems or problems_of(entry):
             at_key = path[-1:] == (KEY,)
             yield Finding((key, i, *(path[:-1] if at_key else path)), text, hint, key=at_key, in_frames=True)
 
 
-def _ids(entry: Sourced) -> Iterator[Problem]:
-    """Ids of more bits than those of their format have."""
+def _ids(entry: Sourced) -> Iterator[EntryProblem]:
+    """Ids that exceed the maximum of their format."""
     frames: dict[DocumentPath, Sourced | CheckedFrame] = {(): entry}
     if isinstance(entry, Exchange):
         frames = {("request",): entry.request, ("reply",): entry.reply}
@@ -48,25 +50,27 @@ def _ids(entry: Sourced) -> Iterator[Problem]:
             last = LAST_ID if frame.extended else SHORT_ID
             if frame.id > last:
                 hint = "extended: true" if frame.id <= LAST_ID else "check the id"
-                yield (*path, "id"), f"0x{frame.id:X} is no CAN id: the last is 0x{last:X}", hint
+                yield (*path, "id"), f"0x{frame.id:X} exceeds the maximum CAN id 0x{last:X}", hint
 
 
-def _parameters(edition: Edition, known: Mapping[str, Parameter], given: Mapping[str, int | str]) -> Iterator[Problem]:
+def _parameters(
+    edition: Edition, known: Mapping[str, Parameter], given: Mapping[str, int | str]
+) -> Iterator[EntryProblem]:
     for name, value in given.items():
         path: DocumentPath = ("parameters", name)
         if name not in known:
-            yield (*path, KEY), f"there is no parameter `{name}`", nearest(name, known) or "leave it out"
+            yield (*path, KEY), f"there is no parameter `{name}`", nearest(name, known) or "remove it"
         elif known[name].is_choice and str(value) not in (names := [v.name for v in known[name].values]):
             yield path, f"`{name}` has no value `{value}`", nearest(str(value), names) or "check `parameters`"
         elif not known[name].is_choice:
             try:
                 number(edition, known[name], str(value))
             except ValueError as error:
-                yield path, str(error), f"write what the source gives, as {name}: 12.5"
+                yield path, str(error), f"write the number of the source, as {name}: 12.5"
 
 
 def described(decoded: Decoded) -> str:
-    """A frame in words: `the request of dim, node 1: level 10 %`."""
+    """A frame as text: `the request of dim, node 1: level 10 %`."""
     fields = [
         f"{field.name} {_shown(field, decoded.raws[field.name], decoded.values[field.name])}"
         for field in decoded.variant.fields
@@ -76,7 +80,7 @@ def described(decoded: Decoded) -> str:
 
 
 def named(message: Message, node: int | None) -> str:
-    """`the request of dim, node 1`."""
+    """A message as text: `the request of dim, node 1`."""
     return f"the {message.direction.value} of {message.command}" + (f", node {node}" if node is not None else "")
 
 

@@ -1,4 +1,4 @@
-"""Fields and selectors in the id leave the bits of the node and of the base alone."""
+"""Fields and selectors in the id do not use bits of the address."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model.layout import Segment, Space
 from ..model.message import IdRule, KeyRole, Message
 from . import can_ids
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     seen: set[DocumentPath] = set()
     for message in subject.edition.all_messages():
         taken = _bits(message.id)

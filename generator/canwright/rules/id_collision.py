@@ -1,4 +1,4 @@
-"""No id belongs to the messages of two addresses of one direction, unless all ids of both are the same."""
+"""No id belongs to two addresses of one direction, unless all their ids are equal."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from ..model.layout import Space
 from ..model.message import Address, Direction, Message
 from ..semantics.dispatch import dispatch_plan, node_of_id
 from . import bit_patterns, can_ids
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     edition = subject.edition
     seen: set[tuple[DocumentPath, str]] = set()
     for direction in Direction:
@@ -24,41 +24,41 @@ def check(subject: Subject) -> Found:
             path: DocumentPath = (*one.path, direction.value if own else "id")
             if one.rule(direction) != two.rule(direction) and (path, two.name) not in seen:
                 seen.add((path, two.name))
-                text = f"the {direction.value} id 0x{shared:X} belongs to `{two.name}` as well"
-                yield Finding(path, text, "check `id` and `nodes` of both")
+                text = f"the {direction.value} id 0x{shared:X} also belongs to `{two.name}`"
+                yield Finding(path, text, "check `id` and `nodes` of both addresses")
         if not seen and not subject.partial:
-            yield from _mistaken(edition, direction)
+            yield from _unreachable(edition, direction)
 
 
-def _mistaken(edition: Edition, direction: Direction) -> Found:
-    """Messages whose ids are those of another address first, though no message there has their code."""
-    told: set[tuple[str, str]] = set()
+def _unreachable(edition: Edition, direction: Direction) -> Findings:
+    """Findings about messages owner_text ids another address takes first, without a message of their code."""
+    reported: set[tuple[str, str]] = set()
     earlier: list[tuple[int, bit_patterns.Known, Message]] = []
-    """Of each rule before, where it has bits of the id that are open: these, what is known of the rest, a message."""
-    for entry in dispatch_plan(edition.messages(direction)).entries:
-        for message in entry.messages if earlier else ():
+    """For each earlier rule with variable bits of the id: these bits, the known ones, and a message."""
+    for route in dispatch_plan(edition.messages(direction)).routes:
+        for message in route.messages if earlier else ():
             free = can_ids.free_bits(message)
             own = can_ids.known(can_ids.of_message(message), free)
             for mask, known, other in earlier:
                 if (message.id.extended, message.remote) != (other.id.extended, other.remote):
                     continue
-                if (known.value ^ own.value) & known.mask & own.mask or (message.address, other.address) in told:
+                if (known.value ^ own.value) & known.mask & own.mask or (message.address, other.address) in reported:
                     continue
                 shared = can_ids.meet(can_ids.of_message(message), can_ids.of_rule(other.id), mask | free)
                 if shared is not None:
-                    told.add((message.address, other.address))
-                    taken = f"the ids of this {direction.value} are taken for those of the address `{other.address}`"
+                    reported.add((message.address, other.address))
+                    taken = f"the ids of this {direction.value} are identified as ids of the address `{other.address}`"
                     text = f"{taken}, which has no such code"
                     owner = node_of_id(other.id, shared)
-                    whose = f"0x{shared:X} is that of node {owner} there: " if owner is not None else ""
-                    hint = f"{whose}check `id`, `nodes` and `selector` of both addresses, or give it another code"
+                    owner_text = f"0x{shared:X} is node {owner} there: " if owner is not None else ""
+                    hint = f"{owner_text}check `id`, `nodes` and `selector` of both addresses, or give it another code"
                     yield Finding(message.path, text, hint)
-        if entry.mask:
-            earlier.append((entry.mask, can_ids.known(can_ids.of_rule(entry.rule), entry.mask), entry.messages[0]))
+        if route.mask:
+            earlier.append((route.mask, can_ids.known(can_ids.of_rule(route.rule), route.mask), route.messages[0]))
 
 
 def _shared(subject: Subject, direction: Direction) -> dict[tuple[int, int], int]:
-    """The places of every two addresses that share an id, the later one first, with the first id that they share."""
+    """The indices of every two addresses that share an id, the later one first, with the lowest shared id."""
     edition = subject.edition
     used = {message.address for message in edition.all_messages()}
     owned = [
@@ -85,9 +85,9 @@ def _is_selected_by_id(spec: EditionSpec, address: str) -> bool:
 
 
 def _ids(edition: Edition, direction: Direction, address: Address, used: Collection[str]) -> Sequence[range]:
-    """The ids of an address; where the selector is in the id, those of its messages, and none without a message.
+    """The ids of an address; if the selector is in the id, those of its messages.
 
-    An address without any message, one that is not among the `used`, is taken at its word.
+    An address without messages, which is not in `used`, has all ids of its rule.
     """
     rule = address.rule(direction)
     of_address = [m for m in edition.of_rule(direction, rule) if m.address == address.name]

@@ -1,13 +1,13 @@
-"""No target has to change a name."""
+"""A name does not exceed the maximum length of a target."""
 
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import Severity
 from ..targets.registry import targets
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     for target in targets():
         for problem in target.problems(subject.edition):
             if problem.severity is Severity.WARNING:

@@ -1,4 +1,4 @@
-"""The values of an enum and the bits of flags are distinct and fit."""
+"""The values of an enum and the bits of flags are distinct and fit the width of the type."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..language import aliases
 from ..model import formatting
 from ..model.types import Member, Range, Type
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     for type_ in subject.edition.types:
         low, high = type_.raw_limits
         yield from _members(type_, "enum", type_.enum, low, high)
@@ -21,21 +21,23 @@ def check(subject: Subject) -> Found:
         for member, value in (written.enum or {}).items():
             number = value if isinstance(value, int) else value.value
             if not limits.low.constant <= number <= limits.high.constant:
-                text = f"{number} is not within {formatting.span(limits)}, the raw range"
+                text = f"{number} is outside {formatting.span(limits)}, the raw range"
                 yield Finding(("types", name, "enum", member), text, "check the value, and `raw_range`")
 
 
-def _members(type_: Type, key: str, members: tuple[Member, ...], low: int, high: int) -> Found:
+def _members(type_: Type, key: str, members: tuple[Member, ...], low: int, high: int) -> Findings:
     first: dict[int, str] = {}
     for member in members:
         path: DocumentPath = (*type_.path, key, member.name)
         if member.value in first:
             text = f"`{member.name}` and `{first[member.value]}` are both {member.value}"
-            yield Finding(path, text, "give each its own")
+            yield Finding(path, text, "give each a different value")
         elif not low <= member.value <= high:
             what = "bit " if key == "flags" else ""
-            text = f"{what}{member.value} is not within {low}..{high}, all that {type_.width} bits hold"
+            text = (
+                f"{what}{member.value} is outside {low}..{high}, the limits of {formatting.counted(type_.width, 'bit')}"
+            )
             mask = aliases.limit(member.value, ("flags",))
             bits = f"bits count from 0{f'; {mask}' if mask else ''}" if key == "flags" else ""
-            yield Finding(path, text, bits or "check the value, and sign and width in `raw`")
+            yield Finding(path, text, bits or "check the value, and the sign and width in `raw`")
         first.setdefault(member.value, member.name)

@@ -1,11 +1,11 @@
-"""Every request and every reply has a golden frame."""
+"""Every request and reply has a golden frame."""
 
 from __future__ import annotations
 
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     if subject.frames is None:
         hint = "write some from the manual into a file beside it: my.frames.yaml for my.yaml"
         yield Finding((), "there are no golden frames beside this spec", hint)

@@ -1,14 +1,14 @@
-"""Every command names its section of the manual, where the edition has a manual."""
+"""Every command has the section of the manual, if the edition has a manual."""
 
 from __future__ import annotations
 
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     if subject.spec.manual is None:
         return
     for name, command in subject.spec.commands.items():
         if command.manual is None:
-            text = f"`{name}` names no section of the manual"
+            text = f"`{name}` has no section of the manual"
             yield Finding(("commands", name, "manual"), text, 'add manual: "2.1"', key=True)

@@ -1,24 +1,29 @@
-"""The field that holds the node is one bare number, and always there."""
+"""The field that contains the node is an unsigned number without a scale, and always exists."""
 
 from __future__ import annotations
 
 from ..model.layout import Field, NodeRole
 from ..model.types import Encoding
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     for message in subject.edition.all_messages():
         found = [f for f in message.layout.fields if isinstance(f.role, NodeRole)]
         for i, field in enumerate(found):
-            reason = f"`{found[0].name}` holds the node already" if i else _unfit(field)
+            reason = f"`{found[0].name}` already contains the node" if i else _mismatch(field)
             if reason:
-                yield Finding((*field.path, "holds"), reason, "mark one unsigned number without scale", key=True)
+                yield Finding(
+                    (*field.path, "holds"),
+                    reason,
+                    "mark one field that is an unsigned number without a scale",
+                    key=True,
+                )
 
 
-def _unfit(field: Field) -> str:
+def _mismatch(field: Field) -> str:
     if field.is_array or field.only:
-        return f"`{field.name}` holds no node that can be compared: it is an array, or not always there"
+        return f"`{field.name}` cannot contain the node: it is an array, or depends on a parameter"
     if not field.type.is_plain or field.type.encoding is not Encoding.UNSIGNED:
-        return f"`{field.name}` holds no node: it is no unsigned number without a scale"
+        return f"`{field.name}` cannot contain the node: it is not an unsigned number without a scale"
     return ""

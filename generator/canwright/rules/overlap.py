@@ -1,4 +1,4 @@
-"""No two fields of one message share a bit, nor a field and a key."""
+"""Fields and keys of one message do not overlap."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from ..language.edition import EditionSpec
 from ..model.layout import Space, Variant, bits_of
 from ..model.message import Direction, Key, KeyRole, Message
 from ..model.types import Order
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
-HIGHEST = "; `at` is the highest bit of what is big-endian"
+HIGHEST = "; `at` is the highest bit of a big-endian field"
 INDEX = "the table's index"
-APART = "move one of them, or let `only` tell them apart"
+APART = "move one of them, or give them different `only`"
 WITHOUT_INDEX = (
-    "move it; where replies come without the index, write them once as a command of their own, with `request: none`, "
-    "and `reply: {of: COMMAND}` here"
+    "move it; if replies do not contain the index, define them once as a separate command with `request: none`, and "
+    "write `reply: {of: COMMAND}` here"
 )
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     seen = set()
     for message in subject.edition.all_messages():
         for variant in message.layout.variants:
@@ -28,14 +28,14 @@ def check(subject: Subject) -> Found:
                     yield finding
 
 
-def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Found:
+def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Findings:
     taken: dict[Space, dict[int, str]] = {space: {} for space in Space}
     for key in message.keys:
         bits, others = bits_of(key.segments), taken[key.space]
         clash = next(filter(others.__contains__, bits), None)
         if clash is not None and key.role is KeyRole.INDEX:
             text = f"the table's index shares {_where(key.space, clash)} with {others[clash]}"
-            at = _place_of(spec, message, key)
+            at = _path_of(spec, message, key)
             yield Finding(at, text, "move one of them")
         others.update(dict.fromkeys(bits, INDEX if key.role is KeyRole.INDEX else "the selector"))
     for field in variant.fields:
@@ -51,8 +51,8 @@ def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Found:
             others.update(dict.fromkeys(element.bits, f"`{field.name}`"))
 
 
-def _place_of(spec: EditionSpec, message: Message, key: Key) -> DocumentPath:
-    """Where it is said which bits a key of a table is in."""
+def _path_of(spec: EditionSpec, message: Message, key: Key) -> DocumentPath:
+    """The path of the position of a key of a table."""
     table = spec.commands[str(message.path[1])].table or ""
     path: DocumentPath = ("tables", table, "index")
     number = next(i for i, k in enumerate(k for k in message.keys if k.role is KeyRole.INDEX) if k is key)

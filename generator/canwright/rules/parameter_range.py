@@ -1,27 +1,27 @@
-"""The limits of a parameter leave room, and the default bit rate is one of the bit rates."""
+"""The limits of a parameter allow a value, its choices are distinct, and the default bit rate is a bit rate."""
 
 from __future__ import annotations
 
 from ..model import formatting
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     for parameter in subject.edition.parameters:
         low, high = parameter.minimum, parameter.maximum
         if low is not None and high is not None and low > high:
             text = f"no number is at least {formatting.exact(low)} and at most {formatting.exact(high)}"
             yield Finding(("parameters", parameter.name, "number", "min"), text, "check `min` and `max`")
         if high is not None and high <= 0 and subject.edition.is_factor(parameter):
-            text = f"a scale is a multiple of `{parameter.name}`, and no number above 0 is at most {formatting.exact(high)}"
+            text = f"a scale is a multiple of `{parameter.name}`, so it must be above 0, but `max` is {formatting.exact(high)}"
             yield Finding(("parameters", parameter.name, "number", "max"), text, "check `max`")
         names = [value.name for value in parameter.values]
         for i, name in enumerate(names):
             if name in names[:i]:
-                yield Finding(("parameters", parameter.name, "values", i), f"{name} is there twice", "remove one")
+                yield Finding(("parameters", parameter.name, "values", i), f"duplicate value {name}", "remove one")
     if (within := subject.edition.bus.reply_within_ms) is not None and within <= 0:
-        yield Finding(("bus", "reply_within_ms"), "a reply takes some time", "write a number above 0, or leave it out")
+        yield Finding(("bus", "reply_within_ms"), "the time must be above 0", "write a number above 0, or remove it")
     for mode in subject.edition.bus.modes:
         if mode.default_kbps is not None and mode.default_kbps not in mode.bit_rates_kbps:
-            text = f"{mode.default_kbps} kbit/s is not among the bit rates of `{mode.name}`"
+            text = f"{mode.default_kbps} kbit/s is not a bit rate of `{mode.name}`"
             yield Finding(("bus", "modes", mode.name, "default_kbps"), text, "add it to `bit_rates_kbps`")

@@ -1,4 +1,4 @@
-"""A list that names things, or codes, names each of them once."""
+"""A list of names or codes has no duplicates."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ from collections.abc import Iterator, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.edition import EditionSpec, MessageSpec
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     for path, values in _lists(subject.spec):
         for i, value in enumerate(values):
             if value in values[:i]:
-                yield Finding((*path, i), f"{value} is there twice", "remove one")
+                yield Finding((*path, i), f"duplicate value {value}", "remove one")
     for name, command in subject.spec.commands.items():
         for i, setting in enumerate(command.not_limited_by):
             if setting in command.limited_by:
                 at: DocumentPath = ("commands", name, "not_limited_by", i)
-                yield Finding(at, f"`{setting}` is in `limited_by` as well", "take it out of one of them")
+                yield Finding(at, f"`{setting}` is also in `limited_by`", "remove one of them")
     for message in subject.edition.all_messages():
         for i, code in enumerate(message.accept):
             if message.keys and code == message.keys[0].value:
-                text = f"0x{code:02X} is the code of this message already"
-                yield Finding((*message.path, "accept", i), text, "take it out; `accept` is for further ones")
+                text = f"0x{code:02X} is already the code of this message"
+                yield Finding((*message.path, "accept", i), text, "remove it; `accept` is for additional codes")
 
 
 def _lists(spec: EditionSpec) -> Iterator[tuple[DocumentPath, Sequence[object]]]:

@@ -1,17 +1,17 @@
-"""A word that means something in the language is not used as a name where it would be taken for that."""
+"""A reserved word of the language is not used as a name."""
 
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.edition import MessageSpec, keys
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
-LAYOUTS = {"none": "no frame", "echo": "the request that comes back", "entry": "the layout of a table's entry"}
-VALUES = {"by": "the parameter that decides", "none": "nothing that is known"}
+LAYOUTS = {"none": "no frame", "echo": "an echo of the request", "entry": "the layout of a table's entry"}
+VALUES = {"by": "the parameter that decides", "none": "an unknown value"}
 FIELDS = {"node": "the node of a frame", **dict.fromkeys(keys(MessageSpec), "a key of a message")}
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     for name in subject.spec.layouts:
         yield from _if_reserved(("layouts", name), name, LAYOUTS)
     for name, parameter in subject.spec.parameters.items():
@@ -22,6 +22,6 @@ def check(subject: Subject) -> Found:
         yield from _if_reserved(path, name, FIELDS)
 
 
-def _if_reserved(path: DocumentPath, name: str, words: dict[str, str]) -> Found:
+def _if_reserved(path: DocumentPath, name: str, words: dict[str, str]) -> Findings:
     if name in words:
-        yield Finding(path, f"`{name}` means {words[name]} here", "choose another name", key=True)
+        yield Finding(path, f"`{name}` is reserved here: it means {words[name]}", "choose another name", key=True)

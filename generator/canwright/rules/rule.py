@@ -34,7 +34,7 @@ class Finding(NamedTuple):
     in_frames: bool = False
 
 
-Found = Iterator[Finding]
+Findings = Iterator[Finding]
 
 
 class Phase(IntEnum):
@@ -60,6 +60,6 @@ class Rule(NamedTuple):
 
     id: str
     purpose: str
-    check: Callable[[Subject], Found] | None = None
+    check: Callable[[Subject], Findings] | None = None
     severity: Severity = Severity.ERROR
     phase: Phase = Phase.PARTS

@@ -1,15 +1,15 @@
-"""The nodes that reply are nodes of the address they reply from."""
+"""The nodes in `from_each` are nodes of the address."""
 
 from __future__ import annotations
 
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     for command in subject.edition.commands:
         nodes = command.reply.id.nodes if command.reply else None
         unknown = [node for node in command.from_each if nodes is None or node not in nodes]
         if unknown and command.reply:
-            there = f"{nodes[0]}..{nodes[-1]}" if nodes else "none"
-            text = f"`{command.reply.address}` has no node {unknown[0]}; its nodes: {there}"
-            yield Finding((*command.path, "reply", "from_each"), text, "check `from_each`, and `nodes` of the address")
+            known = f"{nodes[0]}..{nodes[-1]}" if nodes else "none"
+            text = f"`{command.reply.address}` has no node {unknown[0]}; its nodes are {known}"
+            yield Finding((*command.path, "reply", "from_each"), text, "check `from_each` and `nodes` of the address")

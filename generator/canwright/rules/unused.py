@@ -1,4 +1,4 @@
-"""Types, layouts, tables, parameters, effects and settings are used."""
+"""Every type, layout, table, parameter, effect and setting is used."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from collections.abc import Iterable, Iterator
 from ..language.edition import EditionSpec, MessageSpec
 from ..model.edition import Edition
 from ..model.message import Message
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     spec, edition = subject.spec, subject.edition
     messages = list(edition.all_messages())
     fields = [f for m in messages for f in m.layout.fields]
     commands = edition.commands
     used: dict[str, set[str]] = {
         "types": {f.type.name for f in fields},
-        "layouts": {m.layout.name for m in messages} | set(_joined(spec)),
+        "layouts": {m.layout.name for m in messages} | set(_extended(spec)),
         "tables": {c.table for c in spec.commands.values() if c.table},
         "effects": {e.name for c in commands for e in c.effects} | _of_entries(spec),
         "settings": {s.name for c in commands for s in (*c.limited_by, *c.not_limited_by)},
@@ -34,7 +34,7 @@ def check(subject: Subject) -> Found:
     for kind, names in written.items():
         for name in names:
             if name not in used[kind]:
-                text = f"nothing uses the {kind.removesuffix('s')} `{name}`"
+                text = f"the {kind.removesuffix('s')} `{name}` is never used"
                 yield Finding((kind, name), text, "use it or remove it", key=True)
 
 
@@ -42,8 +42,8 @@ def _of_entries(spec: EditionSpec) -> set[str]:
     return {name for table in spec.tables.values() for entry in table.entries.values() for name in entry.effects}
 
 
-def _joined(spec: EditionSpec) -> Iterator[str]:
-    """Layouts that are named where further fields may stand beside them: the message then has one of its own."""
+def _extended(spec: EditionSpec) -> Iterator[str]:
+    """Layouts that messages extend with further fields; the layout of such a message has another name."""
     layouts = [entry.layout for table in spec.tables.values() for entry in table.entries.values()]
     messages = (message for command in spec.commands.values() for message in (command.request, command.reply))
     layouts += [message.layout for message in messages if isinstance(message, MessageSpec) and message.layout]

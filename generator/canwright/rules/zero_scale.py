@@ -1,12 +1,12 @@
-"""A scale is not zero."""
+"""A scale is not 0."""
 
 from __future__ import annotations
 
-from .rule import Finding, Found, Subject
+from .rule import Finding, Findings, Subject
 
 
-def check(subject: Subject) -> Found:
+def check(subject: Subject) -> Findings:
     for type_ in subject.edition.types:
         if any(linear is not None and linear.scale == 0 for _, linear in type_.linear.distinct()):
-            text = "a scale of zero makes every value the same"
+            text = "a scale of 0 makes all values equal"
             yield Finding((*type_.path, "scale"), text, "write `none` if there is no scale")

@@ -1,4 +1,4 @@
-"""All messages that a recorded frame can be when its direction and its request are not known."""
+"""The messages that a recorded frame can be if its direction and its request are unknown."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from .frame import CanFrame, data_bits, has_id
 
 
 class Candidates:
-    """Finds the messages of an edition that have the id, the length and the keys of a frame, replies first.
+    """The messages of an edition that have the id, the length and the keys of a frame, replies first.
 
-    A reply is one of them under each code that it accepts, though by itself the frame may be another message.
+    A reply is included for each code that it accepts, even if the decoder identifies the frame as another message.
     """
 
     def __init__(self, edition: Edition) -> None:
@@ -26,7 +26,7 @@ class Candidates:
 
     def of(self, frame: CanFrame) -> Sequence[Message]:
         """The messages that a frame can be."""
-        return self._with_id(frame).that_fit(frame)
+        return self._with_id(frame).matching(frame)
 
     def _with_id(self, frame: CanFrame) -> _OfId:
         known = (frame.id, frame.extended, frame.remote)
@@ -36,7 +36,7 @@ class Candidates:
 
 
 class _Pattern:
-    """The keys of a message in data that is one integer, the first byte lowest."""
+    """The keys of a message as masks and values of the data, read as one little-endian integer."""
 
     def __init__(self, message: Message) -> None:
         self.message = message
@@ -51,7 +51,7 @@ class _Pattern:
 
 
 class _OfId:
-    """The messages of one id; those that fit a length and the bits of all first keys are looked up."""
+    """The messages of one id, cached by length and by the bits of all first keys."""
 
     def __init__(self, patterns: Sequence[_Pattern]) -> None:
         self.patterns = patterns
@@ -60,7 +60,7 @@ class _OfId:
             self._bits |= pattern.first_bits
         self._known: dict[tuple[int, int], list[_Pattern]] = {}
 
-    def that_fit(self, frame: CanFrame) -> list[Message]:
+    def matching(self, frame: CanFrame) -> list[Message]:
         data = int.from_bytes(frame.data, "little")
         known = (len(frame.data), data & self._bits)
         if known not in self._known:
@@ -74,5 +74,5 @@ class _OfId:
 
 
 def _placed(key: Key, value: int) -> int:
-    """The value of a key at its place in the data."""
+    """The value of a key at its position in the data."""
     return sum((value >> s.raw_low & (1 << s.width) - 1) << (s.byte * 8 + s.low) for s in key.segments)

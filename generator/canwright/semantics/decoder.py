@@ -1,7 +1,7 @@
-"""The reference decoder: which message a frame is, its node, its raw integers and its values, or why it is rejected.
+"""The reference decoder: message, node, raw integers and values of a frame, or the reason for its rejection.
 
-It is exact and plain, one frame at a time, for generating and checking. Every target does the same in the same order and
-rejects for the same reasons. Programs use the generated bindings.
+It decodes one frame at a time, with exact numbers, for generating and checking. Every target decides in the same order
+and rejects for the same reasons. Programs use the generated bindings.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from ..model.layout import Field, Variant
 from ..model.message import BitRun, Direction, Message
 from ..model.refusal import Refusal
 from ..model.types import Assignment, Encoding, Linear, Type
-from .dispatch import Entry, Found, Length, MaskedId, Node, Select, Subject, dispatch_plan
+from .dispatch import Length, MaskedId, Match, Node, Route, Select, Subject, dispatch_plan
 from .frame import CanFrame, Raw, difference, node_of, raw_of, raws, read_bits, wrong_constants
 
 Value = Fraction | str | list[str] | None
 
 
 class Rejection(NamedTuple):
-    """Why a frame or a value is rejected, in words as well, and by which field where there is one."""
+    """The reason for a rejection, as a sentence too, and the field that caused it; None without one."""
 
     reason: Refusal
     text: str
@@ -34,7 +34,7 @@ class Rejection(NamedTuple):
 
 
 class Identified(NamedTuple):
-    """The message that a frame is, and the node that it is to or from."""
+    """The message that a frame is, and the node that receives or sends it."""
 
     message: Message
     node: int | None
@@ -42,7 +42,7 @@ class Identified(NamedTuple):
 
 @dataclass(frozen=True)
 class Decoded:
-    """A message with its fields under some parameters; constants are left out, an array is a list."""
+    """A message with its fields under some parameters; without constants; an array is a list."""
 
     message: Message
     node: int | None
@@ -52,24 +52,24 @@ class Decoded:
 
 
 class Decoder:
-    """Decodes the frames of one edition by its dispatch plans; ids and keys seen before are looked up."""
+    """Decodes the frames of one edition by its dispatch plans; the route of each id is cached."""
 
     def __init__(self, edition: Edition) -> None:
         self.edition = edition
-        self._entries = {direction: dispatch_plan(edition.messages(direction)).entries for direction in Direction}
-        self._of_id: dict[tuple[Direction, int, bool, bool], tuple[Entry, int | None] | None] = {}
+        self._routes = {direction: dispatch_plan(edition.messages(direction)).routes for direction in Direction}
+        self._of_id: dict[tuple[Direction, int, bool, bool], tuple[Route, int | None] | None] = {}
 
     def identify(self, direction: Direction, frame: CanFrame) -> Identified | Rejection:
-        """The message that a frame is, judged by itself."""
+        """The message that a frame is, without knowledge of its request."""
         known = (direction, frame.id, frame.extended, frame.remote)
         if known not in self._of_id:
-            self._of_id[known] = self._entry(direction, frame)
+            self._of_id[known] = self._route(direction, frame)
         found = self._of_id[known]
         if found is None:
             kind = ("29-bit " if frame.extended else "") + ("remote " if frame.remote else "")
             return Rejection(Refusal.UNKNOWN_ID, f"no {direction.value} has the {kind}id 0x{frame.id:X}")
-        entry, node = found
-        message = _message(entry.then, direction, frame)
+        route, node = found
+        message = _message(route.then, direction, frame)
         return message if isinstance(message, Rejection) else Identified(message, node)
 
     def decode(self, direction: Direction, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
@@ -84,45 +84,45 @@ class Decoder:
             return Rejection(_REASONS.get(wrong.part, Refusal.UNKNOWN_ID), wrong.text)
         return _fields(Identified(message, node_of(message, frame)), frame, assignment)
 
-    def _entry(self, direction: Direction, frame: CanFrame) -> tuple[Entry, int | None] | None:
+    def _route(self, direction: Direction, frame: CanFrame) -> tuple[Route, int | None] | None:
         kind = (frame.extended, frame.remote)
-        entries = (e for e in self._entries[direction] if (e.rule.extended, e.remote) == kind and e.contains(frame.id))
-        return next(((entry, entry.node(frame.id)) for entry in entries), None)
+        routes = (e for e in self._routes[direction] if (e.rule.extended, e.remote) == kind and e.contains(frame.id))
+        return next(((route, route.node(frame.id)) for route in routes), None)
 
 
 _REASONS = {"length": Refusal.WRONG_LENGTH, "keys": Refusal.UNKNOWN_CODE}
-"""Why a frame is rejected where a part of it is not that of the message; unknown_id for all other parts."""
+"""The reason for a rejection, by the part of the frame that differs; unknown_id for all other parts."""
 
 
 def _fields(found: Identified, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
-    """The fields of a message, when its constants are right and the parameters decide which fields there are."""
+    """The fields of a message; rejected if a constant differs or a parameter that decides on the fields is missing."""
     layout = found.message.layout
     variant = layout.variant(assignment)
-    there = variant.fields if variant else (field for field in layout.fields if not field.only)
-    wrong = wrong_constants(there, frame)
+    present = variant.fields if variant else (field for field in layout.fields if not field.only)
+    wrong = wrong_constants(present, frame)
     if wrong:
-        text = f"`{wrong[0].name}` should hold {wrong[0].fixed}"
+        text = f"the constant `{wrong[0].name}` is not {wrong[0].fixed}"
         return Rejection(Refusal.WRONG_CONSTANT, text, wrong[0].name)
     if variant is None:
-        text = f"the fields of {found.message.name} depend on `{layout.parameter}`, which is not given"
+        text = f"the fields of {found.message.name} depend on `{layout.parameter}`, which is missing"
         return Rejection(Refusal.MISSING_PARAMETER, text)
     return Decoded(*found, variant, raws(variant, frame), values(variant, frame, assignment))
 
 
 def values(variant: Variant, frame: CanFrame, assignment: Assignment) -> dict[str, Value | list[Value]]:
-    """The value of each field, constants left out; a list for an array."""
+    """The value of each field, without constants; a list for an array."""
     return {f.name: field_value(f, raw_of(f, frame), assignment) for f in variant.fields if f.fixed is None}
 
 
 def field_value(field: Field, raw: Raw, assignment: Assignment) -> Value | list[Value]:
-    """The value of the raw integer of a field, or those of an array."""
+    """The value of the raw integer of a field, or the values of an array."""
     if isinstance(raw, list):
         return [value_of(field.type, one, assignment) for one in raw]
     return value_of(field.type, raw, assignment)
 
 
 def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
-    """The value of a raw integer: a number in the unit, a member's name, the names of flags; None when there is none."""
+    """The value of a raw integer: a number in the unit, the name of a member, the names of flags; None without one."""
     if type_.enum:
         return next((member.name for member in type_.enum if member.value == raw), None)
     if type_.flags:
@@ -141,7 +141,7 @@ def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
 
 
 def linear_of(type_: Type, assignment: Assignment) -> Linear | None:
-    """Scale and offset under parameters; None where there are none, or a number that they need is not above 0."""
+    """Scale and offset under parameters; None if they are unknown or their number parameter is not above 0."""
     linear = type_.linear.at(assignment)
     if linear is None or linear.times is None:
         return linear
@@ -153,14 +153,14 @@ def linear_of(type_: Type, assignment: Assignment) -> Linear | None:
 
 
 def _message(node: Node, direction: Direction, frame: CanFrame) -> Message | Rejection:
-    """Follows the tree of an entry."""
+    """The message of a frame: follows the tree of a route."""
     path: list[tuple[Select, int]] = []
     while isinstance(node, Select):
         value = _read(node.subject, frame)
         path.append((node, value))
         node = node.by_value.get(value, node.otherwise)
     return (
-        node.message if isinstance(node, Found) else Rejection(node.reason, _text(node.reason, path, direction, frame))
+        node.message if isinstance(node, Match) else Rejection(node.reason, _text(node.reason, path, direction, frame))
     )
 
 
@@ -173,11 +173,11 @@ def _read(subject: Subject, frame: CanFrame) -> int:
 
 
 def _text(reason: Refusal, path: Sequence[tuple[Select, int]], direction: Direction, frame: CanFrame) -> str:
-    """A rejection in words; the last decisions of `path` explain it."""
+    """The sentence of a rejection; the last decisions of `path` explain it."""
     if reason is Refusal.WRONG_LENGTH:
         select = next(select for select, _ in reversed(path) if isinstance(select.subject, Length))
         wanted = " or ".join(map(str, select.by_value))
-        return f"0x{frame.id:X} has {formatting.counted(len(frame.data), 'byte')} here, not {wanted}"
+        return f"0x{frame.id:X} has {formatting.counted(len(frame.data), 'data byte')}, not {wanted}"
     if reason is Refusal.UNKNOWN_ID:
         return f"0x{frame.id:X} has the bits 0x{path[-1][1]:X}, which are 0 in the ids of this message"
     codes = " and ".join(

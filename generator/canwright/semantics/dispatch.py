@@ -1,4 +1,4 @@
-"""The dispatch plan: which message a frame is, decided once for the decoder and for every target.
+"""The dispatch plan: how the message of a frame is identified, for the decoder and for every target.
 
 The order of decisions: the id rule, the longest matching keys, the length, the message without keys.
 """
@@ -33,14 +33,14 @@ Subject = BitRun | MaskedId | Length
 
 @dataclass(frozen=True)
 class Reject:
-    """No message: the frame is rejected."""
+    """A leaf: no message; the frame is rejected."""
 
     reason: Refusal
 
 
 @dataclass(frozen=True)
-class Found:
-    """The frame is this message; constants are checked afterwards."""
+class Match:
+    """A leaf: the frame is this message; constants are checked afterwards."""
 
     message: Message
 
@@ -54,7 +54,7 @@ class Case(NamedTuple):
 
 @dataclass(frozen=True)
 class Select:
-    """A decision on one subject: the case with its value, `otherwise` without one."""
+    """A decision on the value of a subject: the node of its case, else `otherwise`."""
 
     subject: Subject
     cases: tuple[Case, ...]
@@ -66,14 +66,14 @@ class Select:
         return {value: case.then for case in self.cases for value in case.values}
 
 
-Node = Select | Found | Reject
+Node = Select | Match | Reject
 
 
 @dataclass(frozen=True)
-class Entry:
-    """The messages of one id rule and kind of frame.
+class Route:
+    """The messages of one id rule and kind of frame, and the decisions between them.
 
-    `mask` are the bits of the id that keys and fields of some of them fill; the id rule is about the others.
+    `mask` are the bits of the id that their keys and fields fill; the id rule determines the others.
     """
 
     rule: IdRule
@@ -83,24 +83,24 @@ class Entry:
     then: Node
 
     def contains(self, id_: int) -> bool:
-        """Whether an id is one of this rule, whatever keys and fields it holds."""
+        """Whether an id belongs to this rule, with any values of keys and fields."""
         rest = id_ & ~self.mask
         return rest == self.rule.base if self.rule.nodes is None else node_of_id(self.rule, rest) is not None
 
     def node(self, id_: int) -> int | None:
-        """The node of an id of this rule; None when the rule has no nodes."""
+        """The node of an id of this rule; None if the rule has no nodes."""
         return node_of_id(self.rule, id_ & ~self.mask)
 
 
 @dataclass(frozen=True)
 class DispatchPlan:
-    """The entries in the order in which they are tried; a frame of none of them is rejected (unknown_id).
+    """The routes in the order in which they are tried; a frame without a route is rejected (unknown_id).
 
-    An entry is for frames of its kind (29-bit or not, remote or not) whose id it contains. An id that is written out goes
-    before one that a code or a field is a part of, a small part before a large one.
+    A route is for frames of its kind (29-bit or not, remote or not) whose id it contains. The fewer bits of the id keys
+    and fields fill, the earlier a route is tried.
     """
 
-    entries: tuple[Entry, ...]
+    routes: tuple[Route, ...]
 
 
 def dispatch_plan(messages: Iterable[Message]) -> DispatchPlan:
@@ -108,70 +108,70 @@ def dispatch_plan(messages: Iterable[Message]) -> DispatchPlan:
     groups: dict[tuple[IdRule, bool], list[Message]] = {}
     for message in messages:
         groups.setdefault((message.id, message.remote), []).append(message)
-    entries = [_entry(rule, remote, group) for (rule, remote), group in groups.items()]
-    return DispatchPlan(tuple(sorted(entries, key=lambda entry: entry.mask.bit_count())))
+    routes = [_route(rule, remote, group) for (rule, remote), group in groups.items()]
+    return DispatchPlan(tuple(sorted(routes, key=lambda route: route.mask.bit_count())))
 
 
 def selection(message: Message) -> tuple[object, ...]:
-    """All that the plan decides by: id rule, kind of frame, length and keys. Of messages with the same, one is found."""
+    """All facts that the plan decides by: id rule, kind of frame, length and keys. They should identify one message."""
     length = None if message.remote else message.dlc
     return message.id, message.remote, length, tuple((_bits(key), key.value) for key in message.keys)
 
 
 def node_of_id(rule: IdRule, id_: int) -> int | None:
-    """The node of an id without the bits of keys and fields; None when there is none."""
+    """The node of an id without the bits of keys and fields; None without one."""
     if rule.nodes is None:
         return None
     found, remainder = divmod(id_ - rule.base, rule.node_step)
     return found if not remainder and found in rule.nodes else None
 
 
-def _entry(rule: IdRule, remote: bool, messages: Sequence[Message]) -> Entry:
+def _route(rule: IdRule, remote: bool, messages: Sequence[Message]) -> Route:
     mask = reduce(or_, (message.id_mask for message in messages), 0)
     lengths = sorted({message.dlc for message in messages})
     node = _Tree(mask, remote or len(lengths) == 1).of(_candidates(messages))
     if not remote:
         node = Select(Length(), (Case(tuple(lengths), node),), Reject(Refusal.WRONG_LENGTH))
-    return Entry(rule, remote, mask, tuple(messages), node)
+    return Route(rule, remote, mask, tuple(messages), node)
 
 
 Conditions = tuple[tuple[BitRun, int], ...]
 
 
 class _Candidate(NamedTuple):
-    """Messages with the same keys, one of each length, and the conditions that are still to be decided.
+    """Messages with the same keys, one of each length, and the conditions that are not decided yet.
 
-    `place` is where the first of them stands in the spec.
+    `order` is the position of the first of them in the spec.
     """
 
-    place: int
+    order: int
     conditions: Conditions
     messages: tuple[Message, ...]
 
 
 def _candidates(messages: Sequence[Message]) -> list[_Candidate]:
-    """Every message under each value that it claims: by the first key's place, then the most keys, at last no key."""
+    """Every message under each value that it claims: by the bits of the first key, then most keys first."""
     found: dict[Conditions, tuple[int, dict[int, Message]]] = {}
-    for place, message in enumerate(messages):
+    for order, message in enumerate(messages):
         for conditions in _conditions(message):
-            found.setdefault(conditions, (place, {}))[1].setdefault(message.dlc, message)
-    candidates = [_Candidate(place, keys, tuple(same.values())) for keys, (place, same) in found.items()]
+            found.setdefault(conditions, (order, {}))[1].setdefault(message.dlc, message)
+    candidates = [_Candidate(order, keys, tuple(same.values())) for keys, (order, same) in found.items()]
     firsts = dict.fromkeys(_bits(message.keys[0]) for message in messages if message.keys)
-    order = {bits: number for number, bits in enumerate(firsts)}
+    rank = {bits: number for number, bits in enumerate(firsts)}
     return sorted(
         candidates,
-        key=lambda one: (order[one.conditions[0][0]] if one.conditions else len(order), -len(one.conditions)),
+        key=lambda one: (rank[one.conditions[0][0]] if one.conditions else len(rank), -len(one.conditions)),
     )
 
 
 def _bits(key: Key) -> BitRun:
-    """The bits that a key is about; those of different messages are equal where they are the same bits."""
+    """The bits of a key, without its name; the same bits of different messages are equal."""
     order = key.order if len(key.segments) > 1 else Order.LITTLE
     return BitRun(name="", space=key.space, order=order, width=key.width, segments=key.segments)
 
 
 def _conditions(message: Message) -> Iterator[Conditions]:
-    """What the bits of each key have to be, for each value that the message claims."""
+    """The required values of the bits of all keys, for each value that the message claims."""
     if not message.keys:
         yield ()
         return
@@ -181,14 +181,14 @@ def _conditions(message: Message) -> Iterator[Conditions]:
 
 
 class _Tree:
-    """Builds the tree of one entry; `any_length` means that no message needs its length checked."""
+    """Builds the decisions of one route; with `any_length` no message needs a check of its length."""
 
     def __init__(self, mask: int, any_length: bool) -> None:
         self._mask = mask
         self._any_length = any_length
 
     def of(self, candidates: Sequence[_Candidate]) -> Node:
-        """The tree for candidates in this order: the first whose conditions are met is meant."""
+        """The decisions between candidates: the first whose conditions are met is the result."""
         if not candidates:
             return Reject(Refusal.UNKNOWN_CODE)
         if not candidates[0].conditions:
@@ -197,7 +197,7 @@ class _Tree:
 
     def _select(self, subject: BitRun, candidates: Sequence[_Candidate]) -> Node:
         others: list[_Candidate] = []
-        """Candidates that have no condition on the subject: they remain, whatever its value is."""
+        """Candidates without a condition on the subject: they remain for every value."""
         by_value: dict[int, list[_Candidate]] = {}
         for one in candidates:
             value = next((value for bits, value in one.conditions if bits == subject), None)
@@ -207,7 +207,7 @@ class _Tree:
                 left = tuple(condition for condition in one.conditions if condition[0] != subject)
                 by_value.setdefault(value, []).append(one._replace(conditions=left))
         cases: list[Case] = []
-        for value, own in sorted(by_value.items(), key=lambda item: min(one.place for one in item[1])):
+        for value, own in sorted(by_value.items(), key=lambda item: min(one.order for one in item[1])):
             then = self.of([*own, *others])
             if cases and cases[-1].then == then:
                 cases[-1] = Case((*cases[-1].values, value), then)
@@ -216,19 +216,19 @@ class _Tree:
         return Select(subject, tuple(cases), self.of(others))
 
     def _by_length(self, messages: Sequence[Message]) -> Node:
-        """The one of the messages that has the length of the frame; no other message is tried."""
+        """The decision by length between messages with the same keys; no other message is tried."""
         wrong_length = Reject(Refusal.WRONG_LENGTH)
         first = messages[0]
         if self._any_length:
-            return self._without_unused(first, Found(first))
+            return self._without_unused(first, Match(first))
         ordered = sorted(messages, key=lambda message: message.dlc)
         if len({message.id_mask for message in messages}) == 1:
-            cases = tuple(Case((message.dlc,), Found(message)) for message in ordered)
+            cases = tuple(Case((message.dlc,), Match(message)) for message in ordered)
             return self._without_unused(first, Select(Length(), cases, wrong_length))
-        cases = tuple(Case((m.dlc,), self._without_unused(m, Found(m))) for m in ordered)
+        cases = tuple(Case((m.dlc,), self._without_unused(m, Match(m))) for m in ordered)
         return Select(Length(), cases, self._without_unused(first, wrong_length))
 
     def _without_unused(self, message: Message, then: Node) -> Node:
-        """Rejects ids with bits that others of the entry fill and this message does not."""
+        """Rejects ids with bits that other messages of the route fill and this message does not."""
         unused = self._mask & ~message.id_mask
         return Select(MaskedId(unused), (Case((0,), then),), Reject(Refusal.UNKNOWN_ID)) if unused else then

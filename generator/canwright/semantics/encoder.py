@@ -1,6 +1,6 @@
-"""The reference encoder: raw integers or values to a frame, or why they are rejected.
+"""The reference encoder: the frame of raw integers or values, or the reason for their rejection.
 
-Every target does the same in the same order and rejects for the same reasons.
+Every target decides in the same order and rejects for the same reasons.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Encoders:
 
 
 class Encoder:
-    """Encodes messages under some parameters; what depends on a message, a field or a type is computed once."""
+    """Encodes messages under some parameters; facts about messages, fields and types are cached."""
 
     def __init__(self, parameters: Mapping[str, int | str]) -> None:
         self.assignment = {name: str(value) for name, value in parameters.items()}
@@ -46,7 +46,7 @@ class Encoder:
         self._nearest: dict[int, tuple[Field, Callable[[Fraction], int | Rejection]]] = {}
 
     def fields(self, message: Message) -> dict[str, Field] | None:
-        """The fields of a message by name, constants left out; None when they depend on what is not given."""
+        """The fields of a message by name, without constants; None if they depend on a missing parameter."""
         if message not in self._fields:
             variant = message.layout.variant(self.assignment)
             fields = None if variant is None else {f.name: f for f in variant.fields if f.fixed is None}
@@ -54,7 +54,7 @@ class Encoder:
         return self._fields[message]
 
     def encode_raws(self, message: Message, node: int | None, raws: Mapping[str, Raw]) -> CanFrame | Rejection:
-        """The frame of a message with the raw integer of each field; ValueError for fields that it does not have."""
+        """The frame of a message with these raw integers by field. Raises ValueError for other fields."""
         rejection = self.rejects(message, node)
         if rejection:
             return rejection
@@ -63,7 +63,7 @@ class Encoder:
         return next(filter(None, rejections), None) or self._frame(message, node, raws)
 
     def encode_values(self, message: Message, node: int | None, values: Mapping[str, Value]) -> CanFrame | Rejection:
-        """The frame of a message with the value of each field; ValueError for fields that it does not have."""
+        """The frame of a message with these values by field. Raises ValueError for other fields."""
         rejection = self.rejects(message, node)
         if rejection:
             return rejection
@@ -76,7 +76,7 @@ class Encoder:
         return self._frame(message, node, raws)
 
     def _frame(self, message: Message, node: int | None, raws: Mapping[str, Raw]) -> CanFrame:
-        """The frame of raw integers that were checked; reserved bits are 0 unless the spec has another value for them."""
+        """The frame of valid raw integers; reserved bits are 0 unless the spec gives another value."""
         id_, data = message.id.base + (node or 0) * message.id.node_step, 0
         parts: list[tuple[Space, Sequence[Segment], int]] = [(k.space, k.segments, k.value) for k in message.keys]
         variant = message.layout.variant(self.assignment)
@@ -95,18 +95,18 @@ class Encoder:
         return CanFrame(id_, written, message.id.extended, message.remote)
 
     def rejects(self, message: Message, node: int | None) -> Rejection | None:
-        """Why nothing can be sent to or from a node."""
+        """The reason why the message cannot be sent to or from a node; None without one."""
         nodes = message.id.nodes
         if nodes is not None and (node is None or node not in nodes):
             text = f"{message.name} has no node {node}; its nodes are {nodes[0]}..{nodes[-1]}"
             return Rejection(Refusal.UNKNOWN_NODE, text, "node")
         if self.fields(message) is None:
-            text = f"the fields of {message.name} depend on `{message.layout.parameter}`, which is not given"
+            text = f"the fields of {message.name} depend on `{message.layout.parameter}`, which is missing"
             return Rejection(Refusal.MISSING_PARAMETER, text)
         return None
 
     def rejects_raw(self, field: Field, raw: Raw) -> Rejection | None:
-        """Why a field cannot hold a raw integer, or those of an array."""
+        """The reason why a raw integer, or a list of an array, is invalid for a field; None without one."""
         if isinstance(raw, list):
             each = (self.rejects_raw(field, one) for one in raw)
             return _wrong_count(field, len(raw)) or next(filter(None, each), None)
@@ -115,10 +115,10 @@ class Encoder:
             known = self._allows[id(field.type)] = (field.type, self._allowed(field.type))
         if known[1](raw):
             return None
-        return Rejection(Refusal.OUT_OF_RANGE, f"`{field.name}` cannot be raw {raw}", field.name)
+        return Rejection(Refusal.OUT_OF_RANGE, f"raw {raw} is invalid for `{field.name}`", field.name)
 
     def field_raw(self, field: Field, value: Value) -> Raw | Rejection:
-        """The raw integer of a value of a field, or those of an array. Names have to be those of the type."""
+        """The raw integer of a value of a field, or a list for an array. Names must be those of the type."""
         elements = value if isinstance(value, list) and field.is_array else [value]
         raws: list[int] = []
         for one in elements:
@@ -132,7 +132,7 @@ class Encoder:
         return (_wrong_count(field, len(raws)) or raws) if field.is_array else raws[0]
 
     def nearest_raw(self, field: Field, value: Value) -> int | Rejection:
-        """The raw integer nearest to a value, ties away from zero; in range or not."""
+        """The raw integer nearest to a value, ties away from zero, without a check of the range."""
         type_ = field.type
         if isinstance(value, list):
             return sum(1 << flag.value for flag in type_.flags if flag.name in value)
@@ -143,12 +143,12 @@ class Encoder:
             known = self._nearest[id(field)] = (field, self._inverse(field))
         if isinstance(value, Fraction):
             return known[1](value)
-        lacking = known[1](Fraction(0))
-        not_finite = Rejection(Refusal.NOT_FINITE, f"`{field.name}` cannot be {value}", field.name)
-        return lacking if isinstance(lacking, Rejection) else not_finite
+        at_zero = known[1](Fraction(0))
+        not_finite = Rejection(Refusal.NOT_FINITE, f"{value} is invalid for `{field.name}`", field.name)
+        return at_zero if isinstance(at_zero, Rejection) else not_finite
 
     def limits(self, type_: Type) -> str:
-        """What a type allows, in words: `raw 0..1000`."""
+        """The allowed values of a type as text: `raw 0..1000`."""
         if type_.enum:
             return "the values " + ", ".join(str(member.value) for member in type_.enum)
         if type_.flags:
@@ -178,26 +178,26 @@ class Encoder:
         return self._end(span.low), self._end(span.high)
 
     def _end(self, bound: Bound) -> Fraction | int | None:
-        """The end of a range; None where it depends on a parameter that is not given."""
+        """The bound of a range; None if it depends on a missing parameter."""
         end = bound.at({n: notation.rational(text) for n, text in self.assignment.items() if n == bound.parameter})
         return end.numerator if end is not None and end.denominator == 1 else end
 
     def _inverse(self, field: Field) -> Callable[[Fraction], int | Rejection]:
-        """How a number in the unit becomes a raw integer."""
+        """The conversion from a number in the unit to a raw integer."""
         type_ = field.type
         if type_.enum or type_.flags:
-            nameless = Rejection(Refusal.OUT_OF_RANGE, f"`{field.name}` holds whole numbers alone", field.name)
-            return lambda value: value.numerator if value.denominator == 1 else nameless
+            no_integer = Rejection(Refusal.OUT_OF_RANGE, f"`{field.name}` has only whole numbers", field.name)
+            return lambda value: value.numerator if value.denominator == 1 else no_integer
         linear = linear_of(type_, self.assignment)
         if linear is None or linear.scale == 0:
             line = type_.linear.at(self.assignment)
             needed = (type_.linear.parameter, line.times if line else None)
             missing = next((name for name in needed if name is not None and name not in self.assignment), None)
-            text = f"depends on `{missing}`, which is not given" if missing else "has no scale here"
-            refused = Rejection(
+            text = f"depends on `{missing}`, which is missing" if missing else "has no scale here"
+            rejection = Rejection(
                 Refusal.MISSING_PARAMETER if missing else Refusal.NO_SCALE, f"`{field.name}` {text}", field.name
             )
-            return lambda _: refused
+            return lambda _: rejection
         if type_.encoding is Encoding.FLOAT:
             scale, offset = linear.scale, linear.offset
             return lambda value: _float_bits(field, (value - offset) / scale)
@@ -212,7 +212,7 @@ class Encoder:
 
 
 def _given(message: Message, fields: Mapping[str, Field] | None, given: Mapping[str, object]) -> Mapping[str, Field]:
-    """The fields of a message, when exactly these are given."""
+    """The fields of a message. Raises ValueError unless exactly these are given."""
     if fields is None or set(fields) != set(given):
         raise ValueError(f"{message.name} has the fields {', '.join(fields or ())}, not {', '.join(given)}")
     return fields
@@ -225,7 +225,7 @@ def _wrong_count(field: Field, count: int) -> Rejection | None:
 
 
 def _is_within(value: object, low: Fraction | int | None, high: Fraction | int | None) -> bool:
-    """Whether a number lies between two ends, as far as they are known; what is no number does not."""
+    """Whether a number lies between two bounds, as far as they are known; False for anything else."""
     if not isinstance(value, (int, Fraction)):
         return False
     return (low is None or value >= low) and (high is None or value <= high)

@@ -1,4 +1,4 @@
-"""Requests and their replies: whether a frame answers a request, or why not."""
+"""Exchanges: whether a frame is the reply to a request, or the reason why not."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .frame import CanFrame, difference, node_of, read_bits
 
 
 def check_reply(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified | Rejection:
-    """The reply that a frame is to a request. Rejected when it does not answer it, or when the request is rejected."""
+    """The reply to a request that a frame is; rejected if it is not one, or if the request is rejected."""
     sent = decoder.identify(Direction.REQUEST, request)
     if isinstance(sent, Rejection):
         return sent
@@ -31,9 +31,9 @@ def check_reply(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identif
     if not _is_from(nodes, source, bits):
         return _no_answer(f"it comes from node {source}, not {_listed(nodes)}")
     if reported and not _is_from(nodes, read_bits(reported, reply), bits & (1 << reported.width) - 1):
-        return _no_answer(f"`{reported.name}` holds node {read_bits(reported, reply)}, not {_listed(nodes)}")
+        return _no_answer(f"`{reported.name}` is node {read_bits(reported, reply)}, not {_listed(nodes)}")
     if command.is_echoed and request.data != reply.data:
-        return _no_answer(f"the reply of {command.name} is an echo, and this differs")
+        return _no_answer(f"the reply of {command.name} is an echo, but this frame differs from the request")
     return Identified(expected, source)
 
 
@@ -42,7 +42,7 @@ def _no_answer(text: str) -> Rejection:
 
 
 def _is_from(nodes: Sequence[int], source: int | None, bits: int) -> bool:
-    """Whether a node is one of some, as far as `bits` of it are known; True when there is nothing to compare."""
+    """Whether a node is one of `nodes` in the known `bits`; True if either is unknown."""
     return source is None or not nodes or any(not (source ^ one) & bits for one in nodes)
 
 

@@ -1,4 +1,4 @@
-"""A CAN frame: its bits, the raw integers in them, and whether it is one given message."""
+"""CAN frames: their bits, the raw integers of fields, and the comparison with a message."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Raw = int | list[int]
 
 @dataclass(frozen=True)
 class CanFrame:
-    """A frame as it was on the bus; `extended` means a 29-bit id, `remote` a frame that asks for data."""
+    """A frame on the bus; `extended` means a 29-bit id, `remote` a frame without data that requests some."""
 
     id: int
     data: bytes
@@ -39,7 +39,7 @@ def _read(segments: Sequence[Segment], space: Space, frame: CanFrame) -> int:
 
 
 def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
-    """The raw integer of each field, constants left out."""
+    """The raw integer of each field, without constants."""
     return {f.name: raw_of(f, frame) for f in variant.fields if f.fixed is None}
 
 
@@ -56,12 +56,12 @@ def _signed(type_: Type, raw: int) -> int:
 
 
 def wrong_constants(fields: Iterable[Field], frame: CanFrame) -> list[Field]:
-    """The fields that should hold a constant and hold something else."""
+    """The constant fields with another value in a frame."""
     return [f for f in fields if f.demanded is not None and raw_of(f, frame) != f.demanded]
 
 
 def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:
-    """The bits of the data that some places take, as a mask, the first byte lowest."""
+    """The data bits of some segments as a mask of the data, read as one little-endian integer."""
     taken = 0
     for space, segments in places:
         for s in segments if space is Space.DATA else ():
@@ -70,7 +70,7 @@ def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:
 
 
 def node_of(message: Message, frame: CanFrame) -> int | None:
-    """The node that a frame of this message is of."""
+    """The node in the id of a frame of this message; None without one."""
     return node_of_id(message.id, frame.id & ~message.id_mask)
 
 
@@ -78,7 +78,7 @@ def has_id(message: Message, frame: CanFrame) -> bool:
     """Whether the id of a frame is one of the message's, keys in the id included."""
     if (message.id.extended, message.remote) != (frame.extended, frame.remote):
         return False
-    if not all(_key_holds(message, i, frame) for i, key in enumerate(message.keys) if key.space is Space.ID):
+    if not all(_has_key(message, i, frame) for i, key in enumerate(message.keys) if key.space is Space.ID):
         return False
     rest = frame.id & ~message.id_mask
     return rest == message.id.base if message.id.nodes is None else node_of_id(message.id, rest) is not None
@@ -88,36 +88,36 @@ def is_message(message: Message, frame: CanFrame) -> bool:
     """Whether a frame has the id, the length and the keys of a message."""
     if len(frame.data) != message.dlc and not frame.remote:
         return False
-    return has_id(message, frame) and all(_key_holds(message, i, frame) for i in range(len(message.keys)))
+    return has_id(message, frame) and all(_has_key(message, i, frame) for i in range(len(message.keys)))
 
 
 class Difference(NamedTuple):
-    """The part of a frame that is not that of a message, and what is wrong with it."""
+    """The part of a frame that differs from a message, and a sentence about it."""
 
     part: str
     text: str
 
 
 def difference(message: Message, frame: CanFrame) -> Difference | None:
-    """Why a frame is not a message; None when it is."""
+    """The first difference between a frame and a message; None if the frame is that message."""
     if is_message(message, frame):
         return None
     if frame.extended is not message.id.extended:
         return Difference("extended", f"{message.name} has {'a 29-bit' if message.id.extended else 'an 11-bit'} id")
     if frame.remote is not message.remote:
-        return Difference("remote", f"{message.name} is {'a' if message.remote else 'no'} remote frame")
+        return Difference("remote", f"{message.name} is a {'remote' if message.remote else 'data'} frame")
     if not has_id(message, frame):
-        return Difference("id", f"0x{frame.id:X} is no id of {message.name}")
+        return Difference("id", f"0x{frame.id:X} is not an id of {message.name}")
     if len(frame.data) != message.dlc and not frame.remote:
         return Difference(
             "length", f"{formatting.counted(len(frame.data), 'byte')}, but {message.name} has {message.dlc}"
         )
-    key = next(key for i, key in enumerate(message.keys) if not _key_holds(message, i, frame))
+    key = next(key for i, key in enumerate(message.keys) if not _has_key(message, i, frame))
     found = f"{formatting.place(key.space, key.segments)} is 0x{read_bits(key, frame):02X}"
     return Difference("keys", f"{found}, but {message.name} has 0x{key.value:02X}")
 
 
-def _key_holds(message: Message, index: int, frame: CanFrame) -> bool:
+def _has_key(message: Message, index: int, frame: CanFrame) -> bool:
     key = message.keys[index]
     found = read_bits(key, frame)
     return found == key.value or (index == 0 and found in (*message.accept, *message.claims))

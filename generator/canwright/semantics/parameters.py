@@ -1,4 +1,4 @@
-"""What is said of a number parameter from outside the spec: in golden frames, on the command line."""
+"""Values of number parameters from golden frames and the command line."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ..model.types import Parameter
 
 
 def number(edition: Edition, parameter: Parameter, text: str) -> Fraction:
-    """The number that a text is. Raises ValueError with a sentence for what the parameter cannot be."""
+    """The number in a text. Raises ValueError with a sentence if it is invalid for the parameter."""
     given = notation.rational(text)
     low, high = parameter.minimum, parameter.maximum
     if edition.is_factor(parameter) and given <= 0:
-        raise ValueError(f"`{parameter.name}` has to be above 0, since a scale is a multiple of it")
+        raise ValueError(f"`{parameter.name}` must be above 0, because a scale is a multiple of it")
     if low is not None and given < low:
-        raise ValueError(f"`{parameter.name}` is at least {formatting.exact(low)}")
+        raise ValueError(f"`{parameter.name}` must be at least {formatting.exact(low)}")
     if high is not None and given > high:
-        raise ValueError(f"`{parameter.name}` is at most {formatting.exact(high)}")
+        raise ValueError(f"`{parameter.name}` must be at most {formatting.exact(high)}")
     return given

@@ -1,5 +1,5 @@
-"""The Jinja2 environment, escaping for markup, and the files that are installed with canwright.
+"""The Jinja2 environment, escaping for markup, and the data files of canwright.
 
-Belongs here: how templates are loaded and compiled. What they contain is up to each target.
+Belongs here: loading and compilation of templates. Their content belongs to the targets.
 Imports `diagnostics`, for characters that are shown by their number.
 """

@@ -1,4 +1,4 @@
-"""The Jinja2 environment, set once for every target."""
+"""The Jinja2 environment, with the same options for every target."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from . import resources
 def environment(target: str, filters: Mapping[str, Callable[..., object]]) -> jinja2.Environment:
     """An environment for the templates of one target.
 
-    An undefined name is an error. Nothing is escaped on its own: each target passes the filters that make text of a
-    spec safe in its language, and its templates put every such text through one of them.
+    An undefined name is an error. Nothing is escaped automatically. Spec text is untrusted: each target passes filters
+    that escape it for its language, and its templates apply one of them to every such text.
     """
     env = _environment(resources.TEMPLATES / target)
     env.filters.update(filters)
@@ -28,7 +28,7 @@ def environment(target: str, filters: Mapping[str, Callable[..., object]]) -> ji
 
 @functools.cache
 def _environment(folder: Path) -> jinja2.Environment:
-    """Kept, so that templates are compiled once; Jinja2 notices one that changes."""
+    """Cached, so that templates are compiled once; Jinja2 detects changed templates."""
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder, encoding="utf-8"),
         undefined=jinja2.StrictUndefined,
@@ -41,10 +41,10 @@ def _environment(folder: Path) -> jinja2.Environment:
 
 
 class _CompiledTemplates(jinja2.FileSystemBytecodeCache):
-    """Keeps compiled templates where Python keeps the compiled modules of a folder, and as it does.
+    """Stores compiled templates in the folder of Python's compiled modules, under the same rules.
 
-    Neither options nor filters are part of a template, so this module's own text is of the key; no filter of canwright
-    is applied to a constant, which Jinja2 would work out while it compiles.
+    Options are not part of a template, so the key contains the text of this module. Filters are not part of it either:
+    Jinja2 would apply them to constants during compilation, but no template of canwright does so.
     """
 
     def __init__(self, folder: Path) -> None:

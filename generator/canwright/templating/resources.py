@@ -1,6 +1,6 @@
-"""The files that canwright brings along: templates, units and the JSON Schema.
+"""The data files of canwright: templates, units and the JSON Schema.
 
-An installed package carries them inside; a clone has them beside `generator/`.
+An installed package contains them; in a clone, they are in the folders beside `generator/`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ UNITS = _ROOT / "spec" / "units.yaml"
 SCHEMA = _ROOT / "spec" / "canwright.schema.json"
 
 EXAMPLES = _PACKAGE / "rules" / "examples"
-"""A folder for each rule: what it finds, and what it lets pass."""
+"""A folder for each rule, with an invalid spec, a valid one, and the expected findings."""
 
 CHANGE_EXAMPLES = _PACKAGE / "compare" / "examples"
-"""A folder for each kind of change: an edition before and after."""
+"""A folder for each kind of change, with an edition before and after it."""

@@ -100,7 +100,7 @@ class DbcAdapter(Adapter):
 
     def _has_rule(self, direction: Direction, frame: CanFrame) -> bool:
         """Whether an id is one of an address, but for the code in it."""
-        entries = dispatch_plan(self.edition.messages(direction)).entries
+        entries = dispatch_plan(self.edition.messages(direction)).routes
         alike = (e for e in entries if (e.rule.extended, e.remote) == (frame.extended, frame.remote))
         return any(entry.mask and entry.contains(frame.id) for entry in alike)
 

@@ -257,7 +257,7 @@ static inline canwright_status_t mwd_motor_v2_35_voltage_from_milli(uint16_t *ra
 #define MWD_MOTOR_V2_35_POWER_RAW_MIN (-850) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_35_POWER_RAW_MAX 850    /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_power_valid(int16_t raw)
 {
     return raw >= -850 && raw <= 850;
@@ -277,7 +277,7 @@ static inline bool mwd_motor_v2_35_power_valid(int16_t raw)
 #define MWD_MOTOR_V2_35_TORQUE_CURRENT_RAW_MIN (-2048) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_35_TORQUE_CURRENT_RAW_MAX 2048    /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_torque_current_valid(int16_t raw)
 {
     return raw >= -2048 && raw <= 2048;
@@ -341,7 +341,7 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_milli(
 #define MWD_MOTOR_V2_35_BROADCAST_CURRENT_RAW_MIN (-2000) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_35_BROADCAST_CURRENT_RAW_MAX 2000    /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_broadcast_current_valid(int16_t raw)
 {
     return raw >= -2000 && raw <= 2000;
@@ -481,7 +481,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_milli(ui
  */
 #define MWD_MOTOR_V2_35_SINGLE_TURN_POSITION_RAW_MIN 0u /**< Lowest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_single_turn_position_valid(
     uint32_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -524,7 +524,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_milli
  * @{
  */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_multi_turn_angle_valid(int64_t raw)
 {
     return raw >= -36028797018963968 && raw <= 36028797018963967;
@@ -574,7 +574,7 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_milli(int
 #define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MIN_18 0u     /**< Lowest raw value (encoder_bits 18). */
 #define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MAX_18 65535u /**< Highest raw value (encoder_bits 18). */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_encoder_position_valid(
     uint16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -663,7 +663,7 @@ static inline const char *mwd_motor_v2_35_spin_direction_name(uint8_t raw)
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_spin_direction_valid(uint8_t raw)
 {
     return raw <= 1u;
@@ -678,7 +678,7 @@ static inline bool mwd_motor_v2_35_spin_direction_valid(uint8_t raw)
 #define MWD_MOTOR_V2_35_ERROR_FLAGS_LOW_VOLTAGE      0x01u /**< Low-voltage protection */
 #define MWD_MOTOR_V2_35_ERROR_FLAGS_OVER_TEMPERATURE 0x08u /**< Over-temperature protection */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_error_flags_valid(uint8_t raw)
 {
     return (raw & 0xF6u) == 0u;
@@ -690,7 +690,7 @@ static inline bool mwd_motor_v2_35_error_flags_valid(uint8_t raw)
  * Layouts that several messages share
  * ----------------------------------------------------------------------------------------------------------------- */
 
-/** The fields of all messages, to identify one that is rejected. */
+/** The fields of all messages; a check returns the rejected one. */
 typedef enum {
     MWD_MOTOR_V2_35_FIELD_NONE = 0,
     MWD_MOTOR_V2_35_FIELD_TEMPERATURE,
@@ -802,7 +802,7 @@ typedef struct {
     uint16_t encoder;
 } mwd_motor_v2_35_motion_feedback_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_motion_feedback_check(
     mwd_motor_v2_35_field_t *field, const mwd_motor_v2_35_motion_feedback_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -949,7 +949,7 @@ typedef struct {
     uint8_t errors;
 } mwd_motor_v2_35_status_1_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_status_1_check(
     mwd_motor_v2_35_field_t *field, const mwd_motor_v2_35_status_1_t *message)
 {
@@ -1126,7 +1126,7 @@ typedef struct {
     int16_t power;
 } mwd_motor_v2_35_set_power_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_set_power_request_check(
     mwd_motor_v2_35_field_t *field, const mwd_motor_v2_35_set_power_request_t *message)
 {
@@ -1153,7 +1153,7 @@ static inline void mwd_motor_v2_35_set_power_request_unpack(
     message->power = (int16_t)canwright_signed32((uint32_t)frame->data[4] | ((uint32_t)frame->data[5] << 8), 16u);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_set_power_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_set_power_request_t *message)
 {
@@ -1184,7 +1184,7 @@ static inline canwright_status_t mwd_motor_v2_35_set_power_request_decode(
 /** The reply of set_power. */
 typedef mwd_motor_v2_35_motion_feedback_t mwd_motor_v2_35_set_power_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_set_power_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_set_power_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -1237,7 +1237,7 @@ typedef struct {
     int16_t iq;
 } mwd_motor_v2_35_set_torque_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_set_torque_request_check(
     mwd_motor_v2_35_field_t *field, const mwd_motor_v2_35_set_torque_request_t *message)
 {
@@ -1264,7 +1264,7 @@ static inline void mwd_motor_v2_35_set_torque_request_unpack(
     message->iq = (int16_t)canwright_signed32((uint32_t)frame->data[4] | ((uint32_t)frame->data[5] << 8), 16u);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_set_torque_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_set_torque_request_t *message)
 {
@@ -1295,7 +1295,7 @@ static inline canwright_status_t mwd_motor_v2_35_set_torque_request_decode(
 /** The reply of set_torque. */
 typedef mwd_motor_v2_35_motion_feedback_t mwd_motor_v2_35_set_torque_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_set_torque_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_set_torque_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -1387,7 +1387,7 @@ static inline canwright_status_t mwd_motor_v2_35_set_speed_request_decode(
 /** The reply of set_speed. */
 typedef mwd_motor_v2_35_motion_feedback_t mwd_motor_v2_35_set_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_set_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_set_speed_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -1479,7 +1479,7 @@ static inline canwright_status_t mwd_motor_v2_35_move_to_angle_request_decode(
 /** The reply of move_to_angle. */
 typedef mwd_motor_v2_35_motion_feedback_t mwd_motor_v2_35_move_to_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_move_to_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_move_to_angle_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -1576,7 +1576,7 @@ static inline canwright_status_t mwd_motor_v2_35_move_to_angle_at_speed_request_
 /** The reply of move_to_angle_at_speed. */
 typedef mwd_motor_v2_35_motion_feedback_t mwd_motor_v2_35_move_to_angle_at_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_move_to_angle_at_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_move_to_angle_at_speed_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -1629,7 +1629,7 @@ typedef struct {
     uint32_t angle;
 } mwd_motor_v2_35_turn_to_angle_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_request_check(
     mwd_motor_v2_35_field_t *field, const mwd_motor_v2_35_turn_to_angle_request_t *message)
 {
@@ -1661,7 +1661,7 @@ static inline void mwd_motor_v2_35_turn_to_angle_request_unpack(
         | ((uint32_t)frame->data[7] << 24);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_turn_to_angle_request_t *message)
 {
@@ -1692,7 +1692,7 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_request_decode(
 /** The reply of turn_to_angle. */
 typedef mwd_motor_v2_35_motion_feedback_t mwd_motor_v2_35_turn_to_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_turn_to_angle_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -1750,7 +1750,7 @@ typedef struct {
     uint32_t angle;
 } mwd_motor_v2_35_turn_to_angle_at_speed_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_at_speed_request_check(
     mwd_motor_v2_35_field_t *field, const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *message)
 {
@@ -1785,7 +1785,7 @@ static inline void mwd_motor_v2_35_turn_to_angle_at_speed_request_unpack(
         | ((uint32_t)frame->data[7] << 24);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_at_speed_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *message)
 {
@@ -1816,7 +1816,7 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_at_speed_request_
 /** The reply of turn_to_angle_at_speed. */
 typedef mwd_motor_v2_35_motion_feedback_t mwd_motor_v2_35_turn_to_angle_at_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_at_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_turn_to_angle_at_speed_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -1913,7 +1913,7 @@ static inline canwright_status_t mwd_motor_v2_35_move_by_angle_request_decode(
 /** The reply of move_by_angle. */
 typedef mwd_motor_v2_35_motion_feedback_t mwd_motor_v2_35_move_by_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_move_by_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_move_by_angle_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -2018,7 +2018,7 @@ static inline canwright_status_t mwd_motor_v2_35_move_by_angle_at_speed_request_
 /** The reply of move_by_angle_at_speed. */
 typedef mwd_motor_v2_35_motion_feedback_t mwd_motor_v2_35_move_by_angle_at_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_move_by_angle_at_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_move_by_angle_at_speed_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -2437,7 +2437,7 @@ typedef struct {
     uint16_t encoder_offset;
 } mwd_motor_v2_35_read_encoder_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_read_encoder_reply_check(
     mwd_motor_v2_35_field_t *field, const mwd_motor_v2_35_read_encoder_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -2479,7 +2479,7 @@ static inline void mwd_motor_v2_35_read_encoder_reply_unpack(
     message->encoder_offset = (uint16_t)((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8));
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_read_encoder_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_read_encoder_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -2532,7 +2532,7 @@ typedef struct {
     uint16_t encoder_offset;
 } mwd_motor_v2_35_write_encoder_offset_rom_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_write_encoder_offset_rom_check(
     mwd_motor_v2_35_field_t *field, const mwd_motor_v2_35_write_encoder_offset_rom_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -2563,7 +2563,7 @@ static inline void mwd_motor_v2_35_write_encoder_offset_rom_unpack(
 /** The request of write_encoder_offset_rom. */
 typedef mwd_motor_v2_35_write_encoder_offset_rom_t mwd_motor_v2_35_write_encoder_offset_rom_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_write_encoder_offset_rom_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_write_encoder_offset_rom_request_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -2595,7 +2595,7 @@ static inline canwright_status_t mwd_motor_v2_35_write_encoder_offset_rom_reques
 /** The reply of write_encoder_offset_rom. */
 typedef mwd_motor_v2_35_write_encoder_offset_rom_t mwd_motor_v2_35_write_encoder_offset_rom_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_write_encoder_offset_rom_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_write_encoder_offset_rom_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -2661,7 +2661,7 @@ typedef struct {
     uint16_t encoder_offset;
 } mwd_motor_v2_35_write_position_as_zero_rom_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_write_position_as_zero_rom_reply_check(
     mwd_motor_v2_35_field_t *field, const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -2689,7 +2689,7 @@ static inline void mwd_motor_v2_35_write_position_as_zero_rom_reply_unpack(
     message->encoder_offset = (uint16_t)((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8));
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_write_position_as_zero_rom_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -2749,7 +2749,7 @@ typedef struct {
     int64_t angle;
 } mwd_motor_v2_35_read_multi_turn_angle_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_read_multi_turn_angle_reply_check(
     mwd_motor_v2_35_field_t *field, const mwd_motor_v2_35_read_multi_turn_angle_reply_t *message)
 {
@@ -2783,7 +2783,7 @@ static inline void mwd_motor_v2_35_read_multi_turn_angle_reply_unpack(
         | ((uint64_t)frame->data[6] << 40) | ((uint64_t)frame->data[7] << 48), 56u);
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_read_multi_turn_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_read_multi_turn_angle_reply_t *message)
 {
@@ -2841,7 +2841,7 @@ typedef struct {
     uint32_t angle;
 } mwd_motor_v2_35_read_single_turn_angle_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_read_single_turn_angle_reply_check(
     mwd_motor_v2_35_field_t *field, const mwd_motor_v2_35_read_single_turn_angle_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -2872,7 +2872,7 @@ static inline void mwd_motor_v2_35_read_single_turn_angle_reply_unpack(
         | ((uint32_t)frame->data[7] << 24);
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_read_single_turn_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_read_single_turn_angle_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -2976,7 +2976,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_status_1_request_decode(
 /** The reply of read_status_1. */
 typedef mwd_motor_v2_35_status_1_t mwd_motor_v2_35_read_status_1_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_read_status_1_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_read_status_1_reply_t *message)
 {
@@ -3035,7 +3035,7 @@ static inline canwright_status_t mwd_motor_v2_35_clear_errors_request_decode(
 /** The reply of clear_errors. */
 typedef mwd_motor_v2_35_status_1_t mwd_motor_v2_35_clear_errors_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_clear_errors_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_clear_errors_reply_t *message)
 {
@@ -3096,7 +3096,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_status_2_request_decode(
 /** The reply of read_status_2. */
 typedef mwd_motor_v2_35_motion_feedback_t mwd_motor_v2_35_read_status_2_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_read_status_2_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_read_status_2_reply_t *message,
     const mwd_motor_v2_35_parameters_t *parameters)
@@ -3241,7 +3241,7 @@ typedef struct {
     int16_t iq[4];
 } mwd_motor_v2_35_broadcast_torque_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_broadcast_torque_request_check(
     mwd_motor_v2_35_field_t *field, const mwd_motor_v2_35_broadcast_torque_request_t *message)
 {
@@ -3280,7 +3280,7 @@ static inline void mwd_motor_v2_35_broadcast_torque_request_unpack(
     message->iq[3] = (int16_t)canwright_signed32((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8), 16u);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_broadcast_torque_request_encode(
     canwright_frame_t *frame, const mwd_motor_v2_35_broadcast_torque_request_t *message)
 {
@@ -3479,7 +3479,7 @@ static inline uint32_t mwd_motor_v2_35_command_effects(mwd_motor_v2_35_command_t
     }
 }
 
-/** False for a command that a node with these parameters does not have. */
+/** False if a node with these parameters does not support a command. */
 static inline bool mwd_motor_v2_35_command_available(
     mwd_motor_v2_35_command_t command, const mwd_motor_v2_35_parameters_t *parameters)
 {

@@ -308,7 +308,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_bus_current_from_milli(
 #define MWD_MOTOR_V2_35_2024_02_POWER_RAW_MIN (-850) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_35_2024_02_POWER_RAW_MAX 850    /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_power_valid(int16_t raw)
 {
     return raw >= -850 && raw <= 850;
@@ -329,7 +329,7 @@ static inline bool mwd_motor_v2_35_2024_02_power_valid(int16_t raw)
 #define MWD_MOTOR_V2_35_2024_02_OUTPUT_POWER_RAW_MIN (-1000) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_35_2024_02_OUTPUT_POWER_RAW_MAX 1000    /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_output_power_valid(int16_t raw)
 {
     return raw >= -1000 && raw <= 1000;
@@ -354,7 +354,7 @@ static inline bool mwd_motor_v2_35_2024_02_output_power_valid(int16_t raw)
 #define MWD_MOTOR_V2_35_2024_02_TORQUE_CURRENT_RAW_MIN (-2048) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_35_2024_02_TORQUE_CURRENT_RAW_MAX 2048    /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_torque_current_valid(int16_t raw)
 {
     return raw >= -2048 && raw <= 2048;
@@ -615,7 +615,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_angle_from_
  */
 #define MWD_MOTOR_V2_35_2024_02_SINGLE_TURN_POSITION_RAW_MIN 0u /**< Lowest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_single_turn_position_valid(
     uint32_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
@@ -658,7 +658,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_position_fr
  * @{
  */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_multi_turn_angle_valid(int64_t raw)
 {
     return raw >= -36028797018963968 && raw <= 36028797018963967;
@@ -708,7 +708,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_multi_turn_angle_from_m
 #define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MIN_16 0u     /**< Lowest raw value (encoder_bits 16). */
 #define MWD_MOTOR_V2_35_2024_02_ENCODER_POSITION_RAW_MAX_16 65535u /**< Highest raw value (encoder_bits 16). */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_encoder_position_valid(
     uint16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
@@ -797,7 +797,7 @@ static inline const char *mwd_motor_v2_35_2024_02_spin_direction_name(uint8_t ra
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_spin_direction_valid(uint8_t raw)
 {
     return raw <= 1u;
@@ -828,7 +828,7 @@ static inline const char *mwd_motor_v2_35_2024_02_brake_action_name(uint8_t raw)
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_brake_action_valid(uint8_t raw)
 {
     return raw <= 1u || raw == 16u;
@@ -856,7 +856,7 @@ static inline const char *mwd_motor_v2_35_2024_02_brake_state_name(uint8_t raw)
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_brake_state_valid(uint8_t raw)
 {
     return raw <= 1u;
@@ -887,7 +887,7 @@ static inline const char *mwd_motor_v2_35_2024_02_motor_state_name(uint8_t raw)
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_motor_state_valid(uint8_t raw)
 {
     return raw == 0u || raw == 16u;
@@ -902,7 +902,7 @@ static inline bool mwd_motor_v2_35_2024_02_motor_state_valid(uint8_t raw)
 #define MWD_MOTOR_V2_35_2024_02_ERROR_FLAGS_LOW_VOLTAGE      0x01u /**< Low-voltage protection */
 #define MWD_MOTOR_V2_35_2024_02_ERROR_FLAGS_OVER_TEMPERATURE 0x08u /**< Over-temperature protection */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_error_flags_valid(uint8_t raw)
 {
     return (raw & 0xF6u) == 0u;
@@ -914,7 +914,7 @@ static inline bool mwd_motor_v2_35_2024_02_error_flags_valid(uint8_t raw)
  * Layouts that several messages share
  * ----------------------------------------------------------------------------------------------------------------- */
 
-/** The fields of all messages, to identify one that is rejected. */
+/** The fields of all messages; a check returns the rejected one. */
 typedef enum {
     MWD_MOTOR_V2_35_2024_02_FIELD_NONE = 0,
     MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE,
@@ -1026,7 +1026,7 @@ typedef struct {
     uint16_t encoder;
 } mwd_motor_v2_35_2024_02_motion_feedback_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motion_feedback_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_motion_feedback_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -1133,7 +1133,7 @@ typedef struct {
     uint8_t errors;
 } mwd_motor_v2_35_2024_02_status_1_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_status_1_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_status_1_t *message)
 {
@@ -1397,7 +1397,7 @@ typedef struct {
     uint8_t action;
 } mwd_motor_v2_35_2024_02_brake_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_brake_request_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_brake_request_t *message)
 {
@@ -1423,7 +1423,7 @@ static inline void mwd_motor_v2_35_2024_02_brake_request_unpack(
     message->action = frame->data[1];
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_brake_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_brake_request_t *message)
 {
@@ -1457,7 +1457,7 @@ typedef struct {
     uint8_t state;
 } mwd_motor_v2_35_2024_02_brake_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_brake_reply_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_brake_reply_t *message)
 {
@@ -1483,7 +1483,7 @@ static inline void mwd_motor_v2_35_2024_02_brake_reply_unpack(
     message->state = frame->data[1];
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_brake_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_brake_reply_t *message)
 {
@@ -1533,7 +1533,7 @@ typedef struct {
     int16_t power;
 } mwd_motor_v2_35_2024_02_set_power_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_set_power_request_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_set_power_request_t *message)
 {
@@ -1560,7 +1560,7 @@ static inline void mwd_motor_v2_35_2024_02_set_power_request_unpack(
     message->power = (int16_t)canwright_signed32((uint32_t)frame->data[4] | ((uint32_t)frame->data[5] << 8), 16u);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_set_power_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_set_power_request_t *message)
 {
@@ -1591,7 +1591,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_power_request_decod
 /** The reply of set_power. */
 typedef mwd_motor_v2_35_2024_02_motion_feedback_t mwd_motor_v2_35_2024_02_set_power_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_set_power_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_set_power_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -1644,7 +1644,7 @@ typedef struct {
     int16_t iq;
 } mwd_motor_v2_35_2024_02_set_torque_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_set_torque_request_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_set_torque_request_t *message)
 {
@@ -1671,7 +1671,7 @@ static inline void mwd_motor_v2_35_2024_02_set_torque_request_unpack(
     message->iq = (int16_t)canwright_signed32((uint32_t)frame->data[4] | ((uint32_t)frame->data[5] << 8), 16u);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_set_torque_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_set_torque_request_t *message)
 {
@@ -1702,7 +1702,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_torque_request_deco
 /** The reply of set_torque. */
 typedef mwd_motor_v2_35_2024_02_motion_feedback_t mwd_motor_v2_35_2024_02_set_torque_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_set_torque_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_set_torque_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -1794,7 +1794,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_speed_request_decod
 /** The reply of set_speed. */
 typedef mwd_motor_v2_35_2024_02_motion_feedback_t mwd_motor_v2_35_2024_02_set_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_set_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_set_speed_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -1853,7 +1853,7 @@ typedef struct {
     int32_t speed;
 } mwd_motor_v2_35_2024_02_set_speed_limited_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_set_speed_limited_request_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_set_speed_limited_request_t *message)
 {
@@ -1886,7 +1886,7 @@ static inline void mwd_motor_v2_35_2024_02_set_speed_limited_request_unpack(
         | ((uint32_t)frame->data[6] << 16) | ((uint32_t)frame->data[7] << 24), 32u);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_set_speed_limited_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_set_speed_limited_request_t *message)
 {
@@ -1917,7 +1917,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_speed_limited_reque
 /** The reply of set_speed_limited. */
 typedef mwd_motor_v2_35_2024_02_motion_feedback_t mwd_motor_v2_35_2024_02_set_speed_limited_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_set_speed_limited_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_set_speed_limited_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -2009,7 +2009,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_move_to_angle_request_d
 /** The reply of move_to_angle. */
 typedef mwd_motor_v2_35_2024_02_motion_feedback_t mwd_motor_v2_35_2024_02_move_to_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_move_to_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_move_to_angle_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -2106,7 +2106,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_move_to_angle_at_speed_
 /** The reply of move_to_angle_at_speed. */
 typedef mwd_motor_v2_35_2024_02_motion_feedback_t mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -2156,7 +2156,7 @@ typedef struct {
     uint32_t angle;
 } mwd_motor_v2_35_2024_02_turn_to_angle_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_request_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *message)
 {
@@ -2188,7 +2188,7 @@ static inline void mwd_motor_v2_35_2024_02_turn_to_angle_request_unpack(
         | ((uint32_t)frame->data[7] << 24);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *message)
 {
@@ -2219,7 +2219,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_request_d
 /** The reply of turn_to_angle. */
 typedef mwd_motor_v2_35_2024_02_motion_feedback_t mwd_motor_v2_35_2024_02_turn_to_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_turn_to_angle_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -2271,7 +2271,7 @@ typedef struct {
     uint32_t angle;
 } mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *message)
 {
@@ -2306,7 +2306,7 @@ static inline void mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_unpack
         | ((uint32_t)frame->data[7] << 24);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *message)
 {
@@ -2337,7 +2337,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_
 /** The reply of turn_to_angle_at_speed. */
 typedef mwd_motor_v2_35_2024_02_motion_feedback_t mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -2431,7 +2431,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_move_by_angle_request_d
 /** The reply of move_by_angle. */
 typedef mwd_motor_v2_35_2024_02_motion_feedback_t mwd_motor_v2_35_2024_02_move_by_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_move_by_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_move_by_angle_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -2533,7 +2533,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_move_by_angle_at_speed_
 /** The reply of move_by_angle_at_speed. */
 typedef mwd_motor_v2_35_2024_02_motion_feedback_t mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -3022,7 +3022,7 @@ typedef struct {
     uint16_t encoder_offset;
 } mwd_motor_v2_35_2024_02_read_encoder_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_encoder_reply_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_read_encoder_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -3064,7 +3064,7 @@ static inline void mwd_motor_v2_35_2024_02_read_encoder_reply_unpack(
     message->encoder_offset = (uint16_t)((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8));
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_encoder_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_read_encoder_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -3121,7 +3121,7 @@ typedef struct {
     uint16_t encoder_offset;
 } mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_write_encoder_offset_rom_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -3152,7 +3152,7 @@ static inline void mwd_motor_v2_35_2024_02_write_encoder_offset_rom_unpack(
 /** The request of write_encoder_offset_rom. */
 typedef mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_t *message,
@@ -3187,7 +3187,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_write_encoder_offset_ro
 /** The reply of write_encoder_offset_rom. */
 typedef mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -3254,7 +3254,7 @@ typedef struct {
     uint16_t encoder_offset;
 } mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -3282,7 +3282,7 @@ static inline void mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_unpa
     message->encoder_offset = (uint16_t)((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8));
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t *message,
@@ -3344,7 +3344,7 @@ typedef struct {
     int64_t angle;
 } mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *message)
 {
@@ -3378,7 +3378,7 @@ static inline void mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_unpack(
         | ((uint64_t)frame->data[6] << 40) | ((uint64_t)frame->data[7] << 48), 56u);
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *message)
 {
@@ -3436,7 +3436,7 @@ typedef struct {
     uint32_t angle;
 } mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_check(
     mwd_motor_v2_35_2024_02_field_t *field, const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -3467,7 +3467,7 @@ static inline void mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_unpack(
         | ((uint32_t)frame->data[7] << 24);
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -3622,7 +3622,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_status_1_request_d
 /** The reply of read_status_1. */
 typedef mwd_motor_v2_35_2024_02_status_1_t mwd_motor_v2_35_2024_02_read_status_1_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_status_1_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_read_status_1_reply_t *message)
 {
@@ -3679,7 +3679,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_clear_errors_request_de
 /** The reply of clear_errors. */
 typedef mwd_motor_v2_35_2024_02_status_1_t mwd_motor_v2_35_2024_02_clear_errors_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_clear_errors_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_clear_errors_reply_t *message)
 {
@@ -3734,7 +3734,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_status_2_request_d
 /** The reply of read_status_2. */
 typedef mwd_motor_v2_35_2024_02_motion_feedback_t mwd_motor_v2_35_2024_02_read_status_2_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_35_2024_02_read_status_2_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_2024_02_read_status_2_reply_t *message,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
@@ -4038,7 +4038,7 @@ static inline uint32_t mwd_motor_v2_35_2024_02_command_effects(mwd_motor_v2_35_2
     }
 }
 
-/** False for a command that a node with these parameters does not have. */
+/** False if a node with these parameters does not support a command. */
 static inline bool mwd_motor_v2_35_2024_02_command_available(
     mwd_motor_v2_35_2024_02_command_t command, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {

@@ -5,7 +5,7 @@
  *
  * A raw integer is converted to a value by one correctly rounded operation wherever a double allows it. A value is
  * converted to the nearest raw integer, ties away from zero; a value that does not fit, NaN and infinity are rejected.
- * Neither holds with -ffast-math, which lets the compiler ignore NaN and round differently, and the first does not hold
+ * Neither is true with -ffast-math, which lets the compiler ignore NaN and round differently, and the first is not true
  * with -fsingle-precision-constant, which rounds the scales.
  */
 #ifndef MWD_MOTOR_V2_35_FLOAT_H

@@ -307,7 +307,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_bus_current_from_milli(
 #define MWD_MOTOR_V2_36_2024_11_POWER_RAW_MIN (-850) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2024_11_POWER_RAW_MAX 850    /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_power_valid(int16_t raw)
 {
     return raw >= -850 && raw <= 850;
@@ -327,7 +327,7 @@ static inline bool mwd_motor_v2_36_2024_11_power_valid(int16_t raw)
 #define MWD_MOTOR_V2_36_2024_11_OUTPUT_POWER_RAW_MIN (-1000) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2024_11_OUTPUT_POWER_RAW_MAX 1000    /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_output_power_valid(int16_t raw)
 {
     return raw >= -1000 && raw <= 1000;
@@ -352,7 +352,7 @@ static inline bool mwd_motor_v2_36_2024_11_output_power_valid(int16_t raw)
 #define MWD_MOTOR_V2_36_2024_11_TORQUE_CURRENT_RAW_MIN (-2048) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2024_11_TORQUE_CURRENT_RAW_MAX 2048    /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_torque_current_valid(int16_t raw)
 {
     return raw >= -2048 && raw <= 2048;
@@ -613,7 +613,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_angle_from_
  */
 #define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_POSITION_RAW_MIN 0u /**< Lowest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_single_turn_position_valid(
     uint32_t raw, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
@@ -656,7 +656,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_position_fr
  * @{
  */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_multi_turn_angle_valid(int64_t raw)
 {
     return raw >= -36028797018963968 && raw <= 36028797018963967;
@@ -706,7 +706,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_multi_turn_angle_from_m
 #define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MIN_16 0u     /**< Lowest raw value (encoder_bits 16). */
 #define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MAX_16 65535u /**< Highest raw value (encoder_bits 16). */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_encoder_position_valid(
     uint16_t raw, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
@@ -795,7 +795,7 @@ static inline const char *mwd_motor_v2_36_2024_11_spin_direction_name(uint8_t ra
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_spin_direction_valid(uint8_t raw)
 {
     return raw <= 1u;
@@ -826,7 +826,7 @@ static inline const char *mwd_motor_v2_36_2024_11_brake_action_name(uint8_t raw)
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_brake_action_valid(uint8_t raw)
 {
     return raw <= 1u || raw == 16u;
@@ -854,7 +854,7 @@ static inline const char *mwd_motor_v2_36_2024_11_brake_state_name(uint8_t raw)
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_brake_state_valid(uint8_t raw)
 {
     return raw <= 1u;
@@ -886,7 +886,7 @@ static inline const char *mwd_motor_v2_36_2024_11_motor_state_name(uint8_t raw)
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_motor_state_valid(uint8_t raw)
 {
     return raw == 0u || raw == 16u;
@@ -913,7 +913,7 @@ static inline bool mwd_motor_v2_36_2024_11_motor_state_valid(uint8_t raw)
  * Layouts that several messages share
  * ----------------------------------------------------------------------------------------------------------------- */
 
-/** The fields of all messages, to identify one that is rejected. */
+/** The fields of all messages; a check returns the rejected one. */
 typedef enum {
     MWD_MOTOR_V2_36_2024_11_FIELD_NONE = 0,
     MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE,
@@ -1037,7 +1037,7 @@ typedef struct {
     uint16_t encoder;
 } mwd_motor_v2_36_2024_11_motion_feedback_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motion_feedback_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_motion_feedback_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -1181,7 +1181,7 @@ typedef struct {
     uint8_t errors;
 } mwd_motor_v2_36_2024_11_status_1_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_status_1_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_status_1_t *message)
 {
@@ -1541,7 +1541,7 @@ typedef struct {
     uint8_t action;
 } mwd_motor_v2_36_2024_11_brake_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_brake_request_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_brake_request_t *message)
 {
@@ -1567,7 +1567,7 @@ static inline void mwd_motor_v2_36_2024_11_brake_request_unpack(
     message->action = frame->data[1];
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_brake_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_brake_request_t *message)
 {
@@ -1601,7 +1601,7 @@ typedef struct {
     uint8_t state;
 } mwd_motor_v2_36_2024_11_brake_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_brake_reply_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_brake_reply_t *message)
 {
@@ -1627,7 +1627,7 @@ static inline void mwd_motor_v2_36_2024_11_brake_reply_unpack(
     message->state = frame->data[1];
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_brake_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_brake_reply_t *message)
 {
@@ -1677,7 +1677,7 @@ typedef struct {
     int16_t power;
 } mwd_motor_v2_36_2024_11_set_power_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_set_power_request_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_set_power_request_t *message)
 {
@@ -1704,7 +1704,7 @@ static inline void mwd_motor_v2_36_2024_11_set_power_request_unpack(
     message->power = (int16_t)canwright_signed32((uint32_t)frame->data[4] | ((uint32_t)frame->data[5] << 8), 16u);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_set_power_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_set_power_request_t *message)
 {
@@ -1735,7 +1735,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_power_request_decod
 /** The reply of set_power. */
 typedef mwd_motor_v2_36_2024_11_motion_feedback_t mwd_motor_v2_36_2024_11_set_power_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_set_power_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_set_power_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -1788,7 +1788,7 @@ typedef struct {
     int16_t iq;
 } mwd_motor_v2_36_2024_11_set_torque_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_set_torque_request_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_set_torque_request_t *message)
 {
@@ -1815,7 +1815,7 @@ static inline void mwd_motor_v2_36_2024_11_set_torque_request_unpack(
     message->iq = (int16_t)canwright_signed32((uint32_t)frame->data[4] | ((uint32_t)frame->data[5] << 8), 16u);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_set_torque_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_set_torque_request_t *message)
 {
@@ -1846,7 +1846,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_torque_request_deco
 /** The reply of set_torque. */
 typedef mwd_motor_v2_36_2024_11_motion_feedback_t mwd_motor_v2_36_2024_11_set_torque_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_set_torque_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_set_torque_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -1911,7 +1911,7 @@ typedef struct {
     int32_t speed;
 } mwd_motor_v2_36_2024_11_set_speed_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_set_speed_request_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_set_speed_request_t *message)
 {
@@ -1944,7 +1944,7 @@ static inline void mwd_motor_v2_36_2024_11_set_speed_request_unpack(
         | ((uint32_t)frame->data[6] << 16) | ((uint32_t)frame->data[7] << 24), 32u);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_set_speed_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_set_speed_request_t *message)
 {
@@ -1975,7 +1975,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_speed_request_decod
 /** The reply of set_speed. */
 typedef mwd_motor_v2_36_2024_11_motion_feedback_t mwd_motor_v2_36_2024_11_set_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_set_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_set_speed_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -2071,7 +2071,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_move_to_angle_request_d
 /** The reply of move_to_angle. */
 typedef mwd_motor_v2_36_2024_11_motion_feedback_t mwd_motor_v2_36_2024_11_move_to_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_move_to_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_move_to_angle_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -2168,7 +2168,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_move_to_angle_at_speed_
 /** The reply of move_to_angle_at_speed. */
 typedef mwd_motor_v2_36_2024_11_motion_feedback_t mwd_motor_v2_36_2024_11_move_to_angle_at_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_move_to_angle_at_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_move_to_angle_at_speed_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -2218,7 +2218,7 @@ typedef struct {
     uint32_t angle;
 } mwd_motor_v2_36_2024_11_turn_to_angle_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_request_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *message)
 {
@@ -2250,7 +2250,7 @@ static inline void mwd_motor_v2_36_2024_11_turn_to_angle_request_unpack(
         | ((uint32_t)frame->data[7] << 24);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *message)
 {
@@ -2281,7 +2281,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_request_d
 /** The reply of turn_to_angle. */
 typedef mwd_motor_v2_36_2024_11_motion_feedback_t mwd_motor_v2_36_2024_11_turn_to_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_turn_to_angle_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -2333,7 +2333,7 @@ typedef struct {
     uint32_t angle;
 } mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *message)
 {
@@ -2368,7 +2368,7 @@ static inline void mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_unpack
         | ((uint32_t)frame->data[7] << 24);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *message)
 {
@@ -2399,7 +2399,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_
 /** The reply of turn_to_angle_at_speed. */
 typedef mwd_motor_v2_36_2024_11_motion_feedback_t mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -2493,7 +2493,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_move_by_angle_request_d
 /** The reply of move_by_angle. */
 typedef mwd_motor_v2_36_2024_11_motion_feedback_t mwd_motor_v2_36_2024_11_move_by_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_move_by_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_move_by_angle_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -2595,7 +2595,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_move_by_angle_at_speed_
 /** The reply of move_by_angle_at_speed. */
 typedef mwd_motor_v2_36_2024_11_motion_feedback_t mwd_motor_v2_36_2024_11_move_by_angle_at_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_move_by_angle_at_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_move_by_angle_at_speed_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -3658,7 +3658,7 @@ typedef struct {
     uint16_t encoder_offset;
 } mwd_motor_v2_36_2024_11_read_encoder_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_encoder_reply_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_read_encoder_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -3700,7 +3700,7 @@ static inline void mwd_motor_v2_36_2024_11_read_encoder_reply_unpack(
     message->encoder_offset = (uint16_t)((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8));
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_encoder_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_read_encoder_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -3766,7 +3766,7 @@ typedef struct {
     uint16_t encoder_offset;
 } mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -3794,7 +3794,7 @@ static inline void mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_unpa
     message->encoder_offset = (uint16_t)((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8));
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t *message,
@@ -3856,7 +3856,7 @@ typedef struct {
     int64_t angle;
 } mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *message)
 {
@@ -3890,7 +3890,7 @@ static inline void mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_unpack(
         | ((uint64_t)frame->data[6] << 40) | ((uint64_t)frame->data[7] << 48), 56u);
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *message)
 {
@@ -3948,7 +3948,7 @@ typedef struct {
     uint32_t angle;
 } mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_check(
     mwd_motor_v2_36_2024_11_field_t *field, const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -3979,7 +3979,7 @@ static inline void mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_unpack(
         | ((uint32_t)frame->data[7] << 24);
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -4134,7 +4134,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_status_1_request_d
 /** The reply of read_status_1. */
 typedef mwd_motor_v2_36_2024_11_status_1_t mwd_motor_v2_36_2024_11_read_status_1_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_status_1_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_read_status_1_reply_t *message)
 {
@@ -4191,7 +4191,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_clear_errors_request_de
 /** The reply of clear_errors. */
 typedef mwd_motor_v2_36_2024_11_status_1_t mwd_motor_v2_36_2024_11_clear_errors_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_clear_errors_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_clear_errors_reply_t *message)
 {
@@ -4246,7 +4246,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_status_2_request_d
 /** The reply of read_status_2. */
 typedef mwd_motor_v2_36_2024_11_motion_feedback_t mwd_motor_v2_36_2024_11_read_status_2_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2024_11_read_status_2_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2024_11_read_status_2_reply_t *message,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
@@ -4575,7 +4575,7 @@ static inline uint32_t mwd_motor_v2_36_2024_11_command_effects(mwd_motor_v2_36_2
     }
 }
 
-/** False for a command that a node with these parameters does not have. */
+/** False if a node with these parameters does not support a command. */
 static inline bool mwd_motor_v2_36_2024_11_command_available(
     mwd_motor_v2_36_2024_11_command_t command, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {

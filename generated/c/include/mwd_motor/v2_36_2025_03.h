@@ -365,7 +365,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_milli(
 #define MWD_MOTOR_V2_36_2025_03_POWER_RAW_MIN (-850) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2025_03_POWER_RAW_MAX 850    /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_power_valid(int16_t raw)
 {
     return raw >= -850 && raw <= 850;
@@ -385,7 +385,7 @@ static inline bool mwd_motor_v2_36_2025_03_power_valid(int16_t raw)
 #define MWD_MOTOR_V2_36_2025_03_OUTPUT_POWER_RAW_MIN (-1000) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2025_03_OUTPUT_POWER_RAW_MAX 1000    /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_output_power_valid(int16_t raw)
 {
     return raw >= -1000 && raw <= 1000;
@@ -415,7 +415,7 @@ static inline bool mwd_motor_v2_36_2025_03_output_power_valid(int16_t raw)
 #define MWD_MOTOR_V2_36_2025_03_TORQUE_CURRENT_RAW_MIN (-2048) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2025_03_TORQUE_CURRENT_RAW_MAX 2048    /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_torque_current_valid(int16_t raw)
 {
     return raw >= -2048 && raw <= 2048;
@@ -676,7 +676,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_
  */
 #define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_POSITION_RAW_MIN 0u /**< Lowest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_single_turn_position_valid(
     uint32_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -719,7 +719,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
  * @{
  */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_multi_turn_angle_valid(int64_t raw)
 {
     return raw >= -36028797018963968 && raw <= 36028797018963967;
@@ -769,7 +769,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_m
 #define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MIN_16 0u     /**< Lowest raw value (encoder_bits 16). */
 #define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MAX_16 65535u /**< Highest raw value (encoder_bits 16). */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_encoder_position_valid(
     uint16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -847,7 +847,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_m
 #define MWD_MOTOR_V2_36_2025_03_GAIN_RAW_MIN 0u    /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2025_03_GAIN_RAW_MAX 2000u /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_gain_valid(uint16_t raw)
 {
     return raw <= 2000u;
@@ -878,7 +878,7 @@ static inline bool mwd_motor_v2_36_2025_03_gain_valid(uint16_t raw)
 #define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MIN_MG 0    /**< Lowest raw value (series MG). */
 #define MWD_MOTOR_V2_36_2025_03_OUTPUT_LIMIT_RAW_MAX_MG 2000 /**< Highest raw value (series MG). */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_output_limit_valid(
     int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -909,7 +909,7 @@ static inline bool mwd_motor_v2_36_2025_03_output_limit_valid(
 #define MWD_MOTOR_V2_36_2025_03_SPEED_BOUND_RAW_MIN 0      /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2025_03_SPEED_BOUND_RAW_MAX 600000 /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_speed_bound_valid(int32_t raw)
 {
     return raw >= 0 && raw <= 600000;
@@ -934,7 +934,7 @@ static inline bool mwd_motor_v2_36_2025_03_speed_bound_valid(int32_t raw)
 #define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MIN 0          /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MAX 2147483647 /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_max_angle_valid(int32_t raw)
 {
     return raw >= 0;
@@ -955,7 +955,7 @@ static inline bool mwd_motor_v2_36_2025_03_max_angle_valid(int32_t raw)
 #define MWD_MOTOR_V2_36_2025_03_CURRENT_RAMP_RAW_MIN 0     /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2025_03_CURRENT_RAMP_RAW_MAX 30000 /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_current_ramp_valid(int16_t raw)
 {
     return raw >= 0 && raw <= 30000;
@@ -976,7 +976,7 @@ static inline bool mwd_motor_v2_36_2025_03_current_ramp_valid(int16_t raw)
 #define MWD_MOTOR_V2_36_2025_03_SPEED_RAMP_RAW_MIN 0      /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2025_03_SPEED_RAMP_RAW_MAX 600000 /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_speed_ramp_valid(int32_t raw)
 {
     return raw >= 0 && raw <= 600000;
@@ -1004,7 +1004,7 @@ static inline const char *mwd_motor_v2_36_2025_03_spin_direction_name(uint8_t ra
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_spin_direction_valid(uint8_t raw)
 {
     return raw <= 1u;
@@ -1035,7 +1035,7 @@ static inline const char *mwd_motor_v2_36_2025_03_brake_action_name(uint8_t raw)
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_brake_action_valid(uint8_t raw)
 {
     return raw <= 1u || raw == 16u;
@@ -1063,7 +1063,7 @@ static inline const char *mwd_motor_v2_36_2025_03_brake_state_name(uint8_t raw)
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_brake_state_valid(uint8_t raw)
 {
     return raw <= 1u;
@@ -1095,7 +1095,7 @@ static inline const char *mwd_motor_v2_36_2025_03_motor_state_name(uint8_t raw)
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_motor_state_valid(uint8_t raw)
 {
     return raw == 0u || raw == 16u;
@@ -1125,7 +1125,7 @@ static inline bool mwd_motor_v2_36_2025_03_motor_state_valid(uint8_t raw)
 #define MWD_MOTOR_V2_36_2025_03_ALIGN_STATE_SUCCEEDED      0x01u /**< Calibration successful */
 #define MWD_MOTOR_V2_36_2025_03_ALIGN_STATE_PHASE_REVERSED 0x10u /**< Detected phase sequence is reversed */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_align_state_valid(uint8_t raw)
 {
     return (raw & 0xEEu) == 0u;
@@ -1145,7 +1145,7 @@ static inline bool mwd_motor_v2_36_2025_03_align_state_valid(uint8_t raw)
 #define MWD_MOTOR_V2_36_2025_03_DRIVER_ID_RAW_MIN 0u  /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2025_03_DRIVER_ID_RAW_MAX 32u /**< Highest raw value. */
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_driver_id_valid(uint8_t raw)
 {
     return raw <= 32u;
@@ -1176,7 +1176,7 @@ static inline const char *mwd_motor_v2_36_2025_03_bus_type_name(uint8_t raw)
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_bus_type_valid(uint8_t raw)
 {
     return raw <= 2u;
@@ -1231,7 +1231,7 @@ static inline const char *mwd_motor_v2_36_2025_03_rs485_baud_rate_name(uint8_t r
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_rs485_baud_rate_valid(uint8_t raw)
 {
     return raw <= 10u;
@@ -1268,7 +1268,7 @@ static inline const char *mwd_motor_v2_36_2025_03_can_baud_rate_name(uint8_t raw
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_can_baud_rate_valid(uint8_t raw)
 {
     return raw <= 4u;
@@ -1296,7 +1296,7 @@ static inline const char *mwd_motor_v2_36_2025_03_save_result_name(uint8_t raw)
     }
 }
 
-/** True for a raw value that may be sent. */
+/** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_save_result_valid(uint8_t raw)
 {
     return raw <= 1u;
@@ -1308,7 +1308,7 @@ static inline bool mwd_motor_v2_36_2025_03_save_result_valid(uint8_t raw)
  * Layouts that several messages share
  * ----------------------------------------------------------------------------------------------------------------- */
 
-/** The fields of all messages, to identify one that is rejected. */
+/** The fields of all messages; a check returns the rejected one. */
 typedef enum {
     MWD_MOTOR_V2_36_2025_03_FIELD_NONE = 0,
     MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE,
@@ -1465,7 +1465,7 @@ typedef struct {
     uint16_t encoder;
 } mwd_motor_v2_36_2025_03_motion_feedback_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motion_feedback_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_motion_feedback_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -1562,7 +1562,7 @@ typedef struct {
     uint16_t kd;
 } mwd_motor_v2_36_2025_03_pid_gains_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_pid_gains_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_pid_gains_t *message)
 {
@@ -1623,7 +1623,7 @@ typedef struct {
     uint8_t errors;
 } mwd_motor_v2_36_2025_03_status_1_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_status_1_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_status_1_t *message)
 {
@@ -1672,7 +1672,7 @@ typedef struct {
     int16_t max_torque_current;
 } mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_check(
     mwd_motor_v2_36_2025_03_field_t *field,
     const mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t *message,
@@ -1708,7 +1708,7 @@ typedef struct {
     int32_t max_speed;
 } mwd_motor_v2_36_2025_03_control_parameters_max_speed_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_control_parameters_max_speed_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_control_parameters_max_speed_t *message)
 {
@@ -1800,7 +1800,7 @@ typedef struct {
     int32_t speed_ramp;
 } mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t *message)
 {
@@ -1836,7 +1836,7 @@ typedef struct {
     uint8_t driver_id;
 } mwd_motor_v2_36_2025_03_stored_settings_driver_id_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_driver_id_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_stored_settings_driver_id_t *message)
 {
@@ -1868,7 +1868,7 @@ typedef struct {
     uint8_t bus_type;
 } mwd_motor_v2_36_2025_03_stored_settings_bus_type_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_bus_type_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_stored_settings_bus_type_t *message)
 {
@@ -1900,7 +1900,7 @@ typedef struct {
     uint8_t rs485_baud_rate;
 } mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t *message)
 {
@@ -1932,7 +1932,7 @@ typedef struct {
     uint8_t can_baud_rate;
 } mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t *message)
 {
@@ -1971,7 +1971,7 @@ typedef struct {
     int16_t max_power;
 } mwd_motor_v2_36_2025_03_stored_settings_max_power_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_max_power_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_stored_settings_max_power_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -2005,7 +2005,7 @@ typedef struct {
     int32_t max_speed;
 } mwd_motor_v2_36_2025_03_stored_settings_max_speed_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_max_speed_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_stored_settings_max_speed_t *message)
 {
@@ -2041,7 +2041,7 @@ typedef struct {
     int32_t max_angle;
 } mwd_motor_v2_36_2025_03_stored_settings_max_angle_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_max_angle_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_stored_settings_max_angle_t *message)
 {
@@ -2077,7 +2077,7 @@ typedef struct {
     int16_t current_ramp;
 } mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_current_ramp_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t *message)
 {
@@ -2111,7 +2111,7 @@ typedef struct {
     int32_t speed_ramp;
 } mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t *message)
 {
@@ -2299,7 +2299,7 @@ typedef struct {
     uint8_t action;
 } mwd_motor_v2_36_2025_03_brake_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_brake_request_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_brake_request_t *message)
 {
@@ -2325,7 +2325,7 @@ static inline void mwd_motor_v2_36_2025_03_brake_request_unpack(
     message->action = frame->data[1];
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_brake_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_brake_request_t *message)
 {
@@ -2359,7 +2359,7 @@ typedef struct {
     uint8_t state;
 } mwd_motor_v2_36_2025_03_brake_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_brake_reply_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_brake_reply_t *message)
 {
@@ -2385,7 +2385,7 @@ static inline void mwd_motor_v2_36_2025_03_brake_reply_unpack(
     message->state = frame->data[1];
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_brake_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_brake_reply_t *message)
 {
@@ -2435,7 +2435,7 @@ typedef struct {
     int16_t power;
 } mwd_motor_v2_36_2025_03_set_power_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_set_power_request_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_set_power_request_t *message)
 {
@@ -2462,7 +2462,7 @@ static inline void mwd_motor_v2_36_2025_03_set_power_request_unpack(
     message->power = (int16_t)canwright_signed32((uint32_t)frame->data[4] | ((uint32_t)frame->data[5] << 8), 16u);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_set_power_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_set_power_request_t *message)
 {
@@ -2493,7 +2493,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_set_power_request_decod
 /** The reply of set_power. */
 typedef mwd_motor_v2_36_2025_03_motion_feedback_t mwd_motor_v2_36_2025_03_set_power_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_set_power_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_set_power_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -2546,7 +2546,7 @@ typedef struct {
     int16_t iq;
 } mwd_motor_v2_36_2025_03_set_torque_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_set_torque_request_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_set_torque_request_t *message)
 {
@@ -2573,7 +2573,7 @@ static inline void mwd_motor_v2_36_2025_03_set_torque_request_unpack(
     message->iq = (int16_t)canwright_signed32((uint32_t)frame->data[4] | ((uint32_t)frame->data[5] << 8), 16u);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_set_torque_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_set_torque_request_t *message)
 {
@@ -2604,7 +2604,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_set_torque_request_deco
 /** The reply of set_torque. */
 typedef mwd_motor_v2_36_2025_03_motion_feedback_t mwd_motor_v2_36_2025_03_set_torque_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_set_torque_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_set_torque_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -2665,7 +2665,7 @@ typedef struct {
     int32_t speed;
 } mwd_motor_v2_36_2025_03_set_speed_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_set_speed_request_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_set_speed_request_t *message)
 {
@@ -2698,7 +2698,7 @@ static inline void mwd_motor_v2_36_2025_03_set_speed_request_unpack(
         | ((uint32_t)frame->data[6] << 16) | ((uint32_t)frame->data[7] << 24), 32u);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_set_speed_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_set_speed_request_t *message)
 {
@@ -2729,7 +2729,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_set_speed_request_decod
 /** The reply of set_speed. */
 typedef mwd_motor_v2_36_2025_03_motion_feedback_t mwd_motor_v2_36_2025_03_set_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_set_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_set_speed_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -2821,7 +2821,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_move_to_angle_request_d
 /** The reply of move_to_angle. */
 typedef mwd_motor_v2_36_2025_03_motion_feedback_t mwd_motor_v2_36_2025_03_move_to_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_move_to_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_move_to_angle_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -2918,7 +2918,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_move_to_angle_at_speed_
 /** The reply of move_to_angle_at_speed. */
 typedef mwd_motor_v2_36_2025_03_motion_feedback_t mwd_motor_v2_36_2025_03_move_to_angle_at_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_move_to_angle_at_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_move_to_angle_at_speed_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -2968,7 +2968,7 @@ typedef struct {
     uint32_t angle;
 } mwd_motor_v2_36_2025_03_turn_to_angle_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_request_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_turn_to_angle_request_t *message)
 {
@@ -3000,7 +3000,7 @@ static inline void mwd_motor_v2_36_2025_03_turn_to_angle_request_unpack(
         | ((uint32_t)frame->data[7] << 24);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_turn_to_angle_request_t *message)
 {
@@ -3031,7 +3031,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_request_d
 /** The reply of turn_to_angle. */
 typedef mwd_motor_v2_36_2025_03_motion_feedback_t mwd_motor_v2_36_2025_03_turn_to_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_turn_to_angle_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -3083,7 +3083,7 @@ typedef struct {
     uint32_t angle;
 } mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t *message)
 {
@@ -3118,7 +3118,7 @@ static inline void mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_unpack
         | ((uint32_t)frame->data[7] << 24);
 }
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t *message)
 {
@@ -3149,7 +3149,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_
 /** The reply of turn_to_angle_at_speed. */
 typedef mwd_motor_v2_36_2025_03_motion_feedback_t mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -3243,7 +3243,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_move_by_angle_request_d
 /** The reply of move_by_angle. */
 typedef mwd_motor_v2_36_2025_03_motion_feedback_t mwd_motor_v2_36_2025_03_move_by_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_move_by_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_move_by_angle_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -3345,7 +3345,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_move_by_angle_at_speed_
 /** The reply of move_by_angle_at_speed. */
 typedef mwd_motor_v2_36_2025_03_motion_feedback_t mwd_motor_v2_36_2025_03_move_by_angle_at_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_move_by_angle_at_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_move_by_angle_at_speed_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -3400,7 +3400,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
 /** The reply of read_control_parameter_angle_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_read_control_parameter_angle_pid_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_angle_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_control_parameter_angle_pid_reply_t *message)
@@ -3457,7 +3457,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
 /** The reply of read_control_parameter_speed_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_read_control_parameter_speed_pid_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_speed_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_control_parameter_speed_pid_reply_t *message)
@@ -3515,7 +3515,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
 /** The reply of read_control_parameter_current_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_read_control_parameter_current_pid_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_current_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_control_parameter_current_pid_reply_t *message)
@@ -3573,7 +3573,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
 /** The reply of read_control_parameter_max_torque_current. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t mwd_motor_v2_36_2025_03_read_control_parameter_max_torque_current_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_max_torque_current_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_control_parameter_max_torque_current_reply_t *message,
@@ -3632,7 +3632,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
 /** The reply of read_control_parameter_max_speed. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_max_speed_t mwd_motor_v2_36_2025_03_read_control_parameter_max_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_max_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_control_parameter_max_speed_reply_t *message)
@@ -3796,7 +3796,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
 /** The reply of read_control_parameter_speed_ramp. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t mwd_motor_v2_36_2025_03_read_control_parameter_speed_ramp_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_speed_ramp_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_control_parameter_speed_ramp_reply_t *message)
@@ -3844,7 +3844,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_control_parameter_
 /** The request of write_control_parameter_ram_angle_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_angle_pid_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_angle_pid_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_control_parameter_ram_angle_pid_request_t *message)
@@ -3877,7 +3877,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
 /** The reply of write_control_parameter_ram_angle_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_angle_pid_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_angle_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_control_parameter_ram_angle_pid_reply_t *message)
@@ -3925,7 +3925,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
 /** The request of write_control_parameter_ram_speed_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_pid_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_pid_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_pid_request_t *message)
@@ -3958,7 +3958,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
 /** The reply of write_control_parameter_ram_speed_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_pid_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_pid_reply_t *message)
@@ -4006,7 +4006,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
 /** The request of write_control_parameter_ram_current_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_current_pid_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_current_pid_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_control_parameter_ram_current_pid_request_t *message)
@@ -4039,7 +4039,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
 /** The reply of write_control_parameter_ram_current_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_current_pid_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_current_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_control_parameter_ram_current_pid_reply_t *message)
@@ -4087,7 +4087,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
 /** The request of write_control_parameter_ram_max_torque_current. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_torque_current_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_torque_current_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_torque_current_request_t *message,
@@ -4122,7 +4122,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
 /** The reply of write_control_parameter_ram_max_torque_current. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_torque_current_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_torque_current_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_torque_current_reply_t *message,
@@ -4172,7 +4172,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
 /** The request of write_control_parameter_ram_max_speed. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_max_speed_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_speed_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_speed_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_speed_request_t *message)
@@ -4205,7 +4205,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
 /** The reply of write_control_parameter_ram_max_speed. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_max_speed_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_control_parameter_ram_max_speed_reply_t *message)
@@ -4395,7 +4395,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
 /** The request of write_control_parameter_ram_speed_ramp. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_ramp_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_ramp_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_ramp_request_t *message)
@@ -4428,7 +4428,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter
 /** The reply of write_control_parameter_ram_speed_ramp. */
 typedef mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_ramp_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_ramp_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_control_parameter_ram_speed_ramp_reply_t *message)
@@ -4505,7 +4505,7 @@ typedef struct {
     uint16_t encoder_offset;
 } mwd_motor_v2_36_2025_03_read_encoder_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_encoder_reply_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_read_encoder_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -4547,7 +4547,7 @@ static inline void mwd_motor_v2_36_2025_03_read_encoder_reply_unpack(
     message->encoder_offset = (uint16_t)((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8));
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_encoder_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_read_encoder_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -4623,7 +4623,7 @@ typedef struct {
     uint8_t align_state;
 } mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_calibrate_encoder_reply_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t *message)
 {
@@ -4658,7 +4658,7 @@ static inline void mwd_motor_v2_36_2025_03_calibrate_encoder_reply_unpack(
     message->align_state = frame->data[7];
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_calibrate_encoder_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t *message)
 {
@@ -4731,7 +4731,7 @@ typedef struct {
     uint16_t encoder_offset;
 } mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -4759,7 +4759,7 @@ static inline void mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_unpa
     message->encoder_offset = (uint16_t)((uint32_t)frame->data[6] | ((uint32_t)frame->data[7] << 8));
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t *message,
@@ -4824,7 +4824,7 @@ typedef struct {
     int64_t angle;
 } mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t *message)
 {
@@ -4858,7 +4858,7 @@ static inline void mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_unpack(
         | ((uint64_t)frame->data[6] << 40) | ((uint64_t)frame->data[7] << 48), 56u);
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t *message)
 {
@@ -4916,7 +4916,7 @@ typedef struct {
     uint32_t angle;
 } mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -4947,7 +4947,7 @@ static inline void mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_unpack(
         | ((uint32_t)frame->data[7] << 24);
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -5051,7 +5051,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_status_1_request_d
 /** The reply of read_status_1. */
 typedef mwd_motor_v2_36_2025_03_status_1_t mwd_motor_v2_36_2025_03_read_status_1_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_status_1_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_read_status_1_reply_t *message)
 {
@@ -5108,7 +5108,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_clear_errors_request_de
 /** The reply of clear_errors. */
 typedef mwd_motor_v2_36_2025_03_status_1_t mwd_motor_v2_36_2025_03_clear_errors_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_clear_errors_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_clear_errors_reply_t *message)
 {
@@ -5163,7 +5163,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_status_2_request_d
 /** The reply of read_status_2. */
 typedef mwd_motor_v2_36_2025_03_motion_feedback_t mwd_motor_v2_36_2025_03_read_status_2_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_status_2_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_read_status_2_reply_t *message,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
@@ -5319,7 +5319,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_dri
 /** The reply of read_stored_setting_driver_id. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_driver_id_t mwd_motor_v2_36_2025_03_read_stored_setting_driver_id_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_driver_id_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_stored_setting_driver_id_reply_t *message)
@@ -5381,7 +5381,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_bus
 /** The reply of read_stored_setting_bus_type. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_bus_type_t mwd_motor_v2_36_2025_03_read_stored_setting_bus_type_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_bus_type_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_stored_setting_bus_type_reply_t *message)
@@ -5444,7 +5444,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_rs4
 /** The reply of read_stored_setting_rs485_baud_rate. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t mwd_motor_v2_36_2025_03_read_stored_setting_rs485_baud_rate_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_rs485_baud_rate_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_stored_setting_rs485_baud_rate_reply_t *message)
@@ -5508,7 +5508,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_can
 /** The reply of read_stored_setting_can_baud_rate. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t mwd_motor_v2_36_2025_03_read_stored_setting_can_baud_rate_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_can_baud_rate_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_stored_setting_can_baud_rate_reply_t *message)
@@ -5570,7 +5570,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max
 /** The reply of read_stored_setting_max_power. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_max_power_t mwd_motor_v2_36_2025_03_read_stored_setting_max_power_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max_power_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_stored_setting_max_power_reply_t *message,
@@ -5634,7 +5634,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max
 /** The reply of read_stored_setting_max_speed. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_max_speed_t mwd_motor_v2_36_2025_03_read_stored_setting_max_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_stored_setting_max_speed_reply_t *message)
@@ -5696,7 +5696,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max
 /** The reply of read_stored_setting_max_angle. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_max_angle_t mwd_motor_v2_36_2025_03_read_stored_setting_max_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_max_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_stored_setting_max_angle_reply_t *message)
@@ -5758,7 +5758,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_cur
 /** The reply of read_stored_setting_current_ramp. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t mwd_motor_v2_36_2025_03_read_stored_setting_current_ramp_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_current_ramp_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_stored_setting_current_ramp_reply_t *message)
@@ -5820,7 +5820,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_spe
 /** The reply of read_stored_setting_speed_ramp. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t mwd_motor_v2_36_2025_03_read_stored_setting_speed_ramp_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_speed_ramp_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_stored_setting_speed_ramp_reply_t *message)
@@ -5882,7 +5882,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_ang
 /** The reply of read_stored_setting_angle_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_read_stored_setting_angle_pid_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_angle_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_stored_setting_angle_pid_reply_t *message)
@@ -5943,7 +5943,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_spe
 /** The reply of read_stored_setting_speed_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_read_stored_setting_speed_pid_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_speed_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_stored_setting_speed_pid_reply_t *message)
@@ -6004,7 +6004,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_cur
 /** The reply of read_stored_setting_current_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_read_stored_setting_current_pid_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_current_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_read_stored_setting_current_pid_reply_t *message)
@@ -6059,7 +6059,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_stored_setting_cur
 /** The request of stage_stored_setting_driver_id. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_driver_id_t mwd_motor_v2_36_2025_03_stage_stored_setting_driver_id_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_driver_id_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_driver_id_request_t *message)
@@ -6093,7 +6093,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_dr
 /** The reply of stage_stored_setting_driver_id. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_driver_id_t mwd_motor_v2_36_2025_03_stage_stored_setting_driver_id_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_driver_id_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_driver_id_reply_t *message)
@@ -6149,7 +6149,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_dr
 /** The request of stage_stored_setting_bus_type. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_bus_type_t mwd_motor_v2_36_2025_03_stage_stored_setting_bus_type_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_bus_type_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_bus_type_request_t *message)
@@ -6183,7 +6183,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_bu
 /** The reply of stage_stored_setting_bus_type. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_bus_type_t mwd_motor_v2_36_2025_03_stage_stored_setting_bus_type_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_bus_type_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_bus_type_reply_t *message)
@@ -6240,7 +6240,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_bu
 /** The request of stage_stored_setting_rs485_baud_rate. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t mwd_motor_v2_36_2025_03_stage_stored_setting_rs485_baud_rate_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_rs485_baud_rate_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_rs485_baud_rate_request_t *message)
@@ -6275,7 +6275,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_rs
 /** The reply of stage_stored_setting_rs485_baud_rate. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t mwd_motor_v2_36_2025_03_stage_stored_setting_rs485_baud_rate_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_rs485_baud_rate_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_rs485_baud_rate_reply_t *message)
@@ -6333,7 +6333,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_rs
 /** The request of stage_stored_setting_can_baud_rate. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t mwd_motor_v2_36_2025_03_stage_stored_setting_can_baud_rate_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_can_baud_rate_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_can_baud_rate_request_t *message)
@@ -6367,7 +6367,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ca
 /** The reply of stage_stored_setting_can_baud_rate. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t mwd_motor_v2_36_2025_03_stage_stored_setting_can_baud_rate_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_can_baud_rate_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_can_baud_rate_reply_t *message)
@@ -6421,7 +6421,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ca
 /** The request of stage_stored_setting_max_power. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_max_power_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_power_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_power_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_max_power_request_t *message,
@@ -6457,7 +6457,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
 /** The reply of stage_stored_setting_max_power. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_max_power_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_power_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_power_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_max_power_reply_t *message,
@@ -6513,7 +6513,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
 /** The request of stage_stored_setting_max_speed. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_max_speed_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_speed_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_speed_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_max_speed_request_t *message)
@@ -6547,7 +6547,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
 /** The reply of stage_stored_setting_max_speed. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_max_speed_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_speed_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_speed_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_max_speed_reply_t *message)
@@ -6601,7 +6601,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
 /** The request of stage_stored_setting_max_angle. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_max_angle_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_angle_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_angle_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_max_angle_request_t *message)
@@ -6635,7 +6635,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
 /** The reply of stage_stored_setting_max_angle. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_max_angle_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_angle_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_max_angle_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_max_angle_reply_t *message)
@@ -6690,7 +6690,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_ma
 /** The request of stage_stored_setting_current_ramp. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t mwd_motor_v2_36_2025_03_stage_stored_setting_current_ramp_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_current_ramp_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_current_ramp_request_t *message)
@@ -6724,7 +6724,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_cu
 /** The reply of stage_stored_setting_current_ramp. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t mwd_motor_v2_36_2025_03_stage_stored_setting_current_ramp_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_current_ramp_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_current_ramp_reply_t *message)
@@ -6778,7 +6778,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_cu
 /** The request of stage_stored_setting_speed_ramp. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t mwd_motor_v2_36_2025_03_stage_stored_setting_speed_ramp_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_speed_ramp_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_speed_ramp_request_t *message)
@@ -6812,7 +6812,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_sp
 /** The reply of stage_stored_setting_speed_ramp. */
 typedef mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t mwd_motor_v2_36_2025_03_stage_stored_setting_speed_ramp_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_speed_ramp_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_speed_ramp_reply_t *message)
@@ -6866,7 +6866,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_sp
 /** The request of stage_stored_setting_angle_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_stage_stored_setting_angle_pid_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_angle_pid_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_angle_pid_request_t *message)
@@ -6899,7 +6899,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_an
 /** The reply of stage_stored_setting_angle_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_stage_stored_setting_angle_pid_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_angle_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_angle_pid_reply_t *message)
@@ -6952,7 +6952,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_an
 /** The request of stage_stored_setting_speed_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_stage_stored_setting_speed_pid_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_speed_pid_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_speed_pid_request_t *message)
@@ -6985,7 +6985,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_sp
 /** The reply of stage_stored_setting_speed_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_stage_stored_setting_speed_pid_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_speed_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_speed_pid_reply_t *message)
@@ -7038,7 +7038,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_sp
 /** The request of stage_stored_setting_current_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_stage_stored_setting_current_pid_request_t;
 
-/** Encodes a request; values that may not be sent are rejected. */
+/** Encodes a request; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_current_pid_request_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_current_pid_request_t *message)
@@ -7071,7 +7071,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_cu
 /** The reply of stage_stored_setting_current_pid. */
 typedef mwd_motor_v2_36_2025_03_pid_gains_t mwd_motor_v2_36_2025_03_stage_stored_setting_current_pid_reply_t;
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_stored_setting_current_pid_reply_encode(
     canwright_frame_t *frame, uint32_t node,
     const mwd_motor_v2_36_2025_03_stage_stored_setting_current_pid_reply_t *message)
@@ -7155,7 +7155,7 @@ typedef struct {
     uint8_t result;
 } mwd_motor_v2_36_2025_03_save_stored_settings_reply_t;
 
-/** Checks whether a message may be sent; `field` is the field that is rejected. */
+/** Checks whether a message is valid; `field` is the field that is rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_save_stored_settings_reply_check(
     mwd_motor_v2_36_2025_03_field_t *field, const mwd_motor_v2_36_2025_03_save_stored_settings_reply_t *message)
 {
@@ -7182,7 +7182,7 @@ static inline void mwd_motor_v2_36_2025_03_save_stored_settings_reply_unpack(
     message->result = frame->data[2];
 }
 
-/** Encodes a reply; values that may not be sent are rejected. */
+/** Encodes a reply; invalid values are rejected. */
 static inline canwright_status_t mwd_motor_v2_36_2025_03_save_stored_settings_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_36_2025_03_save_stored_settings_reply_t *message)
 {
@@ -7520,7 +7520,7 @@ static inline uint32_t mwd_motor_v2_36_2025_03_command_effects(mwd_motor_v2_36_2
     }
 }
 
-/** False for a command that a node with these parameters does not have. */
+/** False if a node with these parameters does not support a command. */
 static inline bool mwd_motor_v2_36_2025_03_command_available(
     mwd_motor_v2_36_2025_03_command_t command, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {

@@ -1,4 +1,4 @@
-"""C headers: both sides of a protocol, header-only, freestanding, without heap and, unless asked for, without floats."""
+"""C headers for host and node: header-only, freestanding, without heap; floats only in separate headers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import edition_view
 
 RUNTIME = Path(__file__).parent / "runtime"
-"""Headers that are the same for every protocol: what editions of a family share."""
+"""The headers that are the same for every protocol."""
 
 SHARED = ("canwright.h", "canwright_float.h")
 FILTERS: dict[str, Callable[..., object]] = {
@@ -30,7 +30,7 @@ FILTERS: dict[str, Callable[..., object]] = {
 
 
 class FamilyView(NamedTuple):
-    """What the files for a whole family say of it: the headers of its editions and their examples."""
+    """A family: the headers of its editions, and their examples."""
 
     name: str
     editions: tuple[str, ...]
@@ -38,9 +38,9 @@ class FamilyView(NamedTuple):
 
 
 def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
-    """Headers, a CMake package, and an example an edition; nothing where there is no edition.
+    """Headers, a CMake package, and an example for each edition; nothing without an edition.
 
-    The parameters stay open: a program decides on them.
+    Parameters are not fixed; they are arguments of functions.
     """
     env = environment("c", FILTERS)
     views = [(one, edition_view(one.edition)) for one in specifications]

@@ -1,4 +1,4 @@
-"""Bits of a frame as C expressions: shifts and masks byte by byte, all decided here and not at run time."""
+"""Bits of a frame as C expressions: shifts and masks of single bytes, computed at generation time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .numbers import Integer, integer, smallest, working
 
 
 def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") -> str:
-    """The raw integer of a field, as its own type."""
+    """The expression of the raw integer of a field, in its C type."""
     kind = integer(field.type)
     read = _read(field.space, segments, field.type.width, frame)
     if field.type.encoding is Encoding.SIGNED:
@@ -25,12 +25,12 @@ def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") 
 
 
 def key_value(key: BitRun, frame: str = "frame") -> str:
-    """What a frame holds where a key stands."""
+    """The expression of the bits of a key in a frame."""
     return _read(key.space, key.segments, key.width, frame)
 
 
 def constant_differs(field: Field, frame: str = "frame") -> str:
-    """The condition for a frame that has another value where a constant field is."""
+    """The condition for a frame with another value of a constant field."""
     value = (field.fixed or 0) & ((1 << field.type.width) - 1)
     kind = _shown(field.type.width, field.elements[0].segments)
     return " || ".join(
@@ -40,17 +40,17 @@ def constant_differs(field: Field, frame: str = "frame") -> str:
 
 
 def labels(key: BitRun, values: Iterable[int]) -> list[str]:
-    """Values of a key as they are written in C."""
+    """Values of a key as C literals."""
     return [_shown(key.width, key.segments).bits(value) for value in values]
 
 
 def key_bytes(keys: Sequence[Key]) -> set[int]:
-    """The data bytes that keys have bits in."""
+    """The data bytes that contain bits of keys."""
     return {s.byte for key in keys if key.space is Space.DATA for s in key.segments}
 
 
 class Write(NamedTuple):
-    """A value for a data byte, or for bits of the id, which are 0 before, where `byte` is None."""
+    """A value for a data byte; if `byte` is None, for bits of the id that are 0 before."""
 
     byte: int | None
     value: str
@@ -71,7 +71,7 @@ def _write_key(key: Key, name: str, s: Segment) -> Write:
 
 
 def write_fields(fields: Sequence[Field], members: Mapping[str, str], shared: Iterable[int]) -> Iterator[Write]:
-    """Writes fields into a frame whose data bytes are 0, except for the key in those that are `shared` with one."""
+    """Writes fields into a frame whose data bytes are 0; bytes that are `shared` already contain a key."""
     terms: dict[int, list[str]] = {}
     fixed: dict[int, int] = {}
     partial: set[int] = set()
@@ -103,7 +103,7 @@ def _member(field: Field, members: Mapping[str, str], number: int) -> str:
 
 
 def _piece_of(number: str, kind: Integer, s: Segment) -> str:
-    """The bits of a number that a segment holds, as 32 bits, where it holds them."""
+    """The bits of a number in a segment, at their position, as 32 bits."""
     shifted = f"({number} >> {s.raw_low})" if s.raw_low else number
     masked = f"({shifted} & 0x{(1 << s.width) - 1:X}u)"
     if kind.width == 64:
@@ -153,10 +153,10 @@ def _is_byte(space: Space, segments: Sequence[Segment]) -> bool:
 
 
 def _shown(width: int, segments: Sequence[Segment]) -> Integer:
-    """The type in which a number is written: a byte where it is one."""
+    """The integer type of a literal: a byte for a whole byte."""
     return smallest(width, False) if len(segments) == 1 and width <= 16 else working(width)
 
 
 def operand(expression: str) -> str:
-    """An expression that another operator can follow."""
+    """An expression in parentheses if it has operators."""
     return f"({expression})" if " " in expression else expression

@@ -1,4 +1,4 @@
-"""What depends on a parameter, as a `switch`; and the parameters themselves."""
+"""Parameters, and values that depend on one, as a `switch`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ENUM_MAX = 0x7FFF
 
 
 class Alternative(Protocol):
-    """What a choice is between."""
+    """An alternative of a choice."""
 
     @property
     def uses_parameters(self) -> bool: ...
@@ -26,8 +26,8 @@ A = TypeVar("A", bound=Alternative)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case(Generic[T]):
-    """What applies under some labels of a `switch`."""
+class Branch(Generic[T]):
+    """The value under some labels of a `switch`."""
 
     labels: tuple[str, ...]
     value: T
@@ -35,10 +35,10 @@ class Case(Generic[T]):
 
 @dataclass(frozen=True, kw_only=True)
 class Choice(Generic[A]):
-    """A value for each case of a `switch` over `subject` and one for all others, which is the only one without a subject."""
+    """A value for each case of a `switch` over `subject`, and one for `otherwise`; without a subject only that."""
 
     subject: str | None
-    cases: tuple[Case[A], ...]
+    cases: tuple[Branch[A], ...]
     otherwise: A
 
     @property
@@ -56,7 +56,7 @@ class EnumeratorView(NamedTuple):
 
 
 class ParameterView(NamedTuple):
-    """One member of the struct of parameters; enumerators where it is a choice."""
+    """A member of the struct of parameters; a choice has enumerators."""
 
     kind: str
     member: str
@@ -66,25 +66,25 @@ class ParameterView(NamedTuple):
     enumerators: tuple[EnumeratorView, ...]
 
 
-def choose(names: Names, found: Dependent[T], view: Callable[[T | None], A], unknown: A) -> Choice[A]:
-    """The view of what is found, by the value of its parameter; `unknown` when that is not given."""
-    if found.parameter is None:
-        return Choice(subject=None, cases=(), otherwise=view(found.constant))
+def choose(names: Names, dependent: Dependent[T], view: Callable[[T | None], A], unknown: A) -> Choice[A]:
+    """The views of a dependent value by parameter value; `unknown` if the parameter is not given."""
+    if dependent.parameter is None:
+        return Choice(subject=None, cases=(), otherwise=view(dependent.constant))
     grouped: dict[A, list[str]] = {}
-    for values, value in found.distinct():
+    for values, value in dependent.distinct():
         grouped.setdefault(view(value), []).extend(values)
     grouped.pop(unknown, None)
     if not grouped:
         return Choice(subject=None, cases=(), otherwise=unknown)
     cases = (
-        Case(labels=tuple(names.upper(found.parameter, v) for v in values), value=value)
+        Branch(labels=tuple(names.upper(dependent.parameter, v) for v in values), value=value)
         for value, values in grouped.items()
     )
-    return Choice(subject=parameter_access(found.parameter), cases=tuple(cases), otherwise=unknown)
+    return Choice(subject=parameter_access(dependent.parameter), cases=tuple(cases), otherwise=unknown)
 
 
 def parameter_access(parameter: str) -> str:
-    """The value of a parameter as C reads it."""
+    """The C expression of a parameter."""
     return f"parameters->{member(parameter)}"
 
 
@@ -93,7 +93,7 @@ def parameters(names: Names, edition: Edition) -> list[ParameterView]:
 
 
 def enumerator_numbers(parameter: Parameter) -> Mapping[str, int]:
-    """The number of each value: its own where all have one that fits, else its place; 0 is left for `unknown`."""
+    """The number of each value: its own if all fit, else its position from 1; 0 means unknown."""
     own = {v.name: v.number for v in parameter.values if v.number is not None and 0 < v.number <= ENUM_MAX}
     if len(own) == len(parameter.values):
         return own

@@ -13,12 +13,12 @@ from .text import english
 
 
 def type_facts(type_: Type, among: Sequence[str] = ()) -> list[str]:
-    """Resolution and range of a type; `among` leaves out other values of the parameter."""
+    """Resolution and range of a type, only for the parameter values in `among` if there are any."""
     return [sentence for sentence in (_scale(type_, among), _range(type_, among)) if sentence]
 
 
 def field_facts(field: Field, parameter: str | None, of_type: Sequence[str]) -> str:
-    """A field in one paragraph: what, where, how much, and when it is there; `of_type` are the facts of its type."""
+    """A field in one paragraph: title, position, resolution, range, condition; `of_type` are the facts of its type."""
     among = field.only if parameter in field.type.parameters else ()
     parts = [f"{english(field.title)}, {_places(field)}."]
     if field.is_array:
@@ -33,7 +33,7 @@ def field_facts(field: Field, parameter: str | None, of_type: Sequence[str]) -> 
 
 
 def errata(edition: Edition, path: DocumentPath) -> list[str]:
-    """The errata about what stands at `path`, one paragraph each."""
+    """The errata about the item at `path`, one paragraph each."""
     return [
         f"Erratum ({e.manual}): {english(e.printed)} Used here: {english(e.used)} {english(e.why)}"
         for e in edition.errata_at(path)
@@ -84,7 +84,7 @@ def _case(parameter: str | None, names: Sequence[str]) -> str:
 
 
 def _among(names: Sequence[str], among: Sequence[str]) -> Sequence[str] | None:
-    """The names that are among the given ones; None when there were some and none of them is."""
+    """The names that are in `among`; None if all of them are left out."""
     if not names or not among:
         return names
     return [name for name in names if name in among] or None

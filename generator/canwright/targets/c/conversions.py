@@ -1,6 +1,6 @@
-"""Raw integers to values and back: in thousandths of the unit with integers alone, and in the unit with doubles.
+"""Conversions between raw integers and values: thousandths of the unit as integers, and the unit as doubles.
 
-All arithmetic is chosen here, so that no step of it overflows or rounds twice.
+The arithmetic is chosen at generation time, so that no operation overflows or rounds twice.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from .validity import Condition, constant_limits, has_constant_limits
 
 DOUBLE_LIMIT = 10**300
 EXACT = 1 << 53
-"""Up to here a double holds every integer."""
+"""The largest integer up to which doubles are exact."""
 
 
 class Formula(NamedTuple):
-    """One number computed from another, or the `status` that says why there is none."""
+    """A number computed from another, or the `status` why there is none."""
 
     status: str = ""
     number: str = ""
     ratio: str = ""
-    """The parameter that is a factor of the scale, which has to be above 0."""
+    """The parameter that multiplies the scale; it must be above 0."""
     out_of_range: str = ""
     """The condition under which the number is rejected."""
     share: str = ""
@@ -50,8 +50,8 @@ OUT_OF_RANGE = Formula(status="OUT_OF_RANGE")
 class ConversionView(NamedTuple):
     """A pair of functions between the raw integer and a number of type `kind`.
 
-    `to` returns a status where it can fail, else the number. `from_` gives the raw integer, of type `wide`; with doubles
-    it gives `steps`, which `nearest_call` rounds. `check` is what only a parameter decides about the raw integer.
+    `to` returns a status if it can fail, else the number. `from_` returns the raw integer, of type `wide`; with doubles
+    it computes `steps`, which `nearest_call` rounds. `check` is the part of the range check that needs a parameter.
     """
 
     kind: str
@@ -101,7 +101,7 @@ class _Milli(NamedTuple):
         return nearest(Fraction(thousandths * self.divisor - self.addend, self.factor))
 
     def steps_from(self, raw: int) -> tuple[int, ...]:
-        """What an integer type must hold on the way from a raw integer, the rounding included."""
+        """The intermediate results of the conversion from a raw integer, including the rounding."""
         product = raw * self.factor + self.addend
         return raw * self.factor, product - self.divisor // 2, product + self.divisor // 2
 
@@ -111,8 +111,10 @@ class _Milli(NamedTuple):
         return thousandths * self.divisor, product - half, product + half
 
     def span(self, low: int, high: int, kind: Integer) -> tuple[int, int]:
-        """The thousandths within `kind` whose nearest raw integer is from `low` to `high`; the first is above the last
-        when there are none."""
+        """The range of thousandths within `kind` whose nearest raw integer is from `low` to `high`.
+
+        Without any, the first is above the last.
+        """
         first, last = sorted((self.thousandths(low), self.thousandths(high)))
         farthest = abs(self.factor) // (2 * self.divisor) + 1
         steps = range(farthest, -3, -1)
@@ -122,7 +124,7 @@ class _Milli(NamedTuple):
 
 
 def milli(names: Names, type_: Type, valid: Choice[Condition] | None) -> ConversionView | None:
-    """Conversions to thousandths of the unit; None where there is no scale, or 64 bits are too few."""
+    """Conversions to thousandths of the unit; None without a scale, or if 64 bits are not enough."""
     known = [_Milli.of(linear) for _, linear in type_.linear.distinct() if linear is not None and not linear.times]
     if type_.encoding is Encoding.FLOAT or not type_.is_number or type_.is_plain or not (known or type_.times):
         return None
@@ -134,7 +136,7 @@ def milli(names: Names, type_: Type, valid: Choice[Condition] | None) -> Convers
 
 
 def _milli_kind(type_: Type, known: Sequence[_Milli], ends: tuple[int, int]) -> Integer | None:
-    """What holds the thousandths of every raw integer, when all arithmetic on the way is within 64 bits."""
+    """The integer type for the thousandths of every raw integer; None if the arithmetic exceeds 64 bits."""
     of_numbers = [_of_number(linear) for _, linear in type_.linear.distinct() if linear is not None and linear.times]
     if not all(one.fit(ends, constant_limits(type_)) for one in of_numbers):
         return None
@@ -225,7 +227,7 @@ def _cast(wide: Integer, kind: Integer, name: str) -> str:
 
 
 def _beyond(kind: Integer, name: str, low: int, high: int) -> str:
-    """The condition for a number of type `kind` that is not from `low` to `high`; empty where the type rules it out."""
+    """The condition for a number of type `kind` outside `low` to `high`; empty if the type excludes it."""
     least, most = kind.limits
     ends = [f"{name} < {kind.literal(low)}"] if low > least else []
     ends += [f"{name} > {kind.literal(high)}"] if high < most else []
@@ -233,7 +235,7 @@ def _beyond(kind: Integer, name: str, low: int, high: int) -> str:
 
 
 def double(names: Names, type_: Type, valid: Choice[Condition] | None) -> ConversionView | None:
-    """Conversions to the unit; None where there is no scale."""
+    """Conversions to the unit; None without a scale."""
     if not type_.is_number or not any(linear for _, linear in type_.linear.distinct()):
         return None
     kind, is_float = integer(type_), type_.encoding is Encoding.FLOAT
@@ -262,7 +264,7 @@ def double(names: Names, type_: Type, valid: Choice[Condition] | None) -> Conver
 
 
 def _multiple(linear: Linear) -> str:
-    """The value where the scale is a multiple of a parameter: all there is to divide by comes last."""
+    """The value if a parameter multiplies the scale; the division is the last operation."""
     factor, addend, divisor = linear.as_quotient
     dividend = "(double)raw" + (f" * {_literal(factor)}" if factor != 1 else "")
     if addend:
@@ -271,7 +273,7 @@ def _multiple(linear: Linear) -> str:
 
 
 def _value(linear: Linear, type_: Type) -> str:
-    """The value, one operation a step; a factor of 1 and an offset of 0 are no step."""
+    """The value: one operation for each factor and offset, without those that change nothing."""
     if linear.times is not None:
         return _multiple(linear)
     factor, divisor = linear.scale.numerator, linear.scale.denominator
@@ -292,13 +294,13 @@ def _value(linear: Linear, type_: Type) -> str:
 
 
 def _is_wide(type_: Type, factor: int, divisor: int) -> bool:
-    """True when a product can be beyond what a double holds, while the quotient can be had by one rounding."""
+    """Whether a product can exceed the exact integers of a double, so that the quotient would be rounded twice."""
     greatest = max(map(abs, type_.raw_limits)) * factor
     return greatest > EXACT and 0 < factor < 1 << 31 and 1 < divisor < 1 << 26
 
 
 def _steps(linear: Linear) -> str:
-    """What `_value` does, backwards."""
+    """The inverse of `_value`."""
     scale, offset = linear.scale, linear.offset
     start = "value" if linear.times is None else f"canwright_share(value, {_ratio(linear)})"
     start = f"({start} - {_literal(offset)})" if offset else start
@@ -312,12 +314,12 @@ def _literal(number: Fraction | int) -> str:
 
 
 def problems(edition: Edition) -> Iterator[NameProblem]:
-    """Scales that no double holds."""
+    """Scales that exceed the range of a double."""
     for type_ in edition.types:
         for _, linear in type_.linear.distinct():
             if linear is None:
                 continue
             parts = (Fraction(linear.scale.numerator), Fraction(linear.scale.denominator), linear.offset)
             if any(abs(part) > DOUBLE_LIMIT for part in parts):
-                text = "scale or offset are beyond what a double holds"
+                text = "scale or offset exceeds the range of a double"
                 yield NameProblem((*type_.path, "scale"), text, "check the numbers")

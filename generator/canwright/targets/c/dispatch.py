@@ -15,71 +15,71 @@ from .names import Names
 from .patterns import address_mask
 
 
-class Reject(NamedTuple):
+class RejectView(NamedTuple):
     status: str
 
 
-class Found(NamedTuple):
-    """The command; `other_constant` is the condition for a frame without its constants, empty when it has none."""
+class MatchView(NamedTuple):
+    """A command; `other_constant` is the condition for a frame with other constants, empty without constants."""
 
     command: str
     other_constant: str
 
 
-class Guard(NamedTuple):
+class GuardView(NamedTuple):
     """Rejects frames that meet a condition."""
 
     condition: str
     status: str
-    then: Node
+    then: NodeView
 
 
-class Case(NamedTuple):
+class CaseView(NamedTuple):
     labels: tuple[str, ...]
-    then: Node
+    then: NodeView
 
 
-class Switch(NamedTuple):
+class SwitchView(NamedTuple):
     subject: str
-    cases: tuple[Case, ...]
-    otherwise: Node
+    cases: tuple[CaseView, ...]
+    otherwise: NodeView
 
 
-Node = Reject | Found | Guard | Switch
+NodeView = RejectView | MatchView | GuardView | SwitchView
 
 
-class Entry(NamedTuple):
-    """The search among the messages of one id rule."""
+class RouteView(NamedTuple):
+    """The decisions between the messages of one id rule."""
 
     rule: RuleView
     frame_id: str
     other_kind: str
-    """Bits of the id that are 0 here and that the other kind of frame, remote or not, uses; empty when there are none."""
-    then: Node
+    """Bits of the id that are 0 here and that frames of the other kind (remote or not) use; empty without any."""
+    then: NodeView
 
 
 class AnswerView(NamedTuple):
-    """Commands that are answered alike. `conditions` hold when the frame `reply` is their answer."""
+    """Commands with the same reply conditions: `reply` answers a request if all `conditions` are true."""
 
     commands: tuple[str, ...]
     conditions: tuple[str, ...]
     uses_from: bool
-    """True when the conditions get the node that answers."""
+    """True if the conditions read the node that replies."""
 
 
-def entries(names: Names, edition: Edition, views: Messages, direction: Direction) -> list[Entry]:
-    """The entries of the dispatch plan, in the order in which they are tried."""
+def routes(names: Names, edition: Edition, views: Messages, direction: Direction) -> list[RouteView]:
+    """The routes of the dispatch plan, in the order in which they are tried."""
     printer = _Printer(names, views)
     return [
-        _entry(edition, views, direction, entry, printer.node(entry.then))
-        for entry in dispatch_plan(edition.messages(direction)).entries
+        _route(edition, views, direction, route, printer.node(route.then))
+        for route in dispatch_plan(edition.messages(direction)).routes
     ]
 
 
-def _entry(edition: Edition, views: Messages, direction: Direction, entry: dispatch.Entry, then: Node) -> Entry:
-    message = entry.messages[0]
-    other_kind = address_mask(edition, message.address, direction) & ~entry.mask
-    return Entry(
+def _route(edition: Edition, views: Messages, direction: Direction, route: dispatch.Route, then: NodeView) -> RouteView:
+    message = route.messages[0]
+    other_kind = address_mask(edition, message.address, direction) & ~route.mask
+    return RouteView(
         rule=views.rule(edition.address(message.address), direction),
         frame_id=frame_id(message),
         other_kind=f"0x{other_kind:X}u" if other_kind else "",
@@ -93,17 +93,17 @@ class _Printer:
     def __init__(self, names: Names, views: Messages) -> None:
         self._names, self._views = names, views
 
-    def node(self, node: dispatch.Node) -> Node:
+    def node(self, node: dispatch.Node) -> NodeView:
         if isinstance(node, dispatch.Reject):
-            return Reject(node.reason.name)
-        if isinstance(node, dispatch.Found):
+            return RejectView(node.reason.name)
+        if isinstance(node, dispatch.Match):
             command = self._names.upper("command", node.message.command)
-            return Found(command, self._views.message(node.message).other_constant)
+            return MatchView(command, self._views.message(node.message).other_constant)
         if isinstance(node.otherwise, dispatch.Reject) and len(node.cases) == 1:
             condition = _differs(node.subject, node.cases[0].values)
-            return Guard(condition, node.otherwise.reason.name, self.node(node.cases[0].then))
-        cases = (Case(_labels(node.subject, case.values), self.node(case.then)) for case in node.cases)
-        return Switch(_read(node.subject), tuple(cases), self.node(node.otherwise))
+            return GuardView(condition, node.otherwise.reason.name, self.node(node.cases[0].then))
+        cases = (CaseView(_labels(node.subject, case.values), self.node(case.then)) for case in node.cases)
+        return SwitchView(_read(node.subject), tuple(cases), self.node(node.otherwise))
 
 
 def _read(subject: dispatch.Subject) -> str:
@@ -119,13 +119,13 @@ def _labels(subject: dispatch.Subject, values: Sequence[int]) -> tuple[str, ...]
 
 
 def _differs(subject: dispatch.Subject, values: Sequence[int]) -> str:
-    """The condition for a subject that has none of the values."""
+    """The condition for a subject with none of the values."""
     read = bits.operand(_read(subject))
     return " && ".join(f"{read} != {label}" for label in _labels(subject, values))
 
 
 def answers(names: Names, edition: Edition, views: Messages) -> list[AnswerView]:
-    """For every command with a request and a reply, what makes a frame its answer."""
+    """The reply conditions of every command with a request and a reply."""
     grouped: dict[tuple[tuple[str, ...], bool], list[str]] = {}
     for command in edition.commands:
         if command.request is not None and command.reply is not None:
@@ -153,26 +153,26 @@ def _answer(views: Messages, command: Command, request: Message, reply: Message)
         yield _one_of("from", command.from_each)
     elif rule.has_nodes and request.id.nodes is not None and request.node_bits is None:
         yield "from == to"
-    yield from _held_nodes(command, request, reply)
+    yield from _node_fields(command, request, reply)
     if command.is_echoed:
         yield "canwright_same_data(request, reply)"
 
 
-def _held_nodes(command: Command, request: Message, reply: Message) -> Iterator[str]:
-    """Conditions on the node where a field of the request or of the reply holds it, as many bits as both have."""
-    asked, told = request.node_bits, reply.node_bits
-    if told is not None and command.from_each:
-        nodes = sorted({node & (1 << told.width) - 1 for node in command.from_each})
-        yield _one_of(bits.operand(bits.key_value(told, "reply")), nodes)
-    if command.from_each or (asked is None and (told is None or request.id.nodes is None)):
+def _node_fields(command: Command, request: Message, reply: Message) -> Iterator[str]:
+    """Conditions on the node if a field of the request or of the reply contains it, on the bits that both have."""
+    asked, reported = request.node_bits, reply.node_bits
+    if reported is not None and command.from_each:
+        nodes = sorted({node & (1 << reported.width) - 1 for node in command.from_each})
+        yield _one_of(bits.operand(bits.key_value(reported, "reply")), nodes)
+    if command.from_each or (asked is None and (reported is None or request.id.nodes is None)):
         return
     sent_to = "to" if asked is None else bits.operand(bits.key_value(asked, "request"))
     sources = ["from"] if reply.id.nodes is not None and asked is not None else []
-    for source in [*sources, *([bits.operand(bits.key_value(told, "reply"))] if told else [])]:
-        width = min(key.width for key in (asked, None if source == "from" else told) if key is not None)
+    for source in [*sources, *([bits.operand(bits.key_value(reported, "reply"))] if reported else [])]:
+        width = min(key.width for key in (asked, None if source == "from" else reported) if key is not None)
         sides = (
             side if key is not None and key.width == width else f"({side} & 0x{(1 << width) - 1:X}u)"
-            for side, key in ((source, None if source == "from" else told), (sent_to, asked))
+            for side, key in ((source, None if source == "from" else reported), (sent_to, asked))
         )
         yield " == ".join(sides)
 
@@ -180,7 +180,7 @@ def _held_nodes(command: Command, request: Message, reply: Message) -> Iterator[
 def _answering_codes(
     request: Message, reply: Message, codes: tuple[tuple[str, ...], ...]
 ) -> tuple[tuple[str, ...], ...]:
-    """The codes of a reply; those of the request itself where they are the same, so that commands have one condition."""
+    """The codes of a reply; if the request has the same, the expressions that read them, equal for all commands."""
     if request.keys == reply.keys and not reply.accept:
         return (tuple(bits.operand(bits.key_value(key, "request")) for key in request.keys),)
     return codes

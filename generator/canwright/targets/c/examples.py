@@ -23,7 +23,7 @@ Raw = Mapping[str, int | list[int]]
 
 
 class ShownView(NamedTuple):
-    """A field, or one element of an array, and how it is printed: by `type_` where that has a name or a value for it."""
+    """A field or an element of an array, and how it is printed: as name or value of `type_`, else as bits."""
 
     label: str
     member: str
@@ -32,7 +32,7 @@ class ShownView(NamedTuple):
 
 
 class SideView(NamedTuple):
-    """One direction of a command: what is sent, and how what is received is shown."""
+    """One direction of a command: the values to send, and how received fields are printed."""
 
     frame: FrameView
     values: tuple[str, ...]
@@ -76,7 +76,7 @@ class ExampleView(NamedTuple):
 
 
 def example(specification: Specification, view: EditionView) -> ExampleView:
-    """The example of an edition: the first commands whose replies differ, with golden frames where there are some."""
+    """The example of an edition: the first commands with different replies, with golden frames if any."""
     return _Example(specification, view).view()
 
 
@@ -96,7 +96,7 @@ class _Example:
         return ExampleView(file, tuple(self._initializers()), tuple(exchanges))
 
     def _parameters(self) -> dict[str, str]:
-        """What most golden frames say that need to know much; the first values of all where there are none."""
+        """The parameters of most golden frames, of those with most parameters; without any, the first values."""
         usable = (f for f in self._golden.frames if not f.decode_only) if self._golden else ()
         given = Counter(tuple(sorted(f.parameters.items())) for f in usable)
         if given:
@@ -134,7 +134,7 @@ class _Example:
                 )
 
     def _golden_pair(self, command: Command) -> tuple[int, Raw, Raw] | None:
-        """Node, and raw integers of request and reply, from golden frames that hold for what is known."""
+        """Node, and raw integers of request and reply, from golden frames with the known parameters."""
         for request in self._frames_of(command, Direction.REQUEST):
             for reply in self._frames_of(command, Direction.REPLY):
                 echoes = not command.is_echoed or request.data == reply.data
@@ -150,7 +150,7 @@ class _Example:
         ]
 
     def _plain_pair(self, command: Command) -> tuple[int, Raw, Raw] | None:
-        """The first node, and raw integers as near to 0 as can be sent."""
+        """The first node, and the valid raw integers nearest to 0."""
         request, reply = command.request, command.reply
         if request is None or reply is None:
             return None

@@ -10,7 +10,7 @@ from ...model.edition import Edition
 from ...model.layout import Field, Layout, Variant
 from ...model.types import Encoding
 from . import bits
-from .choices import Case, parameter_access
+from .choices import Branch, parameter_access
 from .comments import errata, field_facts
 from .names import Names, member
 from .text import english
@@ -29,11 +29,11 @@ class MemberView(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Body(Generic[T]):
-    """Steps that every variant of a layout has, and those that a `switch` over `subject` decides."""
+    """Steps that all variants of a layout share, and those of each case of a `switch` over `subject`."""
 
     always: tuple[T, ...]
     subject: str | None
-    cases: tuple[Case[tuple[T, ...]], ...]
+    cases: tuple[Branch[tuple[T, ...]], ...]
 
     @property
     def steps(self) -> list[T]:
@@ -41,7 +41,7 @@ class Body(Generic[T]):
 
 
 class FieldCheck(NamedTuple):
-    """A condition under which a field is rejected, and the status; for each of the `elements` of an array."""
+    """A condition under which a field is rejected, and the status; checked for each of the `elements` of an array."""
 
     field: str
     condition: str
@@ -51,7 +51,7 @@ class FieldCheck(NamedTuple):
 
 
 class FieldRead(NamedTuple):
-    """A value for a member; or, for a constant field, the condition under which the frame is rejected."""
+    """The value of a member; for a constant field, the condition under which the frame is rejected."""
 
     member: str = ""
     value: str = ""
@@ -62,7 +62,7 @@ class FieldRead(NamedTuple):
 class LayoutView:
     """A struct and its functions. Without members there is no struct, without fields there are no functions.
 
-    Where a parameter decides which fields there are, `depends` is true, and packing and unpacking return a status.
+    If a parameter decides which fields exist, `depends` is true, and packing and unpacking return a status.
     """
 
     name: str
@@ -89,7 +89,7 @@ class LayoutView:
 
     @property
     def takes_parameters(self) -> bool:
-        """True when a message cannot be checked and packed without the parameters."""
+        """True if checking and packing a message needs the parameters."""
         return self.depends or self.check_parameters
 
 
@@ -117,17 +117,17 @@ def _member(names: Names, layout: Layout, field: Field, types: Types) -> MemberV
 
 
 def _body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]]) -> Body[T]:
-    """Steps that every variant has come first."""
-    made = [tuple(steps(variant)) for variant in layout.variants]
+    """The steps of all variants; shared steps are executed first."""
+    variants = [tuple(steps(variant)) for variant in layout.variants]
     if layout.parameter is None:
-        return Body(always=made[0], subject=None, cases=())
-    always = tuple(step for step in made[0] if all(step in other for other in made))
+        return Body(always=variants[0], subject=None, cases=())
+    always = tuple(step for step in variants[0] if all(step in other for other in variants))
     cases = (
-        Case(
+        Branch(
             labels=tuple(names.upper(layout.parameter, value) for value in variant.values),
             value=tuple(step for step in every if step not in always),
         )
-        for variant, every in zip(layout.variants, made, strict=True)
+        for variant, every in zip(layout.variants, variants, strict=True)
     )
     return Body(always=always, subject=parameter_access(layout.parameter), cases=tuple(cases))
 
@@ -143,7 +143,7 @@ def _reads(layout: Layout, variant: Variant) -> Iterator[FieldRead]:
 
 
 def _checks(names: Names, layout: Layout, variant: Variant, types: Types) -> Iterator[FieldCheck]:
-    """One check for each field and reason. A field that a variant does not have must be 0, since its value is not sent."""
+    """One check for each field and reason. A field that a variant lacks must be 0, since it is not sent."""
     for field in layout.fields:
         if field.fixed is not None:
             continue

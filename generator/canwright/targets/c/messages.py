@@ -26,18 +26,18 @@ class RuleView(NamedTuple):
     node_function: str
     base: str
     mask: str
-    """The bits of the id that belong to the address; empty when all do."""
+    """The bits of the id that belong to the address; empty if all do."""
     has_nodes: bool
     node_unknown: str
     """The condition for a `node` that the address does not have."""
     node_offset: str
-    """What `node` adds to the id."""
+    """The part of the id that depends on `node`."""
     has_step: bool
-    """True when the ids of consecutive nodes are not consecutive."""
+    """True if the ids of consecutive nodes are not consecutive."""
     offset_node: str
     """The node from the `offset` of an id."""
     offset_rest: str
-    """What is left of `offset` beside the node; it has to be 0."""
+    """The remainder of `offset` without the node; it must be 0."""
 
     def masked(self, id_: str) -> str:
         """The bits of an id that belong to the address."""
@@ -45,7 +45,7 @@ class RuleView(NamedTuple):
 
 
 class CodeView(NamedTuple):
-    """A parameter for the value of a key: how it is read from a frame, and how it is written."""
+    """A function parameter for the value of a key, with the expressions that read and write it."""
 
     kind: str
     name: str
@@ -54,14 +54,14 @@ class CodeView(NamedTuple):
 
 
 class PatternView(NamedTuple):
-    """A pattern of frames: `match` checks whether a frame has it, `stamp` gives it to a frame."""
+    """A pattern of frames: `match` compares a frame with it, `stamp` writes it into a frame."""
 
     name: str
     rule: RuleView
     remote: bool
     frame_id: str
     unused_bits_set: str
-    """The condition for bits of the id that only other messages of the address use; empty when there are none."""
+    """The condition for bits of the id that only other messages of the address use; empty without any."""
     codes: tuple[CodeView, ...]
 
     @property
@@ -85,7 +85,7 @@ class AddressView(NamedTuple):
 class MessageView(NamedTuple):
     """A message.
 
-    `codes` are the values of its keys, then again with each other value that a receiver accepts for the first key.
+    `codes` are the values of its keys, then the same with each other accepted value of the first key.
     `other_constant` is the condition for a frame with another value in a constant field.
     """
 
@@ -191,7 +191,7 @@ def rule_view(names: Names, edition: Edition, address: Address, direction: Direc
 
 
 def _step(step: int) -> tuple[str, str, str]:
-    """Of nodes whose ids are `step` apart: the offset of a node, the node of an offset, and the rest of that offset."""
+    """For ids that are `step` apart: the offset of a node, the node of an offset, and the remainder of the offset."""
     if step == 1:
         return "node", "offset", "0u"
     if step.bit_count() > 1:
@@ -225,7 +225,7 @@ def _code(key: Key, index: int) -> CodeView:
 
 
 def _node_unknown(rule: IdRule) -> str:
-    """The condition for a `node` that the address does not have; what an unsigned number cannot be is left out."""
+    """The condition for a `node` that the address does not have; values that an unsigned number cannot have are left out."""
     if rule.nodes is None:
         return ""
     low = [f"node < {rule.nodes[0]}u"] if rule.nodes[0] else []

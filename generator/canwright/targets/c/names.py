@@ -1,6 +1,6 @@
-"""Names in C: one prefix an edition, so that editions meet in one program, and no clash is ever emitted.
+"""Names in C: each edition has its own prefix, so that one program can use several editions; collisions are reported.
 
-Everything with file scope is named after the thing of the spec that it belongs to, with an ending from the tables here.
+Every name with file scope is that of an item of the spec with an ending from the tables here.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def layouts(edition: Edition) -> list[Layout]:
 
 
 def problems(edition: Edition) -> Iterator[NameProblem]:
-    """Different things of this edition that would have one name in C."""
+    """Different items of an edition that would have one name in C."""
     owners: dict[str, str] = {}
     for name, what, path in defined(edition):
         other = owners.setdefault(name, what)
@@ -85,10 +85,10 @@ def problems(edition: Edition) -> Iterator[NameProblem]:
 
 
 def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
-    """Every name with file scope, what it belongs to, and where that stands."""
+    """Every name with file scope, its item, and the path of the item."""
     names = Names(edition)
     for name in EDITION_NAMES:
-        yield names.upper(name) if name.isupper() else names.lower(name), "something that every edition has", ()
+        yield names.upper(name) if name.isupper() else names.lower(name), "a name in every edition", ()
     for parameter in edition.parameters:
         yield from _parameter(names, parameter)
     for address in edition.addresses:

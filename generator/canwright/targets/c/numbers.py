@@ -1,4 +1,4 @@
-"""Integers of C: the types that hold them and how they are written."""
+"""Integers of C: their types and literals."""
 
 from __future__ import annotations
 
@@ -57,15 +57,15 @@ def smallest(width: int, signed: bool) -> Integer:
 
 
 def integer(type_: Type) -> Integer:
-    """What holds a raw integer of a type; for floats, their bits."""
+    """The C type of a raw integer of a type; for floats, of its bits."""
     return smallest(type_.width, type_.encoding is Encoding.SIGNED)
 
 
 def working(width: int) -> Integer:
-    """What bits are put together in: wide enough to shift in on every platform."""
+    """The C type for shifts: wide enough on every platform."""
     return UINT32 if width <= 32 else UINT64
 
 
 def common(*numbers: int) -> Integer | None:
-    """The signed type of 32 or 64 bits that holds all of these; None when neither does."""
+    """The signed type of 32 or 64 bits for all these numbers; None if both are too small."""
     return next((kind for kind in (INT32, INT64) if kind.holds(*numbers)), None)

@@ -14,7 +14,7 @@ from ...model.message import Direction, Message
 
 
 class Pattern(NamedTuple):
-    """What messages have in common that differ in length and codes only."""
+    """The common part of messages that differ only in length and codes."""
 
     address: str
     direction: Direction
@@ -34,7 +34,7 @@ def pattern_of(message: Message) -> Pattern:
 
 
 def named_patterns(patterns: Iterable[Pattern]) -> dict[Pattern, tuple[str, ...]]:
-    """What the name of each pattern is made of: address and direction, and a number from the second one on."""
+    """The parts of the name of each pattern: address and direction, and a number from the second one on."""
     result: dict[Pattern, tuple[str, ...]] = {}
     numbers: Counter[tuple[str, str]] = Counter()
     for pattern in dict.fromkeys(patterns):

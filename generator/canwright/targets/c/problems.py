@@ -1,4 +1,4 @@
-"""What of a spec cannot be said in C. Nothing is generated from it."""
+"""Items of a spec that C cannot express; nothing is generated then."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from . import conversions, names, validity
 
 
 def problems(edition: Edition) -> Iterator[NameProblem]:
-    """Everything about one edition."""
+    """The problems of one edition."""
     yield from names.problems(edition)
     yield from validity.problems(edition)
     yield from conversions.problems(edition)
 
 
 def between(editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
-    """Names that two editions would both have: the later edition, and what is wrong."""
+    """Names that two editions would have: the later edition, and a sentence."""
     owners: dict[str, Edition] = {}
     for edition in editions if len(editions) > 1 else ():
         for name, _, _ in names.defined(edition):

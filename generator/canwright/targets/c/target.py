@@ -14,7 +14,7 @@ from .problems import between, problems
 
 
 class CTarget(Target):
-    """C headers; see the package."""
+    """The target that generates C headers."""
 
     title = "C"
 
@@ -28,7 +28,7 @@ class CTarget(Target):
         return between(editions)
 
     def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
-        """Names without the prefix of family and edition; constants are shown with `…_` in its place."""
+        """Names without the prefix of family and edition; constants have `…_` instead."""
         names = {command.path: f"{command.name}_request_t" for command in edition.commands}
         for layout in edition.layouts:
             names[layout.path] = f"{layout.name}_t"

@@ -1,4 +1,4 @@
-"""C as text: comments that no text of a spec can leave, macros, and long lines folded."""
+"""C source as text: comments with escaped spec text, macros, and folded lines."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ _ENTITIES = str.maketrans({"\\": "&#92;", "@": "&#64;"})
 
 
 def english(text: Text) -> str:
-    """The English text where there is one, else the first."""
+    """The English text, else the first."""
     return text.get("en") or next(iter(text.values()), "")
 
 
 def in_comment(text: str) -> str:
-    """A text that stays text between `/**` and `*/`, for the compiler and for Doxygen."""
+    """A text escaped for a comment, for the compiler and for Doxygen: spec text is untrusted."""
     line = visible(text)
     line = re.sub(r"\*(?=/)", "* ", line)
     line = re.sub(r"/(?=[*/])", "/ ", line)
@@ -44,7 +44,7 @@ def in_comment(text: str) -> str:
 
 
 def comment(paragraphs: str | Sequence[str], indent: int = 0) -> str:
-    """Paragraphs as one Doxygen comment, on one line where they fit. The first line is not indented."""
+    """Paragraphs as one Doxygen comment, on one line if they fit. The first line is not indented."""
     texts = [in_comment(p) for p in ([paragraphs] if isinstance(paragraphs, str) else paragraphs)]
     margin = " " * indent
     if len(texts) == 1 and len(texts[0]) + indent + 7 <= WIDTH:
@@ -61,18 +61,20 @@ def _wrapped(text: str, width: int) -> list[str]:
 
 
 def aside(text: str) -> str:
-    """A comment behind what it is about."""
+    """A Doxygen comment after its item, on the same line."""
     return f"/**< {in_comment(text)} */"
 
 
 def paragraph(text: str) -> str:
-    """A paragraph within a comment that has begun."""
+    """A paragraph inside a comment."""
     return "\n".join(f" * {line}" for line in _wrapped(in_comment(text), WIDTH - 3))
 
 
 def fold(source: str) -> str:
-    """C source with long lines of code folded: heads of functions after the parenthesis, all after a comma or before an
-    operator. Comments and directives stay as they are."""
+    """C source with folded lines of code: after the parenthesis of a function head, after commas, before operators.
+
+    Comments and directives are not changed.
+    """
     return "\n".join(part for line in source.split("\n") for part in _folded(line))
 
 
@@ -82,13 +84,13 @@ def arguments(names: Sequence[str]) -> str:
 
 
 def defines(macros: Sequence[Defined]) -> str:
-    """Macros one below the other, aligned, each with its comment where that fits."""
+    """Aligned macros, each with its comment on the same line if all fit, else above."""
     names = max((len(m.name) for m in macros), default=0)
     values = max((len(m.value) for m in macros), default=0)
     plain = [f"#define {m.name:{names}} {m.value}" for m in macros]
-    beside = [f"#define {m.name:{names}} {m.value:{values}} {aside(m.doc)}" for m in macros]
-    if all(len(line) <= WIDTH for line in beside):
-        lines = [one if m.doc else other for m, one, other in zip(macros, beside, plain, strict=True)]
+    with_comments = [f"#define {m.name:{names}} {m.value:{values}} {aside(m.doc)}" for m in macros]
+    if all(len(line) <= WIDTH for line in with_comments):
+        lines = [one if m.doc else other for m, one, other in zip(macros, with_comments, plain, strict=True)]
     else:
         pairs = zip(macros, plain, strict=True)
         lines = [line for m, one in pairs for line in ([comment(m.doc)] if m.doc else []) + [one]]

@@ -1,4 +1,4 @@
-"""Types: limits, names of raw values, what may be sent, and conversions."""
+"""Types: limits, names of raw values, checks and conversions."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class NameView(NamedTuple):
 
 
 class TypeView(NamedTuple):
-    """A type with what belongs to it. `facts` are part of `doc`; `names` are those of an enum."""
+    """A type with its macros, names, check and conversions. `facts` are part of `doc`; `names` are those of an enum."""
 
     name: str
     heading: str
@@ -82,7 +82,7 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
 
 
 def _only_doubles(type_: Type) -> str:
-    """Why there are no thousandths, where a parameter is a factor of theirs."""
+    """The reason why a type with a number parameter has no thousandths; empty without such a parameter."""
     by = ", ".join(type_.times)
     return f"No thousandths: 64 bits are too few to multiply with {by}; there are conversions to double." if by else ""
 

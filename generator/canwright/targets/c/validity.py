@@ -1,4 +1,4 @@
-"""Which raw integers may be sent, as C conditions on `raw`."""
+"""The valid raw integers of a type, as C conditions on `raw`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .names import Names
 from .numbers import INT64, UINT64, Integer, integer
 
 RATIO_LIMIT = 1 << 30
-"""Factors below it leave room for numerator and denominator of a ratio in 64 bits."""
+"""The limit of factors whose product with a ratio fits into 64 bits."""
 
 FORMATS = {32: (">f", ">I"), 64: (">d", ">Q")}
 GREATEST = {32: float.fromhex("0x1.fffffep+127"), 64: float.fromhex("0x1.fffffffffffffp+1023")}
@@ -34,14 +34,14 @@ ALWAYS = Condition("true", uses_parameters=False)
 
 
 def valid(names: Names, type_: Type) -> Choice[Condition] | None:
-    """Which raw integers may be sent; None when every one may."""
+    """The condition for valid raw integers; None if all are valid."""
     found = _float_ranges(type_) if type_.encoding is Encoding.FLOAT else type_.raw_range
     choice = choose(names, found, lambda limits: _condition(type_, limits), _condition(type_, None))
     return None if choice.subject is None and choice.otherwise == ALWAYS else choice
 
 
 def _condition(type_: Type, limits: Range | None) -> Condition:
-    """The condition for a raw integer that may be sent. What the C type implies is left out."""
+    """The condition for a valid raw integer, without the limits of its C type."""
     every = _float_conditions(type_, limits) if type_.encoding is Encoding.FLOAT else _conditions(type_, limits)
     if not every:
         return ALWAYS
@@ -50,7 +50,7 @@ def _condition(type_: Type, limits: Range | None) -> Condition:
 
 
 Alternatives = tuple[str, ...]
-"""Conditions of which one holds."""
+"""Conditions of which at least one must be true."""
 
 
 def _conditions(type_: Type, limits: Range | None) -> list[Alternatives]:
@@ -71,12 +71,12 @@ def _conditions(type_: Type, limits: Range | None) -> list[Alternatives]:
 
 
 def constant_limits(type_: Type) -> tuple[int, int]:
-    """The smallest and largest raw integer, as far as no parameter decides."""
+    """The smallest and largest raw integer, without limits that depend on a parameter."""
     return _whole_limits(type_, type_.raw_range.constant if type_.raw_range.parameter is None else None)
 
 
 def has_constant_limits(type_: Type) -> bool:
-    """True when no parameter decides which raw integers may be sent."""
+    """True if the valid raw integers do not depend on a parameter."""
     return type_.raw_range.parameter is None and not _depends_on_number(type_)
 
 
@@ -89,7 +89,7 @@ def problems(edition: Edition) -> Iterator[NameProblem]:
             yield NameProblem(
                 path,
                 "C has no check for a range of floats that depends on this",
-                "let it depend on the scale's choice",
+                "use the parameter that the scale depends on",
             )
             continue
         for _, limits in type_.raw_range.distinct():
@@ -120,7 +120,7 @@ def _between(kind: Integer, low: int, high: int) -> list[str]:
 
 
 def _among(kind: Integer, members: Sequence[Member]) -> Alternatives:
-    """That a raw integer has a name, by runs of consecutive values."""
+    """The conditions for a named raw integer, one for each run of consecutive values."""
     runs: list[list[int]] = []
     for value in sorted(m.value for m in members):
         if runs and value == runs[-1][-1] + 1:
@@ -159,7 +159,7 @@ def _dependent(kind: Integer, bound: Bound, is_low: bool) -> Alternatives:
 
 
 def _float_ranges(type_: Type) -> Dependent[Range]:
-    """The ranges of a float, which the spec gives for the value, as ranges of the number that the bits are."""
+    """The ranges of a float without its scale; those of the spec apply to the scaled value."""
     by = type_.linear.parameter or type_.raw_range.parameter
     if by is None:
         return Dependent.always(_raw(type_.raw_range.constant, type_.linear.constant))

@@ -1,4 +1,4 @@
-"""An edition as its header sees it."""
+"""The view of an edition for the template of its header."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...model.metadata import Level
 from ..base import header
 from .choices import ParameterView, parameter_access, parameters
 from .comments import errata
-from .dispatch import AnswerView, Entry, answers, entries
+from .dispatch import AnswerView, RouteView, answers, routes
 from .layouts import LayoutView, fields_named, layout_view
 from .messages import AddressView, Messages, MessageView, addresses
 from .names import Names, layouts, member
@@ -36,12 +36,12 @@ class FrameView(NamedTuple):
 
     @property
     def struct(self) -> str:
-        """The struct's name; empty when the message has no fields."""
+        """The struct's name; empty if the message has no fields."""
         return self.message.struct if self.layout.members else ""
 
     @property
     def stamp(self) -> str:
-        """The call that gives a frame its id, length and code."""
+        """The call that writes id, length and code of a frame."""
         pattern = self.message.pattern
         arguments = [
             "frame",
@@ -53,14 +53,14 @@ class FrameView(NamedTuple):
 
     @property
     def matches(self) -> list[str]:
-        """Calls one of which tells that a frame is this message."""
+        """The calls of which one succeeds if a frame is this message."""
         pattern = self.message.pattern
         start = [*(["node"] if pattern.rule.has_nodes else []), "frame", f"{self.message.dlc}u"]
         return [f"{pattern.name}_match({', '.join([*start, *codes])})" for codes in self.message.codes]
 
     @property
     def is_match_only(self) -> bool:
-        """True when nothing is left to be read or checked."""
+        """True if there is nothing to read or check after the match."""
         return not (self.layout.members or self.layout.depends or self.message.other_constant or self.matches[1:])
 
 
@@ -100,7 +100,7 @@ class DirectionView(NamedTuple):
     """Any message of one direction."""
 
     word: str
-    entries: tuple[Entry, ...]
+    routes: tuple[RouteView, ...]
     contents: tuple[ContentView, ...]
 
     @property
@@ -113,7 +113,7 @@ class DirectionView(NamedTuple):
 
 
 class EditionView(NamedTuple):
-    """All that a header lays out. `spec` is the beginning of its hash, `prefix` and `PREFIX` start every name."""
+    """The content of a header. `spec` is the start of the hash of its spec; every name has `prefix` or `PREFIX`."""
 
     header: str
     spec: str
@@ -300,6 +300,6 @@ def _direction(
     )
     return DirectionView(
         word=direction.value,
-        entries=tuple(entries(names, edition, messages, direction)),
+        routes=tuple(routes(names, edition, messages, direction)),
         contents=tuple(contents),
     )

@@ -11,7 +11,7 @@ from ...model.types import Encoding, Order
 _STRUCT = {8: "b", 16: "h", 32: "i", 64: "q"}
 
 
-class Place(NamedTuple):
+class RawPosition(NamedTuple):
     """The position of one raw integer on the wire; `target` is the expression that has it."""
 
     target: str
@@ -37,18 +37,18 @@ class Place(NamedTuple):
         return (dlc - 1 - lowest.byte) * 8 + lowest.low
 
 
-def place(target: str, field: Field, element: Element) -> Place:
+def place(target: str, field: Field, element: Element) -> RawPosition:
     """The place of one element of a field."""
     signed = field.type.encoding is Encoding.SIGNED
-    return Place(target, field.space, field.type.order, signed, field.type.width, element.segments)
+    return RawPosition(target, field.space, field.type.order, signed, field.type.width, element.segments)
 
 
-def key_place(key: BitRun) -> Place:
+def key_place(key: BitRun) -> RawPosition:
     """The place of a selector."""
-    return Place("", key.space, key.order, False, key.width, key.segments)
+    return RawPosition("", key.space, key.order, False, key.width, key.segments)
 
 
-def struct_format(places: list[Place], dlc: int) -> str | None:
+def struct_format(places: list[RawPosition], dlc: int) -> str | None:
     """The `struct` format of all places in their order; None when no format fits."""
     if not places or not all(p.whole_bytes and p.width in _STRUCT for p in places):
         return None
@@ -68,7 +68,7 @@ def _padding(count: int) -> str:
     return "" if count == 0 else "x" if count == 1 else f"{count}x"
 
 
-def read(p: Place, dlc: int) -> str:
+def read(p: RawPosition, dlc: int) -> str:
     """The raw integer, as an expression of `data` or `can_id`."""
     mask = f"0x{(1 << p.width) - 1:X}"
     if p.space is Space.ID:
@@ -104,12 +104,12 @@ def read_key(key: BitRun, shortest: int) -> str:
     return f"{word} >> {low} & {mask}" if low else f"{word} & {mask}"
 
 
-def _signed(expression: str, p: Place) -> str:
+def _signed(expression: str, p: RawPosition) -> str:
     sign = f"0x{1 << (p.width - 1):X}"
     return f"(({expression}) ^ {sign}) - {sign}" if p.signed else expression
 
 
-def write(p: Place, dlc: int) -> str:
+def write(p: RawPosition, dlc: int) -> str:
     """The raw integer shifted to its position, in the data as one integer of its byte order."""
     mask = f"0x{(1 << p.width) - 1:X}"
     shift = p.shift(dlc)

@@ -13,14 +13,14 @@ from .imports import Imports
 
 
 @dataclass(frozen=True, kw_only=True)
-class CaseView:
-    """How fields are read under some values of the layout's parameter: all by one `struct`, or each on its own."""
+class VariantView:
+    """A variant of a layout: how its fields are read, all by one `struct` or each separately."""
 
     values: tuple[str, ...]
     names: tuple[str, ...]
     struct: str
     targets: tuple[str, ...]
-    """What the result of the `struct` is assigned to."""
+    """The names that the result of the `struct` is assigned to."""
     reads: tuple[ReadView, ...]
     constants: tuple[ConstantView, ...]
 
@@ -34,7 +34,7 @@ class BodyView:
 
     fields: tuple[FieldView, ...]
     constants: tuple[ConstantView, ...]
-    cases: tuple[CaseView, ...]
+    cases: tuple[VariantView, ...]
     parameter: str
     has_node: bool
     depends: bool
@@ -63,13 +63,13 @@ class ClassBodies:
             depends=depends_on_parameters(layout),
         )
 
-    def _case(self, layout: Layout, variant: Variant, dlc: int) -> CaseView:
+    def _case(self, layout: Layout, variant: Variant, dlc: int) -> VariantView:
         varying = [f for f in variant.fields if f.fixed is None]
         pattern, ordered = None, []
         if len(varying) == len(variant.fields) > 1 and not any(f.is_array for f in varying):
             ordered = sorted((place for _, place in places(varying)), key=lambda place: place.first_byte)
             pattern = bits.struct_format(ordered, dlc)
-        return CaseView(
+        return VariantView(
             values=variant_values(layout, variant, self.parameters),
             names=tuple(text.attribute(f.name) for f in varying),
             struct=pattern or "",

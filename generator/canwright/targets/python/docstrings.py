@@ -66,7 +66,7 @@ def of_field(field: Field, of_type: str, manual_of_layout: str) -> Docstring:
 
 
 def of_type(type_: Type) -> str:
-    """Unit, resolution and range in a sentence; empty where there is nothing to say."""
+    """Unit, resolution and range in a sentence; empty without any."""
     parts = []
     if type_.unit:
         parts.append(f"In {type_.unit.symbol}")
@@ -81,7 +81,7 @@ def of_type(type_: Type) -> str:
 
 
 def _alternatives(cases: Sequence[tuple[str, str]]) -> str:
-    """What holds under parameter values, or always where these are empty."""
+    """Alternatives with their parameter values, which are empty for a constant."""
     return ", ".join(f"{what} ({values})" if values else what for values, what in cases)
 
 

@@ -99,7 +99,7 @@ def read_views(fields: Iterable[Field], dlc: int) -> Iterator[ReadView]:
             yield ReadView(attribute=text.attribute(field.name), expression=expression)
 
 
-def places(fields: Iterable[Field]) -> list[tuple[Field, bits.Place]]:
+def places(fields: Iterable[Field]) -> list[tuple[Field, bits.RawPosition]]:
     """Where each element of the fields is; its target is the slot, or the raw integer of a fixed field."""
     found = []
     for field in fields:

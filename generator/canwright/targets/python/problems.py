@@ -15,7 +15,7 @@ from .module import CONSTANTS
 
 def problems(edition: Edition) -> Iterator[NameProblem]:
     """The collisions of one edition."""
-    yield from _clashes(_module_names(edition), "something that every module has")
+    yield from _clashes(_module_names(edition), "a name in every module")
     for layout in dict.fromkeys(m.layout for m in edition.all_messages()):
         yield from _clashes(_attributes(layout), "")
     for type_ in edition.types:
@@ -32,7 +32,7 @@ def problems(edition: Edition) -> Iterator[NameProblem]:
 
 
 def _clashes(names: Iterator[tuple[str, str, DocumentPath]], taken: str) -> Iterator[NameProblem]:
-    """Names of two items, or of an item and something that every module has; `taken` describes that."""
+    """Names of two items, or of an item and a name in every module; `taken` describes that."""
     owners = dict.fromkeys((*NAMES, *CONSTANTS), taken) if taken else {}
     for name, what, path in names:
         other = owners.setdefault(name, what)

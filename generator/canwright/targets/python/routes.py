@@ -1,4 +1,4 @@
-"""The dispatch plan and the answers to requests, as the template prints them."""
+"""Views of the dispatch plan and of the replies to requests."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .imports import Imports
 
 
 @dataclass(frozen=True, kw_only=True)
-class CaseView:
+class DispatchCaseView:
     """The values that lead to one node."""
 
     values: tuple[str, ...]
@@ -26,7 +26,7 @@ class SelectView:
     """A decision: the function that reads the values of the cases."""
 
     read: str
-    cases: tuple[CaseView, ...]
+    cases: tuple[DispatchCaseView, ...]
     otherwise: NodeView
 
 
@@ -46,12 +46,12 @@ class RouteView:
     extended: bool
     remote: bool
     answers: tuple[str, ...]
-    """Message classes that a frame is only where it answers their request."""
+    """Message classes that identify a frame only if their request is known."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AnswerView:
-    """What answers a request: expressions of the arguments of `Answer`."""
+    """The reply to a request: expressions of the arguments of `Answer`."""
 
     request: str
     reply: str
@@ -83,28 +83,28 @@ class Readers:
 
 def route_views(edition: Edition, direction: Direction, readers: Readers) -> Iterator[RouteView]:
     """The routes of one direction, in the order in which they are tried."""
-    for entry in dispatch.dispatch_plan(edition.messages(direction)).entries:
-        shortest = min(_shortest(message) for message in entry.messages)
+    for route in dispatch.dispatch_plan(edition.messages(direction)).routes:
+        shortest = min(_shortest(message) for message in route.messages)
         yield RouteView(
-            base=entry.rule.base,
-            step=entry.rule.node_step,
-            nodes=entry.rule.nodes,
-            then=_node(entry.then, shortest, readers),
-            mask=entry.mask,
-            extended=entry.rule.extended,
-            remote=entry.remote,
-            answers=tuple(text.class_name(m.name) for m in entry.messages if m.keys and not m.claims),
+            base=route.rule.base,
+            step=route.rule.node_step,
+            nodes=route.rule.nodes,
+            then=_node(route.then, shortest, readers),
+            mask=route.mask,
+            extended=route.rule.extended,
+            remote=route.remote,
+            answers=tuple(text.class_name(m.name) for m in route.messages if m.keys and not m.claims),
         )
 
 
 def _node(node: dispatch.Node, shortest: int, readers: Readers) -> NodeView:
-    if isinstance(node, dispatch.Found):
+    if isinstance(node, dispatch.Match):
         return text.class_name(node.message.name)
     if isinstance(node, dispatch.Reject):
         return f"Refusal.{node.reason.name}"
     form = _FORMS[type(node.subject)]
     cases = (
-        CaseView(values=tuple(form.format(v) for v in case.values), then=_node(case.then, shortest, readers))
+        DispatchCaseView(values=tuple(form.format(v) for v in case.values), then=_node(case.then, shortest, readers))
         for case in node.cases
     )
     return SelectView(
@@ -120,8 +120,8 @@ _FORMS = {dispatch.Length: "{}", dispatch.MaskedId: "0x{:X}", BitRun: "0x{:02X}"
 
 def answer_views(edition: Edition, readers: Readers) -> Iterator[AnswerView]:
     """The answers of every command with a request and a reply."""
-    entries = dispatch.dispatch_plan(edition.messages(Direction.REPLY)).entries
-    masks = {(entry.rule, entry.remote): entry.mask for entry in entries}
+    routes = dispatch.dispatch_plan(edition.messages(Direction.REPLY)).routes
+    masks = {(route.rule, route.remote): route.mask for route in routes}
     for command in edition.commands:
         if command.request is None or command.reply is None:
             continue

@@ -13,7 +13,7 @@ from .problems import problems
 
 
 class PythonTarget(Target):
-    """A Python package; see the package."""
+    """The target that generates Python packages."""
 
     title = "Python"
 

@@ -1,4 +1,4 @@
-"""Which message a frame is, and which reply answers a request."""
+"""Identification of frames, and of replies to requests."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Select(NamedTuple):
 
 
 Node = Union[Select, type[Message], Refusal]  # noqa: UP007 - `Node` in `Select` is a forward reference
-"""A decision, the message that a frame is, or why it is none."""
+"""A decision, the message that a frame is, or the reason for its rejection."""
 
 
 def data_length(can_id: int, data: bytes) -> int:
@@ -32,8 +32,8 @@ def data_length(can_id: int, data: bytes) -> int:
 class Route:
     """The messages that share one rule from node to CAN id, and the decisions between them.
 
-    `mask` are the bits of the id that messages fill in. `answers` are messages that a frame is only where it answers their
-    request: without it, it is another message of that code.
+    `mask` are the bits of the id that messages fill in. `answers` are messages that identify a frame only if their
+    request is known; without it, the frame is another message of that code.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class Route:
 
 
 def _direct(then: Node) -> tuple[int, Reader, dict[int, type[Message]]]:
-    """The length, the selector and the messages that are found by these two alone, most of all; length -1 without any."""
+    """The most common length, its selector, and the messages identified by both; length -1 without any."""
     if isinstance(then, Select) and then.read is data_length and len(then.cases) == 1:
         ((length, by_code),) = then.cases.items()
         if isinstance(by_code, Select):
@@ -156,9 +156,9 @@ class Router:
 
 @dataclass(frozen=True)
 class Answer:
-    """What answers a request: the class of the reply and its selectors, each with the values it may have.
+    """The reply to a request: its class and its selectors, each with the accepted values.
 
-    The reply comes from one of `nodes`; where there are none, from the node of the request. `request_node` and
+    The reply comes from one of `nodes`; if there are none, from the node of the request. `request_node` and
     `reply_node` read the node from a field of the request and of the reply, each with a mask of the bits it has. An
     `echo` equals its request. `unused` are bits of the id that are 0 in the reply and that other messages fill in.
     """
@@ -193,7 +193,7 @@ class Dispatcher(Generic[P]):
         self._unknown = unknown
 
     def node_of(self, direction: str, can_id: int, *, extended: bool = False, remote: bool = False) -> int | None:
-        """The node of an id, as a `request` or a `reply`; None for an id without one. Raises CodecError (unknown_id)."""
+        """The node of the id of a `request` or a `reply`; None without one. Raises CodecError (unknown_id)."""
         return self._router(direction).find(can_id, extended, remote)[1]
 
     def ids_of(self, direction: str, node: int) -> tuple[tuple[int, int, bool, bool], ...]:
