@@ -5,8 +5,10 @@ Every target decides in the same order and rejects for the same reasons.
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Callable, Mapping, Sequence
+from decimal import Decimal
 from fractions import Fraction
 
 from ..language import notation
@@ -18,6 +20,8 @@ from ..model.refusal import Refusal
 from ..model.types import Bound, Encoding, Range, Type
 from .decoder import Rejection, linear_of, value_of
 from .frame import CanFrame, Raw
+
+Number = int | float | Decimal | Fraction
 
 SPECIAL = ("nan", "inf", "-inf")
 
@@ -42,8 +46,8 @@ class Encoder:
     def __init__(self, parameters: Mapping[str, int | str]) -> None:
         self.assignment = {name: str(value) for name, value in parameters.items()}
         self._fields: dict[Message, dict[str, Field] | None] = {}
-        self._allows: dict[int, tuple[Type, Callable[[int], bool]]] = {}
-        self._nearest: dict[int, tuple[Field, Callable[[Fraction], int | Rejection]]] = {}
+        self._allows: dict[Type, Callable[[int], bool]] = {}
+        self._nearest: dict[Field, Callable[[Fraction], int | Rejection]] = {}
 
     def fields(self, message: Message) -> dict[str, Field] | None:
         """The fields of a message by name, without constants; None if they depend on a missing parameter."""
@@ -62,14 +66,16 @@ class Encoder:
         rejections = (self.rejects_raw(field, raws[name]) for name, field in fields.items())
         return next(filter(None, rejections), None) or self._frame(message, node, raws)
 
-    def encode_values(self, message: Message, node: int | None, values: Mapping[str, Value]) -> CanFrame | Rejection:
+    def encode_values(
+        self, message: Message, node: int | None, values: Mapping[str, Value | Number | list[Number]]
+    ) -> CanFrame | Rejection:
         """The frame of a message with these values by field. Raises ValueError for other fields."""
         rejection = self.rejects(message, node)
         if rejection:
             return rejection
         raws: dict[str, Raw] = {}
         for name, field in _given(message, self.fields(message), values).items():
-            raw = self.field_raw(field, values[name])
+            raw = self.field_raw(field, exact_value(values[name]))
             if isinstance(raw, Rejection):
                 return raw
             raws[name] = raw
@@ -110,10 +116,9 @@ class Encoder:
         if isinstance(raw, list):
             each = (self.rejects_raw(field, one) for one in raw)
             return _wrong_count(field, len(raw)) or next(filter(None, each), None)
-        known = self._allows.get(id(field.type))
-        if known is None:
-            known = self._allows[id(field.type)] = (field.type, self._allowed(field.type))
-        if known[1](raw):
+        if field.type not in self._allows:
+            self._allows[field.type] = self._allowed(field.type)
+        if self._allows[field.type](raw):
             return None
         return Rejection(Refusal.OUT_OF_RANGE, f"raw {raw} is invalid for `{field.name}`", field.name)
 
@@ -133,17 +138,21 @@ class Encoder:
 
     def nearest_raw(self, field: Field, value: Value) -> int | Rejection:
         """The raw integer nearest to a value, ties away from zero, without a check of the range."""
-        type_ = field.type
+        names = {member.name: member.value for member in field.type.enum or field.type.flags}
+        given = value if isinstance(value, list) else [value] if names and isinstance(value, str) else []
+        unknown = [name for name in given if name not in names]
+        if unknown:
+            return Rejection(Refusal.OUT_OF_RANGE, f"`{field.name}` has no value `{unknown[0]}`", field.name)
         if isinstance(value, list):
-            return sum(1 << flag.value for flag in type_.flags if flag.name in value)
-        if isinstance(value, str) and type_.enum:
-            return next(member.value for member in type_.enum if member.name == value)
-        known = self._nearest.get(id(field))
-        if known is None:
-            known = self._nearest[id(field)] = (field, self._inverse(field))
+            return sum(1 << names[str(name)] for name in dict.fromkeys(value))
+        if given:
+            return names[str(value)]
+        if field not in self._nearest:
+            self._nearest[field] = self._inverse(field)
+        nearest = self._nearest[field]
         if isinstance(value, Fraction):
-            return known[1](value)
-        at_zero = known[1](Fraction(0))
+            return nearest(value)
+        at_zero = nearest(Fraction(0))
         not_finite = Rejection(Refusal.NOT_FINITE, f"{value} is invalid for `{field.name}`", field.name)
         return at_zero if isinstance(at_zero, Rejection) else not_finite
 
@@ -209,6 +218,17 @@ class Encoder:
             return size if (above < 0) == (below < 0) else -size
 
         return nearest
+
+
+def exact_value(value: Value | Number | list[Number]) -> Value:
+    """A value with its numbers as fractions; numbers that are not finite as `nan`, `inf` or `-inf`."""
+    if isinstance(value, list):
+        return [one if isinstance(one, str) else _exact(one) for one in value]
+    return value if isinstance(value, str) else _exact(value)
+
+
+def _exact(number: Number) -> Fraction | str:
+    return Fraction(number) if math.isfinite(number) else str(float(number))
 
 
 def _given(message: Message, fields: Mapping[str, Field] | None, given: Mapping[str, object]) -> Mapping[str, Field]:
