@@ -53,9 +53,7 @@ def test_golden_frames_say_what_is_missing(tmp_path: Path, entry: str, says: lis
 
 def test_an_id_of_no_node_has_none_in_its_golden_frame(tmp_path: Path) -> None:
     fixed = MINIMAL.replace("id: 0x100 + node, nodes: 1..4", "id: 0x101")
-    assert told(tmp_path, fixed, "node: 1, id: 0x101, raw: {level: 7}") == [
-        "the id 0x101 has no node"
-    ]
+    assert told(tmp_path, fixed, "node: 1, id: 0x101, raw: {level: 7}") == ["the id 0x101 has no node"]
     assert told(tmp_path, fixed, "id: 0x101, raw: {level: 7}") == []
 
 
