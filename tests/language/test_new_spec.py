@@ -42,8 +42,8 @@ def test_what_belongs_to_a_type_is_sent_there(tmp_path: Path) -> None:
     [
         ("node: 1, id: 0x101", ["`raw` lacks `level`"]),
         ("node: 1, id: 0x101, raw: {levle: 7}", ["there is no field `levle`"]),
-        ("node: 2, id: 0x101, raw: {level: 7}", ["the id 0x101 is that of node 1"]),
-        ("id: 0x101, raw: {level: 7}", ["the id 0x101 is that of node 1"]),
+        ("node: 2, id: 0x101, raw: {level: 7}", ["the id 0x101 belongs to node 1"]),
+        ("id: 0x101, raw: {level: 7}", ["the id 0x101 belongs to node 1"]),
         ("node: 1, id: 0x101, raw: {level: 7}", []),
     ],
 )
@@ -53,9 +53,7 @@ def test_golden_frames_say_what_is_missing(tmp_path: Path, entry: str, says: lis
 
 def test_an_id_of_no_node_has_none_in_its_golden_frame(tmp_path: Path) -> None:
     fixed = MINIMAL.replace("id: 0x100 + node, nodes: 1..4", "id: 0x101")
-    assert told(tmp_path, fixed, "node: 1, id: 0x101, raw: {level: 7}") == [
-        "the id 0x101 is that of no node, but of all"
-    ]
+    assert told(tmp_path, fixed, "node: 1, id: 0x101, raw: {level: 7}") == ["the id 0x101 has no node"]
     assert told(tmp_path, fixed, "id: 0x101, raw: {level: 7}") == []
 
 

@@ -40,7 +40,7 @@ def test_every_key_stands_on_the_page_and_is_explained() -> None:
 def test_explain_says_what_a_key_is_and_what_a_rule_wants() -> None:
     said = CliRunner().invoke(main, ["explain", "value"]).output
     assert "value of `member`: The raw value that has this name." in said
-    assert "A value is written the way that the language reads it." in said
+    assert "A value has the notation of its key." in said
     assert "flags: The bits that have a name" in CliRunner().invoke(main, ["explain", "type"]).output
     unknown = CliRunner().invoke(main, ["explain", "selektor"])
     assert (unknown.exit_code, "did you mean `selector`?" in unknown.output) == (2, True)

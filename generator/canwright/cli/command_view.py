@@ -112,7 +112,7 @@ def _table(command: Command, message: Message, language: str) -> RenderableType:
     if not message.layout.fields:
         return RichText("  no fields; all other bytes are 0", "dim")
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
-    for column in ("  position", "field", "raw", "resolution (1 LSB)", "raw range", "title"):
+    for column in ("  position", "field", "raw", "1 LSB", "raw range", "title"):
         table.add_column(column)
     for field in message.layout.fields:
         for name, segments in formatting.elements(field):

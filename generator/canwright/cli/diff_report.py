@@ -22,8 +22,8 @@ _COLOURS = {Impact.SILENT: "red", Impact.LOUD: "yellow", Impact.BUILD: "cyan", I
 _MEANING = {
     Impact.SILENT: "Silent: the program keeps running, but reads or commands something else",
     Impact.LOUD: "Loud: the program receives no reply or reports an error",
-    Impact.BUILD: "Names: a program has to be changed before it builds with the new bindings",
-    Impact.SAFE: "Nothing breaks",
+    Impact.BUILD: "Names: the program must be adapted before it builds with the new bindings",
+    Impact.SAFE: "Existing programs are not affected",
 }
 
 
