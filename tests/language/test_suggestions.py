@@ -68,9 +68,9 @@ WRONG = [
         "    code: 0x10",
         "    code 0x10",
         "10:5 this is not YAML",
-        "a key has a colon and a space behind it: `code: 0x10`",
+        "`code: 0x10`",
     ),
-    ("reply: echo", "reply: {layout: entry", "13:12 this is not YAML", "this `{` is left open"),
+    ("reply: echo", "reply: {layout: entry", "13:12 this is not YAML", "this `{` is not closed"),
     (
         "unit: ",
         "enum: [idle, busy], unit: ",

@@ -252,7 +252,7 @@ def _highest(rule: IdRule) -> int:
 def _erratum(context: Context, index: int, written: schema.ErratumSpec) -> Erratum:
     path: DocumentPath = ("errata", index)
     for i, where in enumerate(written.where):
-        if not context.document.holds(where) and not context.affected.may_hide(where):
+        if not context.document.contains(where) and not context.affected.may_hide(where):
             text = f"there is nothing at `{where}` in this file"
             context.report(
                 (*path, "where", i), "unknown-reference", text, suggestions.place(where, context.document.data)
