@@ -9,7 +9,7 @@ from ..model.message import Key
 
 
 @dataclass(frozen=True)
-class Form:
+class CommandForm:
     """A command, or what one entry of a table makes of it."""
 
     command: str

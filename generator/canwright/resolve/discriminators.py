@@ -11,8 +11,8 @@ from itertools import combinations
 from ..model.layout import Field, Layout, Segment, Space, Variant, bits_of
 from ..model.message import Command, Direction, Key, KeyRole, Message
 
-Place = tuple[Space, tuple[Segment, ...]]
-Constants = dict[Place, Field]
+FieldBits = tuple[Space, tuple[Segment, ...]]
+Constants = dict[FieldBits, Field]
 Deciding = dict[str, frozenset[str]]
 """Message to the names of the constants that tell it from others."""
 

@@ -14,7 +14,7 @@ from ..model.edition import Edition
 from ..model.message import Address, Command, Direction, Entry, IdRule, Table
 from ..model.metadata import Bus, Effect, Erratum, Mode, Setting
 from .affected import Affected
-from .command_forms import Form
+from .command_forms import CommandForm
 from .context import Context
 from .discriminators import keyed_by_constants, with_claims
 from .layouts import LayoutResolver
@@ -117,14 +117,14 @@ def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition
 
 def _command(
     context: Context,
-    written: schema.Command,
-    form: Form,
+    written: schema.CommandSpec,
+    form: CommandForm,
     messages: MessageResolver,
     layouts: LayoutResolver,
     modes: Mapping[str, Mode],
     settings: Mapping[str, Setting],
     effects: Mapping[str, Effect],
-    tables: Mapping[str, schema.Table],
+    tables: Mapping[str, schema.TableSpec],
 ) -> Command:
     path: DocumentPath = ("commands", form.command)
     request, replies = messages.of(form)
@@ -170,7 +170,7 @@ def _command(
     )
 
 
-def _table(context: Context, name: str, written: schema.Table) -> Table:
+def _table(context: Context, name: str, written: schema.TableSpec) -> Table:
     path: DocumentPath = ("tables", name)
     title, about = context.title(path, written.title, name), context.text((*path, "about"), written.about)
     return Table(name=name, title=title, about=about, manual=written.manual or "", path=path)
@@ -181,14 +181,14 @@ def _named(context: Context, path: DocumentPath, kind: str, names: Sequence[str]
     return [item for item in found if item is not None]
 
 
-def _mode(context: Context, path: DocumentPath, written: schema.Command, modes: Mapping[str, Mode]) -> str | None:
+def _mode(context: Context, path: DocumentPath, written: schema.CommandSpec, modes: Mapping[str, Mode]) -> str | None:
     if written.mode is not None:
         context.find((*path, "mode"), "mode", written.mode, modes)
         return written.mode
     return next(iter(modes), None)
 
 
-def _address(context: Context, number: int, name: str, written: schema.Address) -> Address:
+def _address(context: Context, number: int, name: str, written: schema.AddressSpec) -> Address:
     path: DocumentPath = ("addresses", name)
     lost = IdRule(base=LAST_ID + 1 + number, node_step=1, nodes=None, extended=True)
     """An id that no other address has, in place of one that could not be read."""
@@ -220,13 +220,13 @@ def _address(context: Context, number: int, name: str, written: schema.Address) 
     )
 
 
-def _id_path(address: DocumentPath, written: schema.Address, direction: Direction) -> DocumentPath:
+def _id_path(address: DocumentPath, written: schema.AddressSpec, direction: Direction) -> DocumentPath:
     """Where the id of one direction stands."""
     return (*address, "id" if getattr(written, direction.value) is None else direction.value)
 
 
 def _id_rule(
-    context: Context, path: DocumentPath, id_: IdExpression | None, written: schema.Address, lost: IdRule
+    context: Context, path: DocumentPath, id_: IdExpression | None, written: schema.AddressSpec, lost: IdRule
 ) -> IdRule:
     if id_ is None:
         return lost

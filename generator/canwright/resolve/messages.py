@@ -20,7 +20,7 @@ from ..model.message import (
     Reply,
     SharedReply,
 )
-from .command_forms import Form
+from .command_forms import CommandForm
 from .context import Context
 from .layouts import LayoutResolver, segments_at
 
@@ -64,11 +64,11 @@ class MessageResolver:
         own = {layout.name: layout for layout in of_entries if layout}
         return tuple({**self._shared, **own}.values())
 
-    def forms(self, command: str) -> list[Form]:
+    def forms(self, command: str) -> list[CommandForm]:
         """The forms of a command: one, or one for each entry of its table."""
         name = self._spec.commands[command].table
         if name is None:
-            return [Form(command, None, None, ())]
+            return [CommandForm(command, None, None, ())]
         table = self._context.find(("commands", command, "table"), "table", name, self._tables) or {}
         written = self._spec.tables[name].entries if table else {}
         having = (entry for entry in table.values() if command in (written[entry.entry or ""].commands or (command,)))
@@ -80,7 +80,7 @@ class MessageResolver:
         self._context.find(("commands", command, "address"), "address", name, self._addresses)
         return name
 
-    def of(self, form: Form) -> tuple[Message | None, tuple[Reply, ...]]:
+    def of(self, form: CommandForm) -> tuple[Message | None, tuple[Reply, ...]]:
         """Request and replies of a command."""
         key = (form.command, form.entry)
         if key not in self._done:
@@ -89,7 +89,7 @@ class MessageResolver:
             self._pending.pop()
         return self._done[key]
 
-    def _resolve(self, form: Form) -> tuple[Message | None, tuple[Reply, ...]]:
+    def _resolve(self, form: CommandForm) -> tuple[Message | None, tuple[Reply, ...]]:
         written = self._spec.commands[form.command]
         echo = written.reply == "echo"
         request = None
@@ -101,7 +101,7 @@ class MessageResolver:
             request = self._message(form, Direction.REQUEST, name, written.request or {})
         return request, self._replies(form, request)
 
-    def _replies(self, form: Form, request: Message | None) -> tuple[Reply, ...]:
+    def _replies(self, form: CommandForm, request: Message | None) -> tuple[Reply, ...]:
         command = form.command
         path: DocumentPath = ("commands", command, "reply")
         written = self._spec.commands[command].reply
@@ -126,7 +126,7 @@ class MessageResolver:
         from_each = tuple(written.from_each or ()) if isinstance(written, schema.MessageSpec) else ()
         return (reply(message=message, from_each=from_each),)
 
-    def _echo(self, form: Form, request: Message | None) -> tuple[Reply, ...]:
+    def _echo(self, form: CommandForm, request: Message | None) -> tuple[Reply, ...]:
         if request is None:
             path: DocumentPath = ("commands", form.command, "reply")
             self._context.report(
@@ -145,7 +145,7 @@ class MessageResolver:
         for key in (key for key in sorted(keys) if getattr(written, key) is not None):
             self._context.report((*path, key), "no-effect", f"`{key}` says nothing of {what}", hint, key=True)
 
-    def _other(self, path: DocumentPath, form: Form, written: schema.MessageSpec, of: str) -> tuple[Reply, ...]:
+    def _other(self, path: DocumentPath, form: CommandForm, written: schema.MessageSpec, of: str) -> tuple[Reply, ...]:
         others = set(schema.keys(schema.MessageSpec)) - OF_REPLIES
         hint = "leave it out, or leave `of` out and lay the reply out here"
         self._without_effect(path, written, others, "the reply of another command", hint)
@@ -170,11 +170,11 @@ class MessageResolver:
         from_each = tuple(written.from_each or ())
         return tuple(OtherReply(message=r.message, from_each=from_each, of=other.name) for r in self.of(other)[1])
 
-    def _other_form(self, path: DocumentPath, form: Form, of: str) -> Form | None:
+    def _other_form(self, path: DocumentPath, form: CommandForm, of: str) -> CommandForm | None:
         """The form of the command `of` that has the reply: that of the same entry, where it has a table."""
         table = self._spec.commands[of].table
         if table is None:
-            return Form(of, None, None, ())
+            return CommandForm(of, None, None, ())
         if table != self._spec.commands[form.command].table:
             hint = f"name the table `{table}` here as well, or write the name of a layout"
             self._context.report(path, "reply-of-table", f"`{of}` has a reply for each entry of a table", hint)
@@ -190,7 +190,11 @@ class MessageResolver:
         return found
 
     def _message(
-        self, form: Form, direction: Direction, layout_name: str, written: str | schema.Fields | schema.MessageSpec
+        self,
+        form: CommandForm,
+        direction: Direction,
+        layout_name: str,
+        written: str | schema.Fields | schema.MessageSpec,
     ) -> Message:
         command = form.command
         path: DocumentPath = ("commands", command, direction.value)
@@ -238,11 +242,11 @@ class MessageResolver:
     def _dlc(self, path: DocumentPath, spec: schema.MessageSpec, of_entry: int | None) -> int:
         return next(dlc for dlc in (of_entry, spec.dlc, self._spec.bus.dlc) if dlc is not None)
 
-    def code_of(self, form: Form) -> int | None:
+    def code_of(self, form: CommandForm) -> int | None:
         """The code of a command, or of what an entry's kind makes of it."""
         return self._code(("commands", form.command, "code"), form, self._spec.commands[form.command].code)
 
-    def _code(self, path: DocumentPath, form: Form, written: schema.Code | None) -> int | None:
+    def _code(self, path: DocumentPath, form: CommandForm, written: schema.Code | None) -> int | None:
         if not isinstance(written, dict):
             return written
         if form.entry is None:
@@ -299,7 +303,7 @@ class MessageResolver:
             text = f"0x{value:X} does not fit the selector's {width} bits"
             self._context.report(path, "code-width", text, "check the value, and `raw` of the selector")
 
-    def _entries(self, table: str, written: schema.Table) -> dict[str, Form]:
+    def _entries(self, table: str, written: schema.TableSpec) -> dict[str, CommandForm]:
         selectors = written.index if isinstance(written.index, list) else [written.index]
         entries = {}
         for name, entry in written.entries.items():
@@ -317,7 +321,7 @@ class MessageResolver:
                 self._key("index" if i == 0 else f"index_{i + 1}", KeyRole.INDEX, selector, value, place)
                 for i, (selector, value, place) in enumerate(zip(selectors, values, places, strict=False))
             )
-            entries[name] = Form(
+            entries[name] = CommandForm(
                 "",
                 name,
                 layout,
@@ -327,12 +331,14 @@ class MessageResolver:
             )
         return entries
 
-    def _may_have(self, name: str, command: schema.Command, table: str) -> bool:
+    def _may_have(self, name: str, command: schema.CommandSpec, table: str) -> bool:
         """Whether a command has a table, or names one that is not there."""
         unknown = command.table is not None and command.table not in self._spec.tables
         return command.table == table or unknown
 
-    def _entry_layout(self, path: DocumentPath, name: str, table: schema.Table, entry: schema.Entry) -> Layout | None:
+    def _entry_layout(
+        self, path: DocumentPath, name: str, table: schema.TableSpec, entry: schema.EntrySpec
+    ) -> Layout | None:
         if isinstance(entry.layout, str):
             return self._context.find((*path, "layout"), "layout", entry.layout, self._shared)
         manual = entry.manual or table.manual

@@ -72,7 +72,7 @@ class _TypeResolver:
     parameters: Mapping[str, Parameter]
     path: DocumentPath
 
-    def resolve(self, name: str, spec: schema.Type) -> Type:
+    def resolve(self, name: str, spec: schema.TypeSpec) -> Type:
         encoding, width = spec.raw
         linear = self._linear(spec)
         return Type(
@@ -98,7 +98,7 @@ class _TypeResolver:
             self.context.report((*self.path, "unit"), "unknown-reference", text, hint)
         return self.units.get(name or "")
 
-    def _member(self, at: DocumentPath, name: str, written: int | schema.Member | schema.Flag) -> Member:
+    def _member(self, at: DocumentPath, name: str, written: int | schema.MemberSpec | schema.FlagSpec) -> Member:
         path = (*self.path, *at)
         if isinstance(written, int):
             return Member(
@@ -107,11 +107,11 @@ class _TypeResolver:
                 title=self.context.title(path, None, name),
                 about=self.context.text(path, None),
             )
-        value = written.value if isinstance(written, schema.Member) else written.bit
+        value = written.value if isinstance(written, schema.MemberSpec) else written.bit
         title = self.context.title(path, written.title, name)
         return Member(name=name, value=value, title=title, about=self.context.text((*path, "about"), written.about))
 
-    def _linear(self, spec: schema.Type) -> Dependent[Linear]:
+    def _linear(self, spec: schema.TypeSpec) -> Dependent[Linear]:
         scale = self._multiples("scale", 1 if spec.scale is None else spec.scale)
         offset = self._multiples("offset", 0 if spec.offset is None else spec.offset)
         if scale.parameter and offset.parameter not in (None, scale.parameter):
@@ -185,7 +185,7 @@ class _TypeResolver:
             self.context.report(path, "incomplete-choice", text, hint, key=True)
         return {name: _none_or(written[name]) for name in known if name in written}
 
-    def _raw_range(self, spec: schema.Type, linear: Dependent[Linear]) -> Dependent[Range]:
+    def _raw_range(self, spec: schema.TypeSpec, linear: Dependent[Linear]) -> Dependent[Range]:
         if spec.raw_range is not None and spec.range is not None:
             self.context.report(
                 (*self.path, "range"), "two-ranges", "both `range` and `raw_range` are given", "keep one"
@@ -248,7 +248,7 @@ class _TypeResolver:
             return True
         return False
 
-    def _plausible(self, spec: schema.Type, linear: Dependent[Linear]) -> Range | None:
+    def _plausible(self, spec: schema.TypeSpec, linear: Dependent[Linear]) -> Range | None:
         found = self._spans("plausible", spec.plausible).constant
         times = any(line.times for _, line in linear.distinct() if line is not None)
         if found is None or (found.is_constant and not times):

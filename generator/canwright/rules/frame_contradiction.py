@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from ..diagnostics.diagnostic import nearest
-from ..language.golden_frames import Frame
+from ..language.golden_frames import GoldenFrame
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Field, Space
@@ -34,7 +34,7 @@ class _Judge:
         self._encoders = Encoders()
         self._decoder = Decoder(edition)
 
-    def judge(self, frame: Frame) -> list[Problem]:
+    def judge(self, frame: GoldenFrame) -> list[Problem]:
         direction = frame.direction
         if not frame.command or (frame.request and frame.reply):
             text = "this is no frame of a command" if not frame.command else "a frame is a request or a reply, not both"
@@ -89,7 +89,7 @@ def _reads_alike(alone: Identified | Rejection, encoder: Encoder, can: CanFrame,
 
 
 def _encoded(
-    encoder: Encoder, message: Message, fields: Mapping[str, Field], frame: Frame, can: CanFrame
+    encoder: Encoder, message: Message, fields: Mapping[str, Field], frame: GoldenFrame, can: CanFrame
 ) -> Iterator[Problem]:
     """Why the encoder writes another frame than the one that is decoded so."""
     for name, raw in frame.raw.items():
@@ -114,7 +114,7 @@ _DECODE_ONLY = "decode_only: true is for frames that are only decoded"
 _CHECK_LAYOUT = f"check the layout, with its `reserved`, in the spec; {_DECODE_ONLY}"
 
 
-def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
+def _header(message: Message, frame: GoldenFrame, can: CanFrame) -> Problem | None:
     wrong = difference(message, can)
     if wrong is None:
         node = node_of(message, can)
@@ -135,7 +135,7 @@ def _header(message: Message, frame: Frame, can: CanFrame) -> Problem | None:
     return ("data",), wrong.text, "check `data`, and the code in the spec"
 
 
-def _id_of(message: Message, frame: Frame) -> str:
+def _id_of(message: Message, frame: GoldenFrame) -> str:
     """What to do about an id that is none of a message, with the one that the node has where no field is a part of it."""
     hint, nodes = "check the id, and the address in the spec", message.id.nodes
     node = frame.node
@@ -144,7 +144,7 @@ def _id_of(message: Message, frame: Frame) -> str:
     return f"that of node {node} is 0x{can_ids.of_message(message)[nodes.index(node)]:X}; {hint}"
 
 
-def _raws(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[Problem]:
+def _raws(frame: GoldenFrame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[Problem]:
     unknown = [name for name in frame.raw if name not in found]
     if unknown:
         return [(("raw", name, KEY), *_no_field(name, fields, found)) for name in unknown]
@@ -164,7 +164,7 @@ def _raws(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -
 
 
 def _values(
-    frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw], assignment: Assignment
+    frame: GoldenFrame, fields: Mapping[str, Field], found: Mapping[str, Raw], assignment: Assignment
 ) -> list[Problem]:
     problems: list[Problem] = []
     for name, wanted in frame.values.items():
