@@ -23,7 +23,7 @@ INVALID = [
     ("nodes: 1..4", "nodes: 1-4", "4:45 value", "did you mean `1..4`?"),
     ("nodes: 1..4", "nodes: [1, 2]", "4:45 value", "did you mean `1..2`?"),
     ("id: 0x100 + node", "id: node << 5 | 16", "4:24 value", "did you mean `node << 5 + 16`?"),
-    ("0x100 + node", "0x100", "4:31 address-id", "write the id with `node`, like 0x100"),
+    ("0x100 + node", "0x100", "4:31 address-id", "0x100 + node"),
     ("id: 0x100", "reply: 0x200 + node, id: 0x100", "4:41 address-id", "keep `id`, or"),
     ("id: 0x100", "request: 0x100", "4:13 missing-key", "write `id`, or"),
     ("raw: u16", "raw: uint16_t", "7:16 value", "did you mean `u16`?"),
@@ -108,4 +108,4 @@ def test_no_name_is_suggested_if_none_is_similar(tmp_path: Path) -> None:
     many = "types:\n" + "".join(f"  kind_{n}: {{raw: u8}}\n" for n in range(14))
     text = MINIMAL.replace("types:\n", many).replace("type: level", "type: qq")
     hints = [f.hint for f in findings(tmp_path, text) if f.rule == "unknown-reference"]
-    assert hints == ["none of the 15 under `types` is like it; define it there"]
+    assert hints == ["define it under `types`; none of the 15 names there is similar"]
