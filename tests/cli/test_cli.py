@@ -83,7 +83,7 @@ def test_wrong_usage_gets_a_suggestion(folder: Path) -> None:
     (folder / "too.yaml").write_text((folder / "my.yaml").read_text("utf-8"), "utf-8")
     assert run("check", "--spec", "my.yaml", "--spec", "./my.yaml").exit_code == 0
     result = run("check", "--spec", "my.yaml", "--spec", "too.yaml")
-    assert (result.exit_code, "is lamp v1 as well [name-collision]" in result.output) == (1, True)
+    assert (result.exit_code, "describes lamp v1, too [name-collision]" in result.output) == (1, True)
 
 
 def test_check_of_a_spec_alone(folder: Path) -> None:

@@ -76,7 +76,7 @@ def test_a_revision_in_git(specs: Path, monkeypatch: pytest.MonkeyPatch) -> None
 def test_a_revision_without_git(specs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(specs))
     result = diff("HEAD:v1.yaml", "v1")
-    assert (result.exit_code, "there is no git here; install it" in result.output) == (2, True)
+    assert (result.exit_code, "requires git, which is not installed; install it" in result.output) == (2, True)
     assert diff("--upload-pack=x:v1.yaml", "v1").exit_code == 2
 
 

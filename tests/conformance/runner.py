@@ -8,7 +8,14 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
 
-from canwright.language.golden_frames import CheckedFrame, Exchange, Frame, GoldenFrames, RefusedFrame, RefusedValues
+from canwright.language.golden_frames import (
+    CheckedFrame,
+    Exchange,
+    GoldenFrame,
+    GoldenFrames,
+    RefusedFrame,
+    RefusedValues,
+)
 from canwright.model.edition import Edition
 from canwright.model.message import Message
 from canwright.semantics.decoder import Decoder, Rejection
@@ -78,12 +85,12 @@ class Runner:
         for exchange in self._frames.exchanges:
             yield "answer", partial(self._exchange, exchange), exchange
 
-    def _decode(self, frame: Frame) -> str:
+    def _decode(self, frame: GoldenFrame) -> str:
         """As the message that it is expected to be."""
         found = self._adapter.decode(frame.direction, _can(frame), frame.parameters, frame.command)
         return self._compare(frame, found, self._adapter.message_of(frame.direction, frame.command))
 
-    def _decode_alone(self, frame: Frame) -> str:
+    def _decode_alone(self, frame: GoldenFrame) -> str:
         """By itself it means the same, though a reply may be the message of another command that has its code."""
         found = self._adapter.decode(frame.direction, _can(frame), frame.parameters, None)
         wanted = self._decoder.identify(frame.direction, _can(frame))
@@ -91,7 +98,7 @@ class Runner:
             return f"no message of the spec: {wanted.text}"
         return self._compare(frame, found, wanted.message)
 
-    def _compare(self, frame: Frame, found: Decoded | Refused, message: Message) -> str:
+    def _compare(self, frame: GoldenFrame, found: Decoded | Refused, message: Message) -> str:
         if not isinstance(found, Decoded):
             return f"refused: {found}"
         if self._adapter.message_of(frame.direction, found.command) is not message:
@@ -120,21 +127,21 @@ class Runner:
             return False
         return abs(got - float(wanted)) <= tolerance * abs(float(wanted))
 
-    def _has_all_values(self, frame: Frame) -> bool:
+    def _has_all_values(self, frame: GoldenFrame) -> bool:
         return set(frame.values) == set(frame.raw) and "none" not in frame.values.values()
 
-    def _encode_raw(self, frame: Frame) -> str:
+    def _encode_raw(self, frame: GoldenFrame) -> str:
         return self._encoded(
             frame, self._adapter.encode_raw(frame.direction, frame.command, frame.node, frame.raw, frame.parameters)
         )
 
-    def _encode_values(self, frame: Frame) -> str:
+    def _encode_values(self, frame: GoldenFrame) -> str:
         return self._encoded(
             frame,
             self._adapter.encode_values(frame.direction, frame.command, frame.node, frame.values, frame.parameters),
         )
 
-    def _encoded(self, frame: Frame, found: Encoded | Refused) -> str:
+    def _encoded(self, frame: GoldenFrame, found: Encoded | Refused) -> str:
         if found == Encoded(frame.id, frame.data, frame.extended, frame.remote):
             return ""
         return f"wrote {found}, not 0x{frame.id:X} {frame.data.hex(' ')}"
@@ -160,18 +167,18 @@ class Runner:
         return "" if says is entry.says else f"{says}, not {entry.says}"
 
 
-def _can(entry: Frame | RefusedFrame | CheckedFrame) -> CanFrame:
+def _can(entry: GoldenFrame | RefusedFrame | CheckedFrame) -> CanFrame:
     return CanFrame(entry.id, entry.data, entry.extended, entry.remote)
 
 
-def _beyond_double(frame: Frame) -> bool:
+def _beyond_double(frame: GoldenFrame) -> bool:
     """Whether a double cannot tell the value of some field from that of the next raw integer."""
     raws = [r for raw in frame.raw.values() for r in (raw if isinstance(raw, list) else [raw])]
     return any(abs(raw) >= DOUBLE_IS_EXACT for raw in raws)
 
 
 def _named(entry: object) -> str:
-    if isinstance(entry, Frame):
+    if isinstance(entry, GoldenFrame):
         given = f" {dict(entry.parameters)}" if entry.parameters else ""
         return f"{entry.direction.value} {entry.command} 0x{entry.id:X} {entry.data.hex(' ')}{given}"
     if isinstance(entry, RefusedFrame):

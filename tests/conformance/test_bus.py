@@ -8,7 +8,7 @@ from pathlib import Path
 
 import can
 import pytest
-from canwright.language.golden_frames import Frame
+from canwright.language.golden_frames import GoldenFrame
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets import python as target
@@ -63,7 +63,7 @@ def test_frames_cross_a_bus(
     assert crossed == len(item.frames.frames) > 0
 
 
-def _message(adapter: PythonAdapter, frame: Frame) -> object:
+def _message(adapter: PythonAdapter, frame: GoldenFrame) -> object:
     return adapter.message(frame.direction, frame.command, frame.node, frame.raw, frame.parameters)
 
 

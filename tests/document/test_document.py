@@ -44,7 +44,7 @@ def test_scalars_are_exact_and_plain() -> None:
 @pytest.mark.parametrize(
     "text", ["no", "On", "~", "null", ".inf", "-.NaN", "1_0", "0o7", "012", "12:30", "1e3", "1.", "+5", ".5", "True"]
 )
-def test_what_yaml_readers_disagree_on_is_refused(text: str) -> None:
+def test_ambiguous_scalars_are_rejected(text: str) -> None:
     assert rule_of(f"a: {text}") == "1:4 ambiguous-scalar"
     assert parse_document("x.yaml", f"a: '{text}'").data == {"a": text}
 
@@ -66,11 +66,11 @@ def test_what_yaml_readers_disagree_on_is_refused(text: str) -> None:
         ("a: " + "[" * 40 + "]" * 40, "1:27 yaml-depth"),
     ],
 )
-def test_unsafe_and_broken_yaml_is_refused_where_it_stands(text: str, expected: str) -> None:
+def test_position_of_unsafe_and_invalid_yaml(text: str, expected: str) -> None:
     assert rule_of(text) == expected
 
 
-def test_a_file_that_is_too_long_or_not_utf8_is_refused(tmp_path: Path) -> None:
+def test_a_file_that_is_too_long_or_not_utf8_is_rejected(tmp_path: Path) -> None:
     file = tmp_path / "x.yaml"
     file.write_bytes(b"a: 1\nb: \xff\n")
     with pytest.raises(SpecError, match=r"x\.yaml:2:4: error: byte 8, 0xFF, is not UTF-8 \[encoding\]"):
@@ -82,12 +82,12 @@ def test_a_file_that_is_too_long_or_not_utf8_is_refused(tmp_path: Path) -> None:
 
 def test_a_finding_shows_the_line_and_a_caret() -> None:
     document = parse_document("x.yaml", "a:\n  bc: [1, def]\n")
-    text = str(document.finding(("a", "bc", 1), "some-rule", "that is wrong", "write ghi"))
-    assert text == "x.yaml:2:11: error: that is wrong [some-rule]\n    bc: [1, def]\n            ^^^\n  write ghi"
+    text = str(document.finding(("a", "bc", 1), "some-rule", "this is invalid", "write ghi"))
+    assert text == "x.yaml:2:11: error: this is invalid [some-rule]\n    bc: [1, def]\n            ^^^\n  write ghi"
 
 
 @given(st.text())
-def test_nothing_but_findings_ever_comes_out(text: str) -> None:
+def test_every_text_is_a_document_or_has_findings(text: str) -> None:
     try:
         parse_document("x.yaml", text)
     except SpecError as error:

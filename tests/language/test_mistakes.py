@@ -1,8 +1,8 @@
-"""Mistakes as people make them in a spec or its golden frames: each gives exactly these findings, in one run.
+"""Typical mistakes in a spec or its golden frames, and the exact findings of one run.
 
-`mistakes/mistakes.txt` lists what is changed in `heater.yaml` and, after `F`, in its golden frames: `old => new`, with
+`mistakes/mistakes.txt` lists the changes of `heater.yaml` and, after `F`, in its golden frames: `old => new`, with
 `||` between alternatives that give the same findings and `;;` between changes made together. Each finding follows on a
-line of its own after `!`: position, rule, and what its hint says to write (or its message, where there is no hint).
+separate line after `!`: position, rule, and a part of its hint, or of its message if it has no hint.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ def read(lines: list[str]) -> dict[str, Mistake]:
         findings = []
         changes = [part.partition(" => ") for part in line.split(" ;; ")]
         for alternative in changes[-1][2].split(" || "):
-            made = [*changes[:-1], (*changes[-1][:2], alternative)]
-            name = f"{changes[0][0]} => {' ;; '.join(new for _, _, new in made)}"
+            alternatives = [*changes[:-1], (*changes[-1][:2], alternative)]
+            name = f"{changes[0][0]} => {' ;; '.join(new for _, _, new in alternatives)}"
             assert name not in mistakes, line
-            mistakes[name] = Mistake([change(old, new) for old, _, new in made], findings)
+            mistakes[name] = Mistake([change(old, new) for old, _, new in alternatives], findings)
     return mistakes
 
 
@@ -78,8 +78,8 @@ def test_the_spec_without_a_mistake_is_valid() -> None:
     assert {finding.rule for finding in load(HERE / SPEC).warnings} <= {"missing-frame", "unused"}
 
 
-def test_no_suggestion_is_made_of_a_part(tmp_path: Path) -> None:
-    """A rewrite that leaves something out is wrong: `360/counts` is not 360."""
+def test_no_suggestion_omits_a_part(tmp_path: Path) -> None:
+    """`360/counts` is not 360."""
     text = (HERE / SPEC).read_text("utf-8")
     for scale in ("360/counts", "360 / 2^14", "10%", "2 pi", "5 k", "raw / 10 + 3"):
         (tmp_path / SPEC).write_text(text.replace("scale: 0.1", f'scale: "{scale}"'), "utf-8")

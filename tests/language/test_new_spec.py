@@ -1,4 +1,4 @@
-"""What someone runs into who writes the first spec of a protocol, with the documents alone."""
+"""Typical problems of the author of a first spec."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ LONG = "a_name_of_more_than_forty_eight_characters_is_too_long"
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "says"),
+    ("old", "new", "message"),
     [
         (LEVEL, "{layout: {level: {at: 2, raw: u8, enum: {low: 0}}}}", "unknown key `enum`"),
         (LEVEL, f"{{layout: {{level: {{at: 2, type: {LONG}}}}}}}", "54 characters exceed the maximum of 48"),
         ("level:", f"{LONG}:", "54 characters exceed the maximum of 48"),
-        (LEVEL, "{layout: [2]}", "a list cannot stand here"),
+        (LEVEL, "{layout: [2]}", "expected a name or a mapping here, not a list"),
     ],
 )
-def test_one_mistake_is_one_finding(tmp_path: Path, old: str, new: str, says: str) -> None:
+def test_one_mistake_is_one_finding(tmp_path: Path, old: str, new: str, message: str) -> None:
     texts = [d.message for d in findings(tmp_path, MINIMAL.replace(old, new, 1)) if d.rule != "unknown-reference"]
-    assert texts == [says]
+    assert texts == [message]
 
 
-def test_what_belongs_to_a_type_is_sent_there(tmp_path: Path) -> None:
-    (found,) = findings(tmp_path, MINIMAL.replace("type: level}", "raw: u8, unit: V}"))
-    assert found.hint == "`unit` belongs to a type: name one under `types`, and write `type: NAME` in place of `raw`"
+def test_a_key_of_a_type_in_a_field_has_a_hint(tmp_path: Path) -> None:
+    (finding,) = findings(tmp_path, MINIMAL.replace("type: level}", "raw: u8, unit: V}"))
+    assert "`type: NAME`" in finding.hint
 
 
 @pytest.mark.parametrize(
-    ("entry", "says"),
+    ("entry", "messages"),
     [
         ("node: 1, id: 0x101", ["`raw` lacks `level`"]),
         ("node: 1, id: 0x101, raw: {levle: 7}", ["there is no field `levle`"]),
@@ -47,18 +47,18 @@ def test_what_belongs_to_a_type_is_sent_there(tmp_path: Path) -> None:
         ("node: 1, id: 0x101, raw: {level: 7}", []),
     ],
 )
-def test_golden_frames_say_what_is_missing(tmp_path: Path, entry: str, says: list[str]) -> None:
-    assert told(tmp_path, MINIMAL, entry) == says
+def test_contradictions_of_a_golden_frame(tmp_path: Path, entry: str, messages: list[str]) -> None:
+    assert contradictions(tmp_path, MINIMAL, entry) == messages
 
 
-def test_an_id_of_no_node_has_none_in_its_golden_frame(tmp_path: Path) -> None:
+def test_a_golden_frame_of_a_fixed_id_has_no_node(tmp_path: Path) -> None:
     fixed = MINIMAL.replace("id: 0x100 + node, nodes: 1..4", "id: 0x101")
-    assert told(tmp_path, fixed, "node: 1, id: 0x101, raw: {level: 7}") == ["the id 0x101 has no node"]
-    assert told(tmp_path, fixed, "id: 0x101, raw: {level: 7}") == []
+    assert contradictions(tmp_path, fixed, "node: 1, id: 0x101, raw: {level: 7}") == ["the id 0x101 has no node"]
+    assert contradictions(tmp_path, fixed, "id: 0x101, raw: {level: 7}") == []
 
 
-def told(folder: Path, text: str, entry: str) -> list[str]:
-    """What is said of a golden frame of `dim`."""
+def contradictions(folder: Path, text: str, entry: str) -> list[str]:
+    """Messages about a golden frame of `dim`."""
     (folder / "v1.yaml").write_text(text, "utf-8")
     frames = f'{{request: dim, {entry}, data: "10 00 07 00 00 00 00 00", source: manual}}'
     (folder / "v1.frames.yaml").write_text(
@@ -90,12 +90,12 @@ def table(reply: str) -> str:
     return text + TABLE.replace("REPLY", reply)
 
 
-def test_a_layout_with_further_fields_is_used(tmp_path: Path) -> None:
+def test_a_layout_in_a_reply_with_further_fields_is_not_unused(tmp_path: Path) -> None:
     (tmp_path / "v1.yaml").write_text(table("entry"), "utf-8")
     assert [finding.rule for finding in load(tmp_path / "v1.yaml").warnings] == ["missing-frame"]
 
 
-def test_an_entry_has_a_length_of_its_own(tmp_path: Path) -> None:
+def test_an_entry_may_have_its_own_length(tmp_path: Path) -> None:
     (tmp_path / "v1.yaml").write_text(table("entry"), "utf-8")
     commands = {c.name: c for c in specification(tmp_path / "v1.yaml").edition.commands}
     lengths = {name: tuple(m and m.dlc for m in (command.request, command.reply)) for name, command in commands.items()}
@@ -108,21 +108,21 @@ def test_an_entry_has_a_length_of_its_own(tmp_path: Path) -> None:
     }
 
 
-def test_a_reply_without_the_index_is_shown_the_way_out(tmp_path: Path) -> None:
-    found = findings(tmp_path, table("status"))
-    assert {d.message for d in found} == {"`status` shares bit 0 of byte 1 with the table's index"}
-    assert all("`reply: {of: COMMAND}` here" in d.hint for d in found)
+def test_a_reply_without_the_index_has_a_hint(tmp_path: Path) -> None:
+    diagnostics = findings(tmp_path, table("status"))
+    assert {d.rule for d in diagnostics} == {"overlap"}
+    assert all("`reply: {of: COMMAND}`" in d.hint for d in diagnostics)
     (tmp_path / "v1.yaml").write_text(table("{of: done}"), "utf-8")
     assert [finding.rule for finding in load(tmp_path / "v1.yaml").warnings] == ["missing-frame"]
 
 
-def test_a_dbc_has_messages_that_nothing_tells_apart_once(tmp_path: Path) -> None:
+def test_a_dbc_has_identical_messages_once(tmp_path: Path) -> None:
     commands = "  one: {request: level, reply: none}\n  other: {request: level, reply: none}\n"
     text = MINIMAL.replace("selector: {at: 0, raw: u8}\n", "").partition("commands:")[0]
     text += "layouts: {level: {fields: {level: {at: 2, type: level}}}}\ncommands:\n" + commands
     (tmp_path / "v1.yaml").write_text(text, "utf-8")
-    made = CliRunner().invoke(main, ["generate", "--spec", str(tmp_path / "v1.yaml"), "--out", str(tmp_path / "out")])
-    assert made.exit_code == 0, made.output
+    result = CliRunner().invoke(main, ["generate", "--spec", str(tmp_path / "v1.yaml"), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 0, result.output
     database = cantools.database.load_file(tmp_path / "out/dbc/lamp-v1-command-node1.dbc", strict=True)
     assert isinstance(database, cantools.database.can.Database)
     assert [[signal.name for signal in message.signals] for message in database.messages] == [["c_level"]]
@@ -130,15 +130,15 @@ def test_a_dbc_has_messages_that_nothing_tells_apart_once(tmp_path: Path) -> Non
     assert "`other` (command)" in guide
 
 
-def test_show_shows_the_forms_of_a_command_with_a_table(tmp_path: Path) -> None:
+def test_show_lists_the_forms_of_a_command_with_a_table(tmp_path: Path) -> None:
     (tmp_path / "v1.yaml").write_text(table("entry"), "utf-8")
     shown = CliRunner().invoke(main, ["show", "read", "--spec", str(tmp_path / "v1.yaml")])
     assert [line.split()[0] for line in shown.output.split("\n") if "  0x01  " in line] == ["read_level", "read_night"]
 
 
-def test_every_unit_is_whole() -> None:
+def test_every_unit_has_distinct_texts() -> None:
     _, units = read_units()
     assert all(unit.dbc.isascii() and '"' not in unit.dbc for unit in units.values())
     assert all(set(unit.title) == {"en", "zh"} and all(unit.title.values()) for unit in units.values())
     for texts in zip(*((u.dbc, u.symbol, u.title["en"], u.title["zh"]) for u in units.values()), strict=True):
-        assert len(set(texts)) == len(units), "two units would read alike"
+        assert len(set(texts)) == len(units), "two units have the same text"

@@ -22,7 +22,7 @@ def test_rationals_are_exact(text: str, value: Fraction) -> None:
 
 
 @pytest.mark.parametrize("text", ["1/0", "a", "1/", "1/2/3", "", "nan", "__import__('os')"])
-def test_what_is_no_rational_is_refused(text: str) -> None:
+def test_invalid_rationals_are_rejected(text: str) -> None:
     with pytest.raises(ValueError, match="`"):
         notation.rational(text)
 
@@ -50,13 +50,13 @@ def test_a_number_may_be_a_multiple_of_a_parameter() -> None:
 @pytest.mark.parametrize(
     "text", ["top*2", "2*", "*top", "2*3*top", "1/0*top", "top+1", "none", "2top", "1e3*top", "--top"]
 )
-def test_what_is_no_multiple_is_refused(text: str) -> None:
+def test_invalid_multiples_are_rejected(text: str) -> None:
     with pytest.raises(ValueError, match="`"):
         notation.multiple(text)
 
 
 @pytest.mark.parametrize("text", ["5", "9..3", "0..X", "1..2..3", "0..2*Gear"])
-def test_what_is_no_range_is_refused(text: str) -> None:
+def test_invalid_ranges_are_rejected(text: str) -> None:
     with pytest.raises(ValueError, match="range"):
         notation.span(text)
 
@@ -109,11 +109,11 @@ def test_bits_of_a_field(at: str, width: int, order: Order, bits: list[int]) -> 
 
 
 @given(st.fractions())
-def test_exact_numbers_read_back(number: Fraction) -> None:
+def test_exact_numbers_round_trip(number: Fraction) -> None:
     assert notation.rational(formatting.exact(number)) == number
 
 
-def test_each_edition_tells_a_scale_as_it_prints_it(tmp_path: Path) -> None:
+def test_each_edition_shows_a_scale_in_its_own_notation(tmp_path: Path) -> None:
     (one,) = edition(tmp_path, MINIMAL).types
     (other,) = edition(tmp_path, MINIMAL.replace("scale: 0.1", "scale: 1/10")).types
     assert one.linear == other.linear

@@ -23,14 +23,14 @@ def v2_35() -> Edition:
     return specification(ROOT / "spec/mwd_motor/v2.35.yaml").edition
 
 
-def test_every_command_of_the_manual_is_there(v2_35: Edition) -> None:
+def test_the_edition_has_every_command_of_the_manual(v2_35: Edition) -> None:
     codes = "80 88 81 A0 A1 A2 A3 A4 A5 A6 A7 A8 30 31 32 33 34 90 91 19 92 94 95 9A 9B 9C 9D"
     assert [c.code for c in v2_35.commands if c.code is not None] == [int(code, 16) for code in codes.split()]
     assert [c.name for c in v2_35.commands if c.code is None] == ["broadcast_torque"]
     assert [c.manual for c in v2_35.commands] == [*(f"2.{n}" for n in range(1, 28)), "3.1"]
 
 
-def test_the_motion_feedback_stands_once_and_depends_on_the_series(v2_35: Edition) -> None:
+def test_the_motion_feedback_is_one_layout_that_depends_on_the_series(v2_35: Edition) -> None:
     layouts = {c.name: c.reply.layout for c in v2_35.commands if c.reply}
     shared = [name for name, layout in layouts.items() if layout.name == "motion_feedback"]
     assert len(shared) == 11
@@ -41,7 +41,7 @@ def test_the_motion_feedback_stands_once_and_depends_on_the_series(v2_35: Editio
     ]
 
 
-def test_scales_are_exact_and_absent_where_the_manual_gives_none(v2_35: Edition) -> None:
+def test_scales_are_exact_or_unknown(v2_35: Edition) -> None:
     linear = next(t for t in v2_35.types if t.name == "torque_current").linear
     scales = {name: case and case.scale for name, case in linear.cases.items()}
     assert scales == {"MS": None, "MF": Fraction(33, 4096), "MH": None, "MG": Fraction(33, 2048)}
@@ -58,7 +58,7 @@ def test_reply_forms(v2_35: Edition) -> None:
     assert broadcast.message is v2_35.command("set_torque").reply
 
 
-def test_a_first_byte_that_two_replies_share_belongs_to_the_command_of_that_code(v2_35: Edition) -> None:
+def test_the_command_of_a_code_claims_it(v2_35: Edition) -> None:
     claims = {m.command: m.claims for m in v2_35.messages(Direction.REPLY)}
     assert claims["read_status_1"] == (0x9A,)
     assert claims["clear_errors"] == (0x9B,)
@@ -75,16 +75,16 @@ def test_the_multi_turn_angle_has_seven_bytes(v2_35: Edition) -> None:
     assert field.type.raw_limits == (-(2**55), 2**55 - 1)
 
 
-def test_a_range_in_the_unit_becomes_the_raw_integers_within(tmp_path: Path) -> None:
+def test_a_range_in_the_unit_is_converted_to_raw_integers(tmp_path: Path) -> None:
     text = MINIMAL.replace("scale: 0.1, raw_range: 0..1000", "scale: 0.3, offset: 1, range: 2..10")
     (level,) = edition(tmp_path, text).types
     assert level.linear == Dependent.always(Linear(Fraction(3, 10), Fraction(1)))
-    found = level.raw_range.constant
-    assert found is not None
-    assert [int(end.constant) for end in (found.low, found.high)] == [4, 30]
+    limits = level.raw_range.constant
+    assert limits is not None
+    assert [int(end.constant) for end in (limits.low, limits.high)] == [4, 30]
 
 
-def test_an_array_and_odd_big_endian_fields(tmp_path: Path) -> None:
+def test_a_big_endian_array_of_12_bit_elements(tmp_path: Path) -> None:
     text = MINIMAL.replace("request: {level: {at: 2, type: level}}", "request: {a: {at: 1.3, raw: u12, array: 1..2}}")
     request = edition(tmp_path, "byte_order: big\n" + text).commands[0].request
     assert request is not None
@@ -116,17 +116,17 @@ def test_an_array_and_odd_big_endian_fields(tmp_path: Path) -> None:
         ("raw_range: 0..1000", "flags: {a: {bit: 16}}", "member-value: {"),
     ],
 )
-def test_what_a_spec_means_is_checked_where_it_stands(tmp_path: Path, old: str, new: str, expected: str) -> None:
+def test_position_of_a_semantic_error(tmp_path: Path, old: str, new: str, expected: str) -> None:
     assert old in MINIMAL
     assert expected in marked(findings(tmp_path, MINIMAL.replace(old, new, 1)))
 
 
-def test_addresses_that_run_into_each_other_are_found(tmp_path: Path) -> None:
+def test_colliding_addresses_are_reported(tmp_path: Path) -> None:
     text = MINIMAL.replace("nodes: 1..4}}", "nodes: 1..4}, all: {id: 0x102}}")
     assert marked(findings(tmp_path, text)) == ["id-collision: 0x102"]
 
 
-def test_texts_are_given_in_every_language(tmp_path: Path) -> None:
+def test_a_text_without_a_language_is_reported(tmp_path: Path) -> None:
     text = MINIMAL.replace("edition: v1", "edition: v1\nlanguages: [en, zh]\ntitle: {en: Lamps}")
     assert places(findings(tmp_path, text)) == ["5:8 missing-language"]
 
@@ -168,7 +168,7 @@ def test_an_offset_may_depend_on_a_parameter(tmp_path: Path) -> None:
     ]
 
 
-def test_a_field_without_a_title_is_called_after_itself(tmp_path: Path) -> None:
+def test_the_default_title_of_a_field_is_its_name(tmp_path: Path) -> None:
     def titles(text: str) -> list[str]:
         (command,) = edition(tmp_path, text).commands
         return [field.title["en"] for field in command.request.layout.fields] if command.request else []
@@ -216,13 +216,13 @@ def test_codes_by_the_kind_of_an_entry(tmp_path: Path) -> None:
         ("write: {code: {byte: 0x2F, word: 0x2B}, table: objects", "write: {code: {a: 1}", "entry-of-nothing: {"),
     ],
 )
-def test_kinds_and_commands_of_an_entry_are_there(tmp_path: Path, old: str, new: str, expected: str) -> None:
+def test_unknown_kinds_and_commands_of_an_entry_are_reported(tmp_path: Path, old: str, new: str, expected: str) -> None:
     assert old in OBJECTS
     assert expected in marked(findings(tmp_path, OBJECTS.replace(old, new)))
 
 
-def test_a_constant_tells_a_message_from_what_is_left(tmp_path: Path) -> None:
-    """A frame that has the code by chance and not the constant is the one without a code."""
+def test_a_constant_distinguishes_a_message_from_one_without_a_code(tmp_path: Path) -> None:
+    """A frame with the code but without the constant is the message without a code."""
     text = MINIMAL.replace(
         "commands:\n",
         "commands:\n"
@@ -235,7 +235,7 @@ def test_a_constant_tells_a_message_from_what_is_left(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
-def test_a_copy_of_an_edition_knows_its_own_layouts(v2_35: Edition, copied: Callable[[Edition], Edition]) -> None:
+def test_a_copied_edition_refers_to_its_own_layouts(v2_35: Edition, copied: Callable[[Edition], Edition]) -> None:
     assert all(v2_35.of_layout(message.layout) for message in v2_35.all_messages())
     other = copied(v2_35)
     assert [m.name for m in other.all_messages()] == [m.name for m in v2_35.all_messages()]
@@ -276,10 +276,10 @@ def test_a_scale_may_be_a_multiple_of_a_number(tmp_path: Path) -> None:
     assert [linear_of(angle, given) for given in ({}, {"top": "0"}, {"top": "-1"}, {"top": "x"})] == [None] * 4
 
 
-def test_what_is_no_multiple_of_a_number_is_found_where_it_stands(tmp_path: Path) -> None:
+def test_position_of_an_invalid_multiple(tmp_path: Path) -> None:
     assert places(findings(tmp_path, MULTIPLES)) == ["9:90 two-parameters", "10:26 parameter-kind"]
-    right = MULTIPLES.replace("raw_range: 0..2*side", "raw_range: 0..200").replace("0..bits", "0..side")
-    for old, new, found in (
+    valid = MULTIPLES.replace("raw_range: 0..2*side", "raw_range: 0..200").replace("0..bits", "0..side")
+    for old, new, place in (
         ("2/65535*top", "2/65535*tip", "8:39 unknown-reference"),
         ("2/65535*top", "2/65535*size", "8:39 parameter-kind"),
         ("small: 1/255*top", "small: 1/255*tip", "9:55 unknown-reference"),
@@ -299,41 +299,41 @@ def test_what_is_no_multiple_of_a_number_is_found_where_it_stands(tmp_path: Path
         ("top: {number: {}}", "top: {number: {max: 0}}", "6:34 parameter-range"),
         ("offset: -top, range: -0.5*top..top", "range: 0..3*top", "8:59 beyond-width"),
     ):
-        assert old in right
-        assert found in places(findings(tmp_path, right.replace(old, new, 1))), new
-    assert findings(tmp_path, right) == []
+        assert old in valid
+        assert place in places(findings(tmp_path, valid.replace(old, new, 1))), new
+    assert findings(tmp_path, valid) == []
 
 
-def test_a_golden_frame_gives_a_number_that_can_be(tmp_path: Path) -> None:
+def test_a_golden_frame_has_valid_parameters(tmp_path: Path) -> None:
     spec = ROOT / "tests/specs/arm/v1.yaml"
     (tmp_path / "v1.yaml").write_text(spec.read_text("utf-8"), "utf-8")
     golden = spec.with_name("v1.frames.yaml").read_text("utf-8")
-    for number, says in (
+    for number, message in (
         ("0", "`p_max` has to be above 0, since a scale is a multiple of it"),
         ("101", "`p_max` is at most 100"),
         ("much", "`much` is not a number"),
         ("", "`` is not a number"),
     ):
-        wrong = golden.replace("p_max: 95.5", f'p_max: "{number}"')
-        assert wrong != golden
-        (tmp_path / "v1.frames.yaml").write_text(wrong, "utf-8")
-        with pytest.raises(SpecError) as found:
+        invalid = golden.replace("p_max: 95.5", f'p_max: "{number}"')
+        assert invalid != golden
+        (tmp_path / "v1.frames.yaml").write_text(invalid, "utf-8")
+        with pytest.raises(SpecError) as error:
             specification(tmp_path / "v1.yaml")
-        assert says in str(found.value)
+        assert message in str(error.value)
     (tmp_path / "v1.frames.yaml").write_text(golden.replace("p_max: 95.5", 'p_max: "191/2"'), "utf-8")
     specification(tmp_path / "v1.yaml")
 
 
-def test_a_constant_that_shares_its_bits_with_the_selector_is_told(tmp_path: Path) -> None:
-    """It stays a field, though it would tell its message from another."""
+def test_a_constant_that_overlaps_the_selector_is_reported(tmp_path: Path) -> None:
+    """It remains a field, although its value distinguishes messages."""
     text = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
     assert findings(tmp_path, text) == []
     text = text.replace("zero: {at: 1, raw: u8, constant: 0}", "zero: {at: 2, raw: u8, constant: 0}", 1)
     assert marked(findings(tmp_path, text)) == ["overlap: 2"]
 
 
-@pytest.mark.parametrize(("given", "found"), [("reserved: 3", "reserved"), ("holds: node", "holds")])
-def test_a_field_has_one_role(tmp_path: Path, given: str, found: str) -> None:
+@pytest.mark.parametrize(("role", "place"), [("reserved: 3", "reserved"), ("holds: node", "holds")])
+def test_a_field_has_one_role(tmp_path: Path, role: str, place: str) -> None:
     text = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
-    text = text.replace("zero: {at: 1, raw: u8, constant: 0}", f"zero: {{at: 1, raw: u8, constant: 0, {given}}}", 1)
-    assert marked(findings(tmp_path, text)) == [f"field-type: {found}"]
+    text = text.replace("zero: {at: 1, raw: u8, constant: 0}", f"zero: {{at: 1, raw: u8, constant: 0, {role}}}", 1)
+    assert marked(findings(tmp_path, text)) == [f"field-type: {place}"]

@@ -39,9 +39,9 @@ def test_a_command_has_a_form_for_each_entry(tmp_path: Path) -> None:
     assert [k.value for k in commands["read_setting_gains"].reply.keys] == [0x40, 0xA0]  # type: ignore[union-attr]
 
 
-def test_reading_and_writing_share_the_entrys_layout(tmp_path: Path) -> None:
-    found = edition(tmp_path, TABLE)
-    read, write = found.command("read_setting_level"), found.command("write_setting_level")
+def test_reading_and_writing_share_the_layout_of_the_entry(tmp_path: Path) -> None:
+    tables = edition(tmp_path, TABLE)
+    read, write = tables.command("read_setting_level"), tables.command("write_setting_level")
     assert read.request and not read.request.layout.fields
     assert read.reply and write.request and read.reply.layout is write.request.layout
     assert read.reply.layout.name == "settings_level"
@@ -49,12 +49,12 @@ def test_reading_and_writing_share_the_entrys_layout(tmp_path: Path) -> None:
 
 
 def test_the_effects_of_an_entry_are_those_of_writing_it(tmp_path: Path) -> None:
-    found = edition(tmp_path, TABLE)
-    assert [e.name for e in found.command("write_setting_gains").effects] == ["wears"]
-    assert not found.command("read_setting_gains").effects
+    tables = edition(tmp_path, TABLE)
+    assert [e.name for e in tables.command("write_setting_gains").effects] == ["wears"]
+    assert not tables.command("read_setting_gains").effects
 
 
-def test_what_is_amiss_is_found_once_and_at_its_place(tmp_path: Path) -> None:
+def test_position_of_an_error_in_a_table(tmp_path: Path) -> None:
     text = TABLE.replace("index: 0xA0, effects: [wears]", "index: [1, 2, 0x100], effects: [ware]")
     assert marked(findings(tmp_path, text)) == ["too-many-values: [", "unknown-reference: ware"]
     text = TABLE.replace("[5, 0x0A]", "[5, 0x100]").replace("table: settings, reply", "reply")

@@ -12,7 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from canwright.language.golden_frames import Frame, GoldenFrames
+from canwright.language.golden_frames import GoldenFrame, GoldenFrames
 from canwright.project.loader import specification
 from canwright.targets import dbc
 from canwright.targets.base import Specification
@@ -266,7 +266,7 @@ def example() -> Specification:
     """The edition with golden frames, so that the guide has examples; only one of each direction is fit for it."""
     plain = specification(MAIN)
     parameters: dict[str, int | str] = {"series": "MG"}
-    reply = Frame(
+    reply = GoldenFrame(
         source="by_hand",
         parameters=parameters,
         reply="read_status_1",
@@ -276,7 +276,7 @@ def example() -> Specification:
         raw={"temperature": -30, "voltage": 480, "errors": 8},
         values={"temperature": Fraction(-30), "voltage": Fraction(48), "errors": ["over_temperature"]},
     )
-    request = Frame(
+    request = GoldenFrame(
         source="by_hand",
         parameters=parameters,
         request="turn_to_angle",
@@ -286,7 +286,7 @@ def example() -> Specification:
         raw={"spin_direction": 1, "angle": 12345},
         values={"spin_direction": "counterclockwise", "angle": Fraction("123.45")},
     )
-    longer = Frame(
+    longer = GoldenFrame(
         source="by_hand",
         parameters=parameters,
         reply="read_status_3",

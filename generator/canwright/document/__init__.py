@@ -1,5 +1,5 @@
-"""YAML text to plain data with line and column, within limits, rejecting what is unsafe or ambiguous.
+"""YAML text to plain data with line and column: limits, and rejection of unsafe or ambiguous YAML.
 
-Belongs here: everything about YAML itself, for any document. A wrong line or column of a finding is repaired here.
+Belongs here: everything about YAML itself, for any document. An incorrect line or column of a finding is fixed here.
 Imports `diagnostics`.
 """

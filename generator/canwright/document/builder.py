@@ -1,84 +1,154 @@
-"""YAML events to plain data, in one pass; whatever is unsafe or ambiguous becomes a finding of the document."""
+"""YAML events to plain data, in one pass; unsafe or ambiguous YAML becomes an issue with its mark."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple, NoReturn
 
 import yaml
 
 from ..diagnostics import unicode_safety
 from ..diagnostics.diagnostic import DocumentPath
-from . import ambiguous
-from .marks import Mark
+from . import ambiguous, yaml_errors
+from .marks import Mark, Source
 from .scalars import LOADER, MERGE, Scalar, name_of, plain
 
-if TYPE_CHECKING:
-    from .document import Data, Document
-
 MAX_DEPTH = 24
+MAX_ISSUES = 100
+"""The number of issues after which reading stops."""
+
+Data = Scalar | list[Any] | dict[str, Any]
 
 
-class Builder:
-    """Reads the one document of a text.
+class Issue(NamedTuple):
+    """What is wrong with the YAML at a mark, by which rule, and what to write instead."""
 
-    A path is None within what is left out, such as the second of two values for one key. Most plain scalars stand in a
-    file again and again, so what they are read as is kept, and looked up before anything else is asked of them.
+    mark: Mark
+    rule: str
+    message: str
+    hint: str
+
+
+class BuiltData(NamedTuple):
+    """The data of a text, its issues, and the paths of unreadable values; `data` is None if reading stopped."""
+
+    data: Data | None
+    issues: list[Issue]
+    unreadable: set[DocumentPath]
+
+
+class _StopReadingError(Exception):
+    """Reading stopped after the last issue."""
+
+
+def build(source: Source, hidden: list[tuple[Mark, str]]) -> BuiltData:
+    """The data of the one YAML document in a text; `hidden` are the invisible characters that `source` masks."""
+    return _Builder(source, hidden).build()
+
+
+class _Builder:
+    """Builds the data of one text.
+
+    A path is None within an ignored value, such as the second of two values for one key. The values of plain scalars
+    are cached and looked up first, because most of them occur many times in a file.
     """
 
-    def __init__(self, document: Document, text: str) -> None:
-        self._document = document
-        self._text = text
-        self._is_covered = bool(document.findings)
+    def __init__(self, source: Source, hidden: list[tuple[Mark, str]]) -> None:
+        self._source = source
+        self._hidden = hidden
+        self._issues: list[Issue] = []
+        self._unreadable: set[DocumentPath] = set()
         self._plain: dict[str, Scalar] = {}
         self._names: dict[str, str] = {}
         self._event: Any = None
         self._next: Callable[[], Any]
 
-    def build(self) -> Data:
-        """The data. Raises SpecError where reading cannot go on."""
+    def build(self) -> BuiltData:
         try:
-            return self._build()
-        except yaml.MarkedYAMLError as error:
-            self._document.refuse_as_no_yaml(error, self._event)
-        except (yaml.YAMLError, ValueError, OverflowError) as error:
-            what = next(iter(str(error).splitlines()), "")
-            self._document.refuse(Mark(1, 1, 1), "yaml", f"this is not YAML: {what}")
+            data = self._build()
+        except _StopReadingError:
+            data = None
+        return BuiltData(data, self._issues, self._unreadable)
 
     def _build(self) -> Data:
-        self._next = LOADER(self._text).get_event
+        for mark, character in self._hidden:
+            self._report_hidden(mark, character)
+        try:
+            return self._document()
+        except yaml.MarkedYAMLError as error:
+            self._stop_at_syntax_error(error)
+        except (yaml.YAMLError, ValueError, OverflowError) as error:
+            problem = next(iter(str(error).splitlines()), "")
+            self._stop(Mark(1, 1, 1), "yaml", f"this is not YAML: {problem}")
+
+    def _document(self) -> Data:
+        self._next = LOADER(self._source.text).get_event
         self._next()  # stream start
         if isinstance(self._next(), yaml.StreamEndEvent):
-            self._document.refuse(Mark(1, 1, 1), "yaml", "the file is empty", "it should hold one mapping")
+            self._stop(Mark(1, 1, 1), "yaml", "the file is empty", "write one mapping")
         self._event = self._next()
         data = self._value((), 1)
         self._next()  # document end
         self._event = self._next()
         if not isinstance(self._event, yaml.StreamEndEvent):
-            self._report("yaml", "a second document starts here", "a file holds one; remove the `---`")
+            self._report("yaml", "a second document starts here", "a file contains one; remove the `---`")
         return data
 
-    def _report(self, rule: str, message: str, hint: str = "", spoils: DocumentPath | None = None) -> None:
-        self._document.report(Mark.of(self._event), rule, message, hint)
-        if spoils is not None:
-            self._document.unreadable.add(spoils)
+    def _report(self, rule: str, message: str, hint: str = "", unreadable: DocumentPath | None = None) -> None:
+        """Reports an issue at the current event; the value at the path `unreadable` is ignored for it."""
+        self._add(Mark.of(self._event), rule, message, hint)
+        if unreadable is not None:
+            self._unreadable.add(unreadable)
+
+    def _add(self, mark: Mark, rule: str, message: str, hint: str) -> None:
+        if len(self._issues) == MAX_ISSUES:
+            self._stop(mark, rule, message, f"{hint}; reading stops after {MAX_ISSUES} findings")
+        self._issues.append(Issue(mark, rule, message, hint))
+
+    def _stop(self, mark: Mark, rule: str, message: str, hint: str = "") -> NoReturn:
+        """Stops reading with an issue, unless there is one at the same place already."""
+        if all(issue.mark != mark for issue in self._issues):
+            self._issues.append(Issue(mark, rule, message, hint))
+        raise _StopReadingError
+
+    def _stop_at_syntax_error(self, error: yaml.MarkedYAMLError) -> NoReturn:
+        """Stops reading at a syntax error. Syntax issues after its cause may only follow from it and are removed."""
+        line, column, problem, hint = yaml_errors.cause(error, self._source.lines, self._event)
+        mark = Mark(line + 1, column + 1, 1)
+        self._issues = [i for i in self._issues if i.rule != "yaml" or i.mark[:2] < mark[:2]]
+        self._stop(mark, "yaml", f"this is not YAML: {problem}", hint)
+
+    def _report_hidden(self, mark: Mark, character: str) -> None:
+        name = unicode_safety.described(character)
+        self._add(
+            mark, "unsafe-character", f"the character {name} is invisible or changes how others appear", "remove it"
+        )
+
+    def _report_missing_value(self, path: DocumentPath | None) -> None:
+        """Reports a key without a value, at the key."""
+        mark = self._source.marks.keys.get(path) if path else None
+        line = self._source.lines[mark.line - 1] if mark else ""
+        hint = ambiguous.missing_value_hint(str(path[-1]) if path else "", line)
+        self._add(mark or Mark.of(self._event), "yaml", "there is no value here", hint)
+        if path is not None:
+            self._unreadable.add(path)
 
     def _value(self, path: DocumentPath | None, depth: int) -> Data:
-        """What starts with the current event."""
+        """The value that starts with the current event."""
         event = self._event
         is_scalar = isinstance(event, yaml.ScalarEvent)
         if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
-            spoils = path if isinstance(event, yaml.AliasEvent) else None
             hint = "name a type or a layout and refer to it"
-            self._report("yaml-alias", "anchors and aliases are not read", hint, spoils)
+            unreadable = path if isinstance(event, yaml.AliasEvent) else None
+            self._report("yaml-alias", "anchors and aliases are not supported", hint, unreadable)
         if isinstance(event, yaml.AliasEvent):
             return ""
         if event.tag is not None:
             hint = "a spec is plain data; remove the tag"
-            self._report("yaml-tag", f"the tag `{event.tag}` is not read", hint, path if is_scalar else None)
+            self._report("yaml-tag", f"the tag `{event.tag}` is not supported", hint, path if is_scalar else None)
         if depth > MAX_DEPTH:
-            hint = "no spec needs that; check brackets and indents"
-            self._document.refuse(Mark.of(event), "yaml-depth", f"nested deeper than {MAX_DEPTH} levels", hint)
+            hint = "check brackets and indentation"
+            self._stop(Mark.of(event), "yaml-depth", f"this is nested deeper than {MAX_DEPTH} levels", hint)
         if is_scalar:
             return str(event.value) if event.tag else self._scalar(path)
         if isinstance(event, yaml.SequenceStartEvent):
@@ -103,7 +173,7 @@ class Builder:
                 name = self._name(path, depth)
             is_first = name is not None and name not in entries
             if name is not None and not is_first:
-                self._report_twice(path, name)
+                self._report_duplicate(path, name)
             event = self._event = next_event()
             is_plain = isinstance(event, yaml.ScalarEvent) and not (event.style or event.anchor or event.tag)
             value: Data | None = known.get(event.value) if is_plain else None
@@ -115,14 +185,14 @@ class Builder:
         return entries
 
     def _name(self, path: DocumentPath | None, depth: int) -> str | None:
-        """A key; None for what is none, once that is reported."""
-        event, found = self._event, len(self._document.findings)
+        """A key; None after an issue if it is not a name."""
+        event, issues_before = self._event, len(self._issues)
         self._check_name(depth)
         written = getattr(event, "value", "")
         name = name_of(event)
-        if name is None or len(self._document.findings) > found or self._is_marked(written):
+        if name is None or len(self._issues) > issues_before or self._is_masked(written):
             if path is not None:
-                self._document.unreadable.add((*path, written))
+                self._unreadable.add((*path, written))
             return None
         if not event.style:
             self._names[written] = name
@@ -131,47 +201,43 @@ class Builder:
     def _check_name(self, depth: int) -> None:
         event = self._event
         if not isinstance(event, yaml.ScalarEvent) or event.anchor or event.tag:
-            self._report("yaml", "a key must be a plain name", "name it by letters, digits and underscores")
+            self._report("yaml", "a key must be a plain name", "use letters, digits and underscores")
             if isinstance(event, yaml.CollectionStartEvent):
                 self._value(None, depth)
         elif not event.style and event.value == MERGE:
-            self._report("yaml-alias", "merge keys are not read", "name a type or a layout and refer to it")
+            self._report("yaml-alias", "merge keys are not supported", "name a type or a layout and refer to it")
         elif isinstance(self._scalar(None), bool):
-            self._report("ambiguous-scalar", f"the key `{event.value}` is no name", "put it in quotes")
+            self._report("ambiguous-scalar", f"the key `{event.value}` is not a name", "put it in quotes")
 
-    def _report_twice(self, path: DocumentPath | None, name: str) -> None:
+    def _report_duplicate(self, path: DocumentPath | None, name: str) -> None:
         if path is not None:
-            twice: DocumentPath = (*path, name)
-            first = self._document.places.keys[twice].line
-            self._report("duplicate-key", f"`{name}` is there twice, first on line {first}", "remove or rename one")
-            self._document.unreadable.add(twice)
+            duplicate: DocumentPath = (*path, name)
+            first = self._source.marks.keys[duplicate].line
+            hint = "remove or rename one"
+            self._report("duplicate-key", f"the key `{name}` is already on line {first}", hint, duplicate)
 
-    def _is_marked(self, text: str) -> bool:
-        """Whether there was a character in a text that cannot be seen."""
-        return self._is_covered and unicode_safety.CANNOT_BE_SEEN in text
+    def _is_masked(self, text: str) -> bool:
+        """Whether a text contains the mask of an invisible character."""
+        return bool(self._hidden) and unicode_safety.CANNOT_BE_SEEN in text
 
     def _scalar(self, path: DocumentPath | None) -> Scalar:
         event = self._event
         text: str = event.value
-        unseen = unicode_safety.unseen(text)
-        for found in unseen:
-            self._document.report_unseen(Mark.of(event), found)
-        is_marked = unseen or self._is_marked(text)
-        if is_marked and path is not None:
-            self._document.unreadable.add(path)
+        hidden = unicode_safety.unseen(text)
+        for character in hidden:
+            self._report_hidden(Mark.of(event), character)
+        is_unreadable = bool(hidden) or self._is_masked(text)
+        if is_unreadable and path is not None:
+            self._unreadable.add(path)
         if event.style:
             return text
         value = plain(text)
-        if value is not None and not is_marked:
+        if value is not None and not is_unreadable:
             self._plain[text] = value
         elif text == "":
-            self._document.report_without_value(Mark.of(event), path)
-        elif value is None and (doubt := ambiguous.ambiguity(text)):
-            rule, message, hint = doubt
-            self._report(
-                rule,
-                message,
-                hint if path is not None or len(text) > 40 else f'for a name write "{text}" in quotes',
-                path,
-            )
+            self._report_missing_value(path)
+        elif value is None and (ambiguity := ambiguous.ambiguity(text)):
+            rule, message, hint = ambiguity
+            is_name = path is None and len(text) <= 40
+            self._report(rule, message, f'for a name write "{text}" in quotes' if is_name else hint, path)
         return text if value is None else value

@@ -1,7 +1,8 @@
-"""Where each key and value of a YAML text stands. Only findings need it, so it is looked up for them alone."""
+"""The marks of the keys and values of a YAML text. Only findings need them, so they are computed on demand."""
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import yaml
@@ -11,7 +12,7 @@ from .scalars import LOADER, name_of
 
 
 class Mark(NamedTuple):
-    """Line and column from 1, and how many characters to underline."""
+    """Line and column from 1, and the number of characters to underline."""
 
     line: int
     column: int
@@ -19,14 +20,29 @@ class Mark(NamedTuple):
 
     @classmethod
     def of(cls, event: Any) -> Mark:
-        """Where something starts; a scalar on one line is underlined whole."""
+        """The start of an event; a scalar on one line is underlined completely."""
         start, end = event.start_mark, event.end_mark
         whole = isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)) and start.line == end.line
         return cls(start.line + 1, start.column + 1, end.column - start.column if whole else 1)
 
 
-class Places:
-    """The marks of all keys and values, as far as the text is YAML; of two values for one key the first has its path."""
+class Source:
+    """A YAML text with its lines and marks."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+    @cached_property
+    def lines(self) -> list[str]:
+        return self.text.split("\n")
+
+    @cached_property
+    def marks(self) -> Marks:
+        return Marks(self.text)
+
+
+class Marks:
+    """The marks of all keys and values up to a syntax error; of two values for one key, the mark of the first."""
 
     def __init__(self, text: str) -> None:
         self.keys: dict[DocumentPath, Mark] = {}

@@ -1,4 +1,4 @@
-"""What a YAML scalar is read as: whatever YAML 1.1 and 1.2 read differently is nothing here."""
+"""Values of YAML scalars and names of keys; None for a scalar that YAML 1.1 and 1.2 read differently."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ Scalar = str | int | Decimal | bool
 
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 MERGE = "<<"
-"""The key that would merge another mapping into this one."""
+"""The key that merges another mapping into this one in YAML 1.1."""
 
 _INTEGER = re.compile(r"-?(?:0|[1-9][0-9]{0,30})|0x[0-9A-Fa-f]{1,16}")
 _DECIMAL = re.compile(r"-?(?:0|[1-9][0-9]{0,30})\.[0-9]{1,30}")
 
 
 def plain(text: str) -> Scalar | None:
-    """The value of a plain scalar; None where there is doubt what is meant."""
+    """The value of a plain scalar; None for an empty or ambiguous one."""
     if _INTEGER.fullmatch(text):
         return int(text, 0)
     if _DECIMAL.fullmatch(text):
@@ -32,7 +32,7 @@ def plain(text: str) -> Scalar | None:
 
 
 def name_of(event: Any) -> str | None:
-    """The name that a key is; None for what is none."""
+    """The name of a key; None for a key that is not a name."""
     if not isinstance(event, yaml.ScalarEvent) or event.anchor or event.tag:
         return None
     if event.style:

@@ -1,4 +1,4 @@
-"""Where a text stops being YAML, and what is usually behind it."""
+"""Probable causes of YAML syntax errors."""
 
 from __future__ import annotations
 
@@ -10,30 +10,32 @@ from yaml import MarkedYAMLError
 
 
 class Cause(NamedTuple):
-    """The place of the mistake, from 0, and what to do: often it stands before the place where reading stopped."""
+    """The probable cause of a syntax error: line and column from 0, often before the error, and what to write."""
 
     line: int
     column: int
-    what: str
+    problem: str
     hint: str
 
 
-class _Place(NamedTuple):
+class _Correction(NamedTuple):
+    """A line and column from 0, and what to write there."""
+
     line: int
     column: int
     hint: str
 
 
-class _Stop(NamedTuple):
-    """Where reading stopped, and why; what was being read began at `start`, after a text that ended there or before."""
+class _SyntaxError(NamedTuple):
+    """The line and column of a syntax error, and the start of the construct that contains it."""
 
-    what: str
+    problem: str
     lines: Sequence[str]
     line: int
     column: int
     start: tuple[int, int] | None
-    text: tuple[int, int, int, int] | None
-    """Lines and columns of the start and of the end of the last quoted text."""
+    quoted: tuple[int, int, int, int] | None
+    """Line and column of the start and of the end of the quoted text before the error."""
 
     @property
     def content(self) -> str:
@@ -41,75 +43,87 @@ class _Stop(NamedTuple):
 
     @property
     def before(self) -> int:
-        """The last line with content before this one."""
+        """The last line before this one that is neither empty nor a comment."""
         above = (n for n in range(min(self.line, len(self.lines)) - 1, -1, -1))
         return next((n for n in above if self.lines[n].strip() and not self.lines[n].lstrip().startswith("#")), 0)
 
 
 def cause(error: MarkedYAMLError, lines: Sequence[str], event: Any) -> Cause:
-    """What is behind a complaint of the YAML reader about some lines, after an event."""
-    what = " ".join(part for part in (error.context, error.problem) if part)
+    """The probable cause of a syntax error in some lines; `event` is the last one before the error."""
+    problem = " ".join(part for part in (error.context, error.problem) if part)
     at, start = error.problem_mark or error.context_mark, error.context_mark
     if at is None:
-        return Cause(0, 0, what, "")
-    text = None
+        return Cause(0, 0, problem, "")
+    quoted = None
     if getattr(event, "style", None) in ("'", '"'):
-        text = (event.start_mark.line, event.start_mark.column, event.end_mark.line, event.end_mark.column)
-    stop = _Stop(what, lines, at.line, at.column, (start.line, start.column) if start else None, text)
-    found = next((found for find in (_space, _wide, _quote, _colon, _bracket, _indent) if (found := find(stop))), None)
-    line, column, hint = found or (at.line, at.column, next((h for words, h in _YAML.items() if words in what), ""))
-    return Cause(line, column, what, hint)
+        quoted = (event.start_mark.line, event.start_mark.column, event.end_mark.line, event.end_mark.column)
+    began = (start.line, start.column) if start else None
+    syntax_error = _SyntaxError(problem, lines, at.line, at.column, began, quoted)
+    corrections = (find(syntax_error) for find in (_space, _wide, _quote, _colon, _bracket, _indent))
+    general = next((hint for words, hint in _HINTS.items() if words in problem), "")
+    line, column, hint = next(filter(None, corrections), (at.line, at.column, general))
+    return Cause(line, column, problem, hint)
 
 
-def _space(stop: _Stop) -> _Place | None:
-    """Tabs and wide spaces where lines are indented."""
-    for number in (stop.line, stop.before):
-        line = stop.lines[number] if number < len(stop.lines) else ""
+def _space(error: _SyntaxError) -> _Correction | None:
+    """A tab or a wide space in the indentation."""
+    for number in (error.line, error.before):
+        line = error.lines[number] if number < len(error.lines) else ""
         lead = line[: len(line) - len(line.lstrip())]
-        if "\t" in lead and number == stop.line:
-            return _Place(number, lead.index("\t"), "indent with spaces; YAML takes no tabs there")
+        if "\t" in lead and number == error.line:
+            return _Correction(number, lead.index("\t"), "indent with spaces, not with tabs")
         odd = next((i for i, c in enumerate(lead) if c not in " \t"), None)
         if odd is not None:
-            return _Place(number, odd, f"indent with plain spaces; this is U+{ord(lead[odd]):04X}")
+            return _Correction(number, odd, f"indent with plain spaces; this is U+{ord(lead[odd]):04X}")
     return None
 
 
-def _wide(stop: _Stop) -> _Place | None:
-    """A full-width colon, comma or bracket in place of that of YAML."""
-    found = re.search("[：，｛｝［］]", stop.content[: stop.column])
+def _wide(error: _SyntaxError) -> _Correction | None:
+    """A full-width colon, comma or bracket instead of the ASCII one."""
+    found = re.search("[：，｛｝［］]", error.content[: error.column])
     if found is None:
         return None
     plain = dict(zip("：，｛｝［］", ":,{}[]", strict=True))[found[0]]
-    return _Place(stop.line, found.start(), f"is `{found[0]}` meant as `{plain}`? otherwise put the text in quotes")
+    return _Correction(error.line, found.start(), f"did you mean `{plain}`? otherwise put the text in quotes")
 
 
-def _quote(stop: _Stop) -> _Place | None:
-    if "quoted scalar" in stop.what and stop.start:
-        return _Place(*stop.start, "is the closing quote missing?")
-    if stop.text and stop.text[0] < stop.line == stop.text[2]:
-        return _Place(
-            stop.text[0], stop.text[1], f"is the closing quote missing? this text would end on line {stop.line + 1}"
+def _quote(error: _SyntaxError) -> _Correction | None:
+    if "quoted scalar" in error.problem and error.start:
+        return _Correction(*error.start, "is the closing quote missing?")
+    if error.quoted and error.quoted[0] < error.line == error.quoted[2]:
+        return _Correction(
+            error.quoted[0],
+            error.quoted[1],
+            f"is the closing quote missing? this text would end on line {error.line + 1}",
         )
-    if stop.text and (stop.line, stop.column) == stop.text[2:] and stop.content[stop.column : stop.column + 1].strip():
-        hint = "the text ends at the quote before this; one with quotes in it stands in the other quotes"
-        return _Place(stop.line, stop.column, hint)
+    if (
+        error.quoted
+        and (error.line, error.column) == error.quoted[2:]
+        and error.content[error.column : error.column + 1].strip()
+    ):
+        hint = "the text ends at the quote before this; put a text that contains quotes in quotes of the other kind"
+        return _Correction(error.line, error.column, hint)
     return None
 
 
-def _colon(stop: _Stop) -> _Place | None:
-    if "could not find expected ':'" in stop.what and stop.start:
-        return _Place(*stop.start, _missing_colon(stop.lines[stop.start[0]]))
-    if "found unexpected ':'" in stop.what and stop.content[stop.column + 1 : stop.column + 2] in (",", "}", "]"):
-        return _Place(stop.line, stop.column, "there is no value behind this colon: write one, or remove the key")
-    if "mapping values are not allowed" not in stop.what:
+def _colon(error: _SyntaxError) -> _Correction | None:
+    if "could not find expected ':'" in error.problem and error.start:
+        return _Correction(*error.start, _missing_colon(error.lines[error.start[0]]))
+    if "found unexpected ':'" in error.problem and error.content[error.column + 1 : error.column + 2] in (
+        ",",
+        "}",
+        "]",
+    ):
+        return _Correction(error.line, error.column, "there is no value after this colon; write one, or remove the key")
+    if "mapping values are not allowed" not in error.problem:
         return None
-    head = stop.content[: stop.column]
+    head = error.content[: error.column]
     if ": " in head:
-        return _Place(stop.line, stop.column, "a text with a colon in it needs quotes")
-    above = stop.lines[stop.before]
+        return _Correction(error.line, error.column, "put a text that contains a colon in quotes")
+    above = error.lines[error.before]
     if re.search(r":(?: |$)", above):
-        return _Place(stop.line, _lead(stop.content), _indented(stop))
-    return _Place(stop.before, _lead(above), _missing_colon(above))
+        return _Correction(error.line, _lead(error.content), _indented(error))
+    return _Correction(error.before, _lead(above), _missing_colon(above))
 
 
 def _missing_colon(line: str) -> str:
@@ -117,52 +131,58 @@ def _missing_colon(line: str) -> str:
         return "a comment starts with `#`"
     found = re.fullmatch(r"\s*(?:- )?([A-Za-z_][A-Za-z0-9_]*)(?:\s*[:=]\s*|\s+|$)([^:{]*)", line)
     if found is None:
-        return "is the colon behind the key missing, or the space after it?"
-    return f"a key has a colon and a space behind it: `{f'{found[1]}: {found[2]}'.strip()}`"
+        return "is the colon after the key missing, or the space after the colon?"
+    return f"write a colon and a space after a key: `{f'{found[1]}: {found[2]}'.strip()}`"
 
 
-def _bracket(stop: _Stop) -> _Place | None:
-    if stop.content[stop.column : stop.column + 1] in ("}", "]") and "expected key" in stop.what:
-        return _Place(stop.line, stop.column, f"this `{stop.content[stop.column]}` closes nothing: take it out")
-    above = stop.lines[stop.before].rstrip() if stop.lines else ""
-    if "node content" in stop.what and stop.content[stop.column :].startswith("- ") and above.endswith(("[", "{")):
-        hint = f"this `{above[-1]}` is left open; a list with dashes has no brackets"
-        return _Place(stop.before, len(above) - 1, hint)
-    if "did not find expected ','" not in stop.what or stop.start is None:
+def _bracket(error: _SyntaxError) -> _Correction | None:
+    if error.content[error.column : error.column + 1] in ("}", "]") and "expected key" in error.problem:
+        return _Correction(error.line, error.column, f"this `{error.content[error.column]}` closes nothing; remove it")
+    above = error.lines[error.before].rstrip() if error.lines else ""
+    if (
+        "node content" in error.problem
+        and error.content[error.column :].startswith("- ")
+        and above.endswith(("[", "{"))
+    ):
+        hint = f"this `{above[-1]}` is not closed; a list with dashes needs no brackets"
+        return _Correction(error.before, len(above) - 1, hint)
+    if "did not find expected ','" not in error.problem or error.start is None:
         return None
-    line, column = stop.start
-    bracket = stop.lines[line][column : column + 1]
-    if line < stop.line and _lead(stop.content) <= _lead(stop.lines[line]):
-        return _Place(line, column, f"this `{bracket}` is left open")
-    return _Place(stop.line, stop.column, f"is a comma missing, or the `{bracket}` on line {line + 1} left open?")
+    line, column = error.start
+    bracket = error.lines[line][column : column + 1]
+    if line < error.line and _lead(error.content) <= _lead(error.lines[line]):
+        return _Correction(line, column, f"this `{bracket}` is not closed")
+    return _Correction(
+        error.line, error.column, f"is a comma missing, or is the `{bracket}` on line {line + 1} not closed?"
+    )
 
 
-def _indent(stop: _Stop) -> _Place | None:
-    if stop.content[stop.column :].startswith(("//", "/*", "--", ";")) and stop.column > 0:
-        return _Place(stop.line, stop.column, "a comment starts with `#`")
-    if "did not find expected key" in stop.what and stop.content.lstrip().startswith("- "):
-        hint = "an item of a list cannot stand among keys: give each a name, or each of them a dash"
-        return _Place(stop.line, stop.column, hint)
-    if "did not find expected key" in stop.what:
-        return _Place(stop.line, stop.column, _indented(stop))
+def _indent(error: _SyntaxError) -> _Correction | None:
+    if error.content[error.column :].startswith(("//", "/*", "--", ";")) and error.column > 0:
+        return _Correction(error.line, error.column, "a comment starts with `#`")
+    if "did not find expected key" in error.problem and error.content.lstrip().startswith("- "):
+        hint = "a list item cannot stand between keys; write a name or a dash for all of them"
+        return _Correction(error.line, error.column, hint)
+    if "did not find expected key" in error.problem:
+        return _Correction(error.line, error.column, _indented(error))
     return None
 
 
-def _indented(stop: _Stop) -> str:
-    here, above = _lead(stop.content), _lead(stop.lines[stop.before])
-    return f"this line is indented by {here}, line {stop.before + 1} by {above}; lines that belong together are indented alike"
+def _indented(error: _SyntaxError) -> str:
+    here, above = _lead(error.content), _lead(error.lines[error.before])
+    return f"this line is indented by {here}, line {error.before + 1} by {above}; indent lines of one mapping equally"
 
 
 def _lead(line: str) -> int:
     return len(line) - len(line.lstrip(" "))
 
 
-_YAML = {
-    "cannot start any token": "put a text with such a character in quotes; is a quote before this left open?",
+_HINTS = {
+    "cannot start any token": "put a text that starts with this character in quotes; is a closing quote missing before it?",
     "expected alphabetic or numeric": "put a text that starts with `*` or `&` in quotes",
-    "unexpected end of stream": "is a quote or a bracket left open?",
+    "unexpected end of stream": "is a quote or a bracket not closed?",
     "did not find expected node content": "is a value missing here?",
-    "expected '-' indicator": "a mapping has no dashes, a list has one before each item: this is neither",
+    "expected '-' indicator": "write a mapping without dashes, or a list with a dash before each item",
     "while scanning a tag": "put a text that starts with `!` in quotes",
     "found unexpected ':'": "a space is missing after the colon",
 }

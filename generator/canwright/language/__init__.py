@@ -1,5 +1,5 @@
 """The spec language and that of golden frames: schema, notation, validation, and messages about mistakes.
 
-Belongs here: which keys there are, how a value is written, and what the author of a wrong spec probably meant.
+Belongs here: the keys, the notations of values, and the suggestions for invalid specs.
 Imports `diagnostics`, `document`, `templating` and `model`.
 """

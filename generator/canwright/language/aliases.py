@@ -1,14 +1,15 @@
-"""Other notations than those of the language, with what to write instead: `[0, 10]` is 0..10, `uint8_t` is u8.
+"""Foreign notations and their equivalents in the language: `[0, 10]` is 0..10, `uint8_t` is u8.
 
-A rewrite is only suggested if the language reads it. Whatever the table does not match as a whole gets no suggestion: a
-wrong one is worse than none.
+A rewrite is suggested only if the language accepts it and a row of the table matches the whole text, because a wrong hint
+is worse than none.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
+from typing import Any
 
 from ..diagnostics.diagnostic import DocumentPath, near
 from ..document.ambiguous import number_notation
@@ -73,41 +74,38 @@ _IDS: Sequence[Row] = (
     (r"\b[a-z_]+\b", lambda word: near(word[0], ["node"]) or word[0]),
     (r" +", " "),
 )
-"""Substitutions, one after the other; in the other tables the first row that matches the whole text counts."""
+"""Substitutions, applied in this order; from the other tables, the first row that matches the whole text applies."""
 
 
-def notation(written: object, message: str, key: str) -> str:
-    """What to write for what a notation could not read; empty when that is not clear."""
+def notation(written: object, parse: Callable[[Any], object]) -> str:
+    """A hint for a value that a parser of the language rejects; empty without a clear equivalent."""
     text = _text(written)
-    if "is not a raw format" in message:
-        found: str = raw_format(text)
+    if parse in (language.raw_format, language.code_format):
         order = {"le": "little", "be": "big"}.get(text.lower()[-2:])
         if text.lower() in _TEXTS:
             return "a text is an array of bytes: raw: u8, array: 1..7"
-        if found and order:
-            return f"did you mean `{found}`, with `byte_order: {order}` beside it?"
-    elif "hex" in message and "data" in message:
-        found = data(written)
-    elif "belong in an id" in message:
-        for pattern, replacement in _IDS:
-            text = re.sub(pattern, replacement, text)
-        found = _if_read(text.strip(), language.id_expression)
-    else:
-        found = next((meant for words, meant in _rewritten(text) if words in message or words == key), "")
-    return f"did you mean `{found}`?" if found else ""
+        if order and raw_format(text):
+            return f"did you mean `{raw_format(text)}`, with `byte_order: {order}` beside it?"
+    rewrite = _REWRITES.get(parse)
+    equivalent = _if_accepted(rewrite(text), parse) if rewrite else ""
+    if parse is language.data_bytes:
+        equivalent = data(written)
+    return f"did you mean `{equivalent}`?" if equivalent else ""
 
 
-def _rewritten(text: str) -> Iterator[tuple[str, str]]:
-    """What is in a message or the key, and what a text then means."""
+def _id_expression(text: str) -> str:
+    for pattern, replacement in _IDS:
+        text = re.sub(pattern, replacement, text)
+    return text.strip()
+
+
+def _whole_range(text: str) -> str:
     number = re.sub("0x[0-9A-Fa-f]{1,8}", lambda hexadecimal: str(int(hexadecimal[0], 16)), text)
-    nodes = f"1..{number}" if re.fullmatch("[1-9][0-9]{0,4}", number) else span(number)
-    for words in ("is not a range of whole", "nodes", "array", "from_each"):
-        yield words, _if_read(nodes, language.indices if words == "array" else language.nodes)
-    for words in ("range", "raw_range", "plausible"):
-        yield words, span(text)
-    yield "not a number", _first(_NUMBERS, text.lower(), language.multiple)
-    for words in ("not a position", "at"):
-        yield words, _first(_POSITIONS, text.lower(), language.at)
+    return f"1..{number}" if re.fullmatch("[1-9][0-9]{0,4}", number) else span(number)
+
+
+def _number(text: str) -> str:
+    return _first(_NUMBERS, text.lower(), language.multiple)
 
 
 def span(text: str) -> str:
@@ -116,16 +114,16 @@ def span(text: str) -> str:
 
 
 def raw_format(written: str) -> str:
-    """The raw format that a type of C or of another tool stands for: `uint16_t` is u16."""
+    """The raw format for a type of C or of another tool: `uint16_t` is u16."""
     word = written.strip().lower()
-    found = re.fullmatch(r"(u|s|i|uint|int|sint|unsigned|signed)?[ _]?([1-9][0-9]?)(?:_t)?[ _]?(?:le|be)?", word)
-    if found and int(found[2]) <= 64:
-        return ("u" if (found[1] or "u").startswith("u") else "i") + found[2]
+    parts = re.fullmatch(r"(u|s|i|uint|int|sint|unsigned|signed)?[ _]?([1-9][0-9]?)(?:_t)?[ _]?(?:le|be)?", word)
+    if parts and int(parts[2]) <= 64:
+        return ("u" if (parts[1] or "u").startswith("u") else "i") + parts[2]
     return _FORMATS.get(word.removeprefix("unsigned "), "")
 
 
 def data(written: object) -> str:
-    """Data bytes: a list of numbers, digits with `0x` or commas, or what `candump` prints."""
+    """Data bytes from a list of numbers, from digits with `0x` or commas, or from the output of `candump`."""
     if isinstance(written, list):
         written = " ".join(f"{b:02X}" for b in written if (isinstance(b, int) and 0 <= b <= 255) or "?")
     parts = re.split(r"[\s,:-]+", str(written).strip().rpartition("#")[2])
@@ -138,41 +136,41 @@ def data(written: object) -> str:
 
 
 def truth(written: object) -> str:
-    """`true` or `false`, of a word for one of them."""
+    """`true` or `false` for a synonym."""
     word = str(written).lower()
     return "true" if word in _TRUE else "false" if word in _FALSE else ""
 
 
 def limit(written: int, path: DocumentPath) -> str:
-    """For a number that is too large: the bit that a mask stands for, or bit/s as kbit/s."""
+    """A hint for a number above its maximum: the bit of a mask, or kbit/s for bit/s."""
     if "flags" in path and written > 0 and written.bit_count() == 1:
-        return f"flags are numbers of bits, not masks: 0x{written:X} is bit {written.bit_length() - 1}"
+        return f"flags are bit numbers, not masks: write {written.bit_length() - 1} for 0x{written:X}"
     if "bit_rates_kbps" in path and written % 1000 == 0:
-        return f"{written} bit/s are {written // 1000} kbit/s: write {written // 1000}"
+        return f"the unit is kbit/s: write {written // 1000}"
     return ""
 
 
 def mapping(written: object, path: DocumentPath) -> str:
-    """For what stands in place of a mapping: a parameter with its value, a number with its range, a word."""
+    """A hint for a value in place of a mapping: a parameter with a value, a number with a range, a word."""
     last = str(path[-1]) if path else ""
     if last == "selector" and str(written).lower() in ("none", "null", "no", "false", "id"):
-        return "leave `selector` out where nothing in a frame identifies its command"
+        return "omit `selector` if no bits of a frame identify its command"
     if last == "number" and (low_high := span(_text(written)).split(".."))[1:]:
         return f"write {{min: {low_high[0]}, max: {low_high[1]}}}"
     if isinstance(written, (int, Decimal)) and (last == "number" or (path[:1] == ("parameters",) and len(path) == 2)):
         number = "number: {}" if last == "number" else f"{last}: {{number: {{}}}}"
-        return f"{number}, or with limits, {{min: 1, max: 10}}; whoever uses the output gives the value"
+        return f"write {number}, or limits, {{min: 1, max: 10}}; the user of the output sets the value"
     return "did you mean `remote`?" if last.lower() in REMOTE and written is True else ""
 
 
 REMOTE = ("rtr", "is_remote", "remote_frame", "is_remote_frame")
-"""What others call a remote frame."""
+"""Foreign keys for a remote frame."""
 
 
 def by(written: Mapping[str, object]) -> str:
-    """A choice by a parameter: `{model: {A: 1}}` names the parameter first."""
-    if meant := span(_text(written)):
-        return f"did you mean `{meant}`?"
+    """A hint for a choice by a parameter without `by`, such as `{model: {A: 1}}`."""
+    if equivalent := span(_text(written)):
+        return f"did you mean `{equivalent}`?"
     name, cases = next(iter(written.items()), ("", None))
     if len(written) == 1 and isinstance(cases, dict):
         return f"write {{by: {name}, {', '.join(f'{value}: {_text(case)}' for value, case in cases.items())}}}"
@@ -185,32 +183,32 @@ def names_first(written: Mapping[str, object]) -> str:
 
 
 def named(written: object) -> str:
-    """For a list of mappings with a name: the names as keys."""
+    """A hint for a list of mappings with names: the names as keys."""
     first = written[0] if isinstance(written, list) and written else None
     key = next((k for k in ("name", "id", "title") if isinstance(first, dict) and isinstance(first.get(k), str)), None)
     if key is None or not isinstance(first, dict):
         return ""
     rest = ", ".join(f"{k}: …" for k in first if k != key)
-    return f"a mapping has no dashes, and each name is a key: {{{first[key]}: {{{rest}}}}}"
+    return f"write a mapping without dashes, with names as keys: {{{first[key]}: {{{rest}}}}}"
 
 
 def listed(written: object, key: str) -> str:
-    """For a list of words: the words with numbers, where a key wants these."""
+    """A hint for a list of names in place of names with numbers."""
     if key not in ("enum", "flags") or not isinstance(written, list) or not all(isinstance(w, str) for w in written):
         return ""
     numbered = ", ".join(f"{name}: {i}" for i, name in enumerate(written[:8])) + ", …" * (len(written) > 8)
-    return f"say the {'bit' if key == 'flags' else 'value'} of each: {{{numbered}}}"
+    return f"write the {'bit' if key == 'flags' else 'value'} of each: {{{numbered}}}"
 
 
 def flow(value: object) -> str:
-    """Data as the language writes it on one line."""
+    """Data in the notation of the language, on one line."""
     if isinstance(value, dict):
         return f"{{{', '.join(f'{name}: {flow(inner)}' for name, inner in value.items())}}}"
     return f"[{', '.join(map(flow, value))}]" if isinstance(value, (list, tuple)) else str(value)
 
 
 def _text(written: object) -> str:
-    """Data on one line, consecutive numbers as a range, and minus signs that no keyboard has as the one it has."""
+    """Data on one line, with consecutive numbers as a range and ASCII minus signs."""
     whole = written if isinstance(written, list) and all(isinstance(n, int) for n in written) else []
     if len(whole) > 1 and whole == list(range(whole[0], whole[0] + len(whole))):
         return f"{whole[0]}..{whole[-1]}"
@@ -222,19 +220,34 @@ def _dbc_start(bit: int, is_big: bool) -> str:
     return f"{bit // 8}.{bit % 8}" if bit % 8 or is_big else str(bit // 8)
 
 
-def _first(rows: Sequence[Row], text: str, read: Callable[[str], object]) -> str:
-    """What the first row makes of a text that the language reads."""
-    for pattern, meaning in rows:
-        if found := re.fullmatch(pattern, text):
-            meant = found.expand(meaning) if isinstance(meaning, str) else meaning(found)
-            if meant and _if_read(meant, read):
-                return meant
+def _first(rows: Sequence[Row], text: str, parse: Callable[[str], object]) -> str:
+    """The rewrite by the first row with a result that the parser accepts."""
+    for pattern, replacement in rows:
+        if match := re.fullmatch(pattern, text):
+            rewritten = match.expand(replacement) if isinstance(replacement, str) else replacement(match)
+            if rewritten and _if_accepted(rewritten, parse):
+                return rewritten
     return ""
 
 
-def _if_read(text: str, read: Callable[[str], object]) -> str:
+def _if_accepted(text: str, parse: Callable[[str], object]) -> str:
     try:
-        read(text)
+        parse(text)
     except ValueError:
         return ""
     return text
+
+
+_REWRITES: Mapping[Callable[[Any], object], Callable[[str], str]] = {
+    language.raw_format: raw_format,
+    language.code_format: raw_format,
+    language.id_expression: _id_expression,
+    language.nodes: _whole_range,
+    language.indices: _whole_range,
+    language.span: span,
+    language.rational: _number,
+    language.multiple: _number,
+    language.value: _number,
+    language.at: lambda text: _first(_POSITIONS, text.lower(), language.at),
+}
+"""Parsers of the language, and how to rewrite a text that they reject."""

@@ -1,4 +1,4 @@
-"""The base of the language's classes: keys with descriptions, limits and notations, declared in annotations."""
+"""The base class of concepts; annotations declare the description, limits and notation of each key."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ JsonSchema = dict[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
-class Key:
-    """What people read of a key."""
+class Doc:
+    """The documentation of a key."""
 
     description: str
     examples: tuple[Any, ...] = ()
@@ -33,11 +33,11 @@ class Limits:
 
 @dataclass(frozen=True, eq=False)
 class Notation:
-    """A value written as a number or a short text; `parse` raises ValueError with a sentence for the author."""
+    """A value written as a number or a short text; `parse` raises ValueError with a message for the author."""
 
     parse: Callable[[Any], Any]
     expected: str
-    """What was expected, where the value is neither a number nor a text."""
+    """The expected value, for a message about a value that is neither a number nor a text."""
     schema: JsonSchema
     any_scalar: bool = False
     """Whether `parse` takes the scalar itself, `true` and `false` included, instead of its text."""
@@ -45,26 +45,26 @@ class Notation:
 
 @dataclass(frozen=True, eq=False)
 class Choose:
-    """Which of several concepts a mapping is: the index of the form."""
+    """The choice among several forms of a mapping; `which` returns the index of the form."""
 
     which: Callable[[Mapping[str, object]], int]
 
 
 class Concept:
-    """What all concepts share: a frozen dataclass of keyword arguments; unknown keys are rejected."""
+    """A mapping of the language with fixed keys: a frozen dataclass with keyword arguments."""
 
     called: ClassVar[str] = ""
-    """What messages call the concept, where it owns keys that are written elsewhere by mistake."""
+    """The name of the concept in a message about one of its keys in another concept."""
     example: ClassVar[Mapping[str, Any]] = {}
-    """The concept as it is written. An invalid required value is replaced by that of the example."""
+    """A valid mapping. Its values replace missing or invalid required ones, so that checks can continue."""
     advice: ClassVar[Mapping[str, str]] = {}
-    """What to write instead of certain unknown keys."""
+    """Hints for certain unknown keys."""
     cases: ClassVar[str] = ""
-    """The attribute that takes all keys without a declaration of their own."""
+    """The attribute that contains all keys without a declaration."""
     other: ClassVar[tuple[str, str, str]] = ("", "", "")
-    """A key of the file that this one may be mistaken for, the message and the hint."""
+    """A key that identifies a file of another kind, the message and the hint."""
     schema_extra: ClassVar[JsonSchema] = {}
-    """Conditions on several keys, for the JSON Schema."""
+    """Conditions on several keys in the JSON Schema."""
     all: ClassVar[list[type[Concept]]] = []
 
     def __init_subclass__(cls) -> None:
@@ -73,12 +73,12 @@ class Concept:
 
 
 @dataclass(frozen=True)
-class Declared:
-    """A key as a class declares it."""
+class DeclaredKey:
+    """A key and its annotation."""
 
     name: str
     annotation: Any
-    key: Key
+    doc: Doc
     required: bool
     default: Any
 
@@ -91,19 +91,19 @@ T = TypeVar("T")
 
 
 def per_concept(compute: Callable[[type[Concept]], T]) -> Callable[[type[Concept]], T]:
-    """Computes something about a concept once."""
+    """Caches a function of a concept."""
     return typing.cast(Callable[[type[Concept]], T], functools.cache(compute))
 
 
 @per_concept
-def keys(concept: type[Concept]) -> Mapping[str, Declared]:
+def keys(concept: type[Concept]) -> Mapping[str, DeclaredKey]:
     """The keys of a concept, by name."""
     hints = typing.get_type_hints(concept, include_extras=True)
     return {
-        field.name: Declared(
+        field.name: DeclaredKey(
             field.name,
             hints[field.name],
-            metadata(hints[field.name], Key) or Key(""),
+            metadata(hints[field.name], Doc) or Doc(""),
             field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING,
             field.default_factory() if field.default_factory is not dataclasses.MISSING else field.default,
         )
@@ -113,5 +113,5 @@ def keys(concept: type[Concept]) -> Mapping[str, Declared]:
 
 
 def metadata(annotation: Any, kind: type[T]) -> T | None:
-    """The last annotation of a kind."""
+    """The last metadata of a class in an annotation."""
     return next((one for one in reversed(getattr(annotation, "__metadata__", ())) if isinstance(one, kind)), None)

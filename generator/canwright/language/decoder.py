@@ -1,4 +1,4 @@
-"""A document as the classes of the language: one pass, every finding with its position."""
+"""Document to concepts, in one pass, with a position for every finding."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ from ..diagnostics.diagnostic import Diagnostic, DocumentPath
 from ..document.document import Document
 from .concept import Concept, keys
 from .findings import Findings
-from .forms import INVALID, Mapped, Place
+from .forms import INVALID, ConceptForm, Location
 
 C = TypeVar("C", bound=Concept)
 
 
 @dataclass(frozen=True)
-class Decoded(Generic[C]):
-    """What a document contains; `invalid` are the paths of what is left out. `value` is None for something else."""
+class DecodedDocument(Generic[C]):
+    """A decoded document; `invalid` are the paths of omitted values. `value` is None for a file of another kind."""
 
     value: C | None
     findings: tuple[Diagnostic, ...]
     invalid: frozenset[DocumentPath]
 
 
-def decode(document: Document, concept: type[C]) -> Decoded[C]:
+def decode(document: Document, concept: type[C]) -> DecodedDocument[C]:
     """The document as an instance of `concept`, with every structural finding."""
     other = _other_file(document, concept)
     if other:
-        return Decoded(None, (*document.findings, other), frozenset({()}))
+        return DecodedDocument(None, (*document.findings, other), frozenset({()}))
     report = Findings(document)
-    value = INVALID if report.is_unreadable(()) else Mapped(concept).decode(report, document.data, Place(()))
-    return Decoded(None if value is INVALID else value, tuple(report.findings), frozenset(report.invalid))
+    value = INVALID if report.is_unreadable(()) else ConceptForm(concept).decode(report, document.data, Location(()))
+    return DecodedDocument(None if value is INVALID else value, tuple(report.findings), frozenset(report.invalid))
 
 
 def _other_file(document: Document, concept: type[Concept]) -> Diagnostic | None:
@@ -42,6 +42,6 @@ def _other_file(document: Document, concept: type[Concept]) -> Diagnostic | None
         return document.finding((key,), "missing-key", message, hint, key=True)
     needed = [name for name, key in keys(concept).items() if key.required]
     if not (set(data) | {path[0] for path in document.unreadable if path}) & set(needed):
-        message = f"none of {', '.join(f'`{name}`' for name in needed)} is here, so this is something else"
-        return document.finding((), "missing-key", message, "`canwright: 1` comes first")
+        message = f"this file has none of the required keys {', '.join(f'`{name}`' for name in needed)}"
+        return document.finding((), "missing-key", message, "start with `canwright: 1`")
     return None

@@ -1,4 +1,4 @@
-"""The language: one class a concept, every key with its description. The JSON Schema is made from it."""
+"""The concepts of a spec with descriptions of all keys, and the JSON Schema generated from them."""
 
 import json
 from dataclasses import dataclass, field
@@ -7,19 +7,19 @@ from typing import Annotated, ClassVar, Literal
 from ..model.layout import MAX_DATA_BYTES
 from ..model.metadata import Level
 from ..model.types import Order
-from .concept import Concept as Concept, JsonSchema, Key, Limits, keys as keys
-from .forms import Mapped
+from .concept import Concept as Concept, Doc, JsonSchema, Limits, keys as keys
+from .forms import ConceptForm
 from .messages import (
     EMPTY_RAW as EMPTY_RAW,
     Code as Code,
-    Command as Command,
-    Entry as Entry,
+    CommandSpec as CommandSpec,
+    EntrySpec as EntrySpec,
     Fields as Fields,
     FieldSpec as FieldSpec,
     LayoutSpec as LayoutSpec,
     MessageSpec as MessageSpec,
     Selector as Selector,
-    Table as Table,
+    TableSpec as TableSpec,
 )
 from .scalar_types import (
     IdText,
@@ -34,19 +34,19 @@ from .scalar_types import (
 )
 from .suggestions import DATE
 from .types import (
-    Flag as Flag,
-    Member as Member,
+    Description as Description,
+    FlagSpec as FlagSpec,
+    MemberSpec as MemberSpec,
     OffsetBy as OffsetBy,
     RangeBy as RangeBy,
     Scale as Scale,
     ScaleBy as ScaleBy,
-    Titled as Titled,
-    Type as Type,
+    TypeSpec as TypeSpec,
 )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Address(Titled):
+class AddressSpec(Description):
     """A rule from node to CAN id, and back."""
 
     called = "an address"
@@ -55,87 +55,85 @@ class Address(Titled):
 
     id: Annotated[
         IdText | None,
-        Key("Id of both directions: `0x100 + node`, `node << 5`, `300 + node * 10`, or a fixed one."),
+        Doc("Id of both directions: `0x100 + node`, `node << 5`, `300 + node * 10`, or a fixed id."),
     ] = None
-    request: Annotated[IdText | None, Key("Id of requests, when replies have another.")] = None
-    reply: Annotated[IdText | None, Key("Id of replies, when requests have another.")] = None
-    nodes: Annotated[Nodes | None, Key("The nodes there can be.", examples=("1..32",))] = None
-    selector: Annotated[Selector | None, Key("What tells commands here, when not the edition's.")] = None
-    reply_selector: Annotated[
-        Selector | None, Key("What tells replies, when it stands elsewhere than in requests.")
-    ] = None
-    extended: Annotated[bool, Key("True for 29-bit ids.")] = False
-    manual: Annotated[Section | None, Key("Section of the manual.")] = None
+    request: Annotated[IdText | None, Doc("Id of requests, if replies have a different one.")] = None
+    reply: Annotated[IdText | None, Doc("Id of replies, if requests have a different one.")] = None
+    nodes: Annotated[Nodes | None, Doc("The possible nodes.", examples=("1..32",))] = None
+    selector: Annotated[Selector | None, Doc("The bits that identify a command, if not those of the edition.")] = None
+    reply_selector: Annotated[Selector | None, Doc("The bits that identify a reply, if not those of requests.")] = None
+    extended: Annotated[bool, Doc("True for 29-bit ids.")] = False
+    manual: Annotated[Section | None, Doc("Section of the manual.")] = None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mode(Titled):
-    """A way to run the bus; commands of different modes exclude each other."""
+class ModeSpec(Description):
+    """A mode of the bus; commands of different modes exclude each other."""
 
     called = "a mode of `bus`"
     example = {"bit_rates_kbps": [500, 1000]}
 
-    bit_rates_kbps: Annotated[list[Annotated[int, Limits(ge=1, le=1000)]], Key("Bit rates, in kbit/s, up to 1000.")]
-    default_kbps: Annotated[int | None, Key("The bit rate of a new node, in kbit/s.")] = None
+    bit_rates_kbps: Annotated[list[Annotated[int, Limits(ge=1, le=1000)]], Doc("Bit rates in kbit/s, at most 1000.")]
+    default_kbps: Annotated[int | None, Doc("The bit rate of a new node, in kbit/s.")] = None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bus(Concept):
-    """What host and nodes must agree on before the first frame."""
+class BusSpec(Concept):
+    """The settings that host and nodes have in common."""
 
     called = "`bus`"
     example = {"host": "Host", "dlc": 8}
 
     host: Annotated[
-        str, Limits(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=48), Key("Name of the host in DBC files.")
+        str, Limits(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=48), Doc("Name of the host in DBC files.")
     ] = "Host"
     dlc: Annotated[
-        int, Limits(ge=0, le=MAX_DATA_BYTES), Key("Data bytes of every frame, unless a message says otherwise.")
+        int, Limits(ge=0, le=MAX_DATA_BYTES), Doc("Number of data bytes of a frame, unless a message has its own.")
     ] = 8
-    max_nodes: Annotated[int | None, Limits(ge=1), Key("How many nodes one bus can have.")] = None
-    reply_within_ms: Annotated[Rational | None, Key("Time from request to reply.")] = None
-    modes: Annotated[dict[Name, Mode], Key("Modes of the bus; the first is the usual one.")] = field(
+    max_nodes: Annotated[int | None, Limits(ge=1), Doc("Maximum number of nodes on one bus.")] = None
+    reply_within_ms: Annotated[Rational | None, Doc("Maximum time from request to reply.")] = None
+    modes: Annotated[dict[Name, ModeSpec], Doc("Modes of the bus; the first is the default.")] = field(
         default_factory=dict
     )
-    manual: Annotated[Section | None, Key("Section of the manual.")] = None
+    manual: Annotated[Section | None, Doc("Section of the manual.")] = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class NumberRange(Concept):
-    """A number parameter's limits."""
+    """The limits of a number parameter."""
 
     called = "`number`"
     example = {"min": 1, "max": 10}
 
-    min: Annotated[Rational | None, Key("Smallest value.")] = None
-    max: Annotated[Rational | None, Key("Largest value.")] = None
+    min: Annotated[Rational | None, Doc("Minimum value.")] = None
+    max: Annotated[Rational | None, Doc("Maximum value.")] = None
 
 
 Choice = int | ValueName
 
 
 @dataclass(frozen=True, kw_only=True)
-class ParameterSpec(Titled):
-    """What the integrator knows of a node and no frame says: a choice among values, or a number."""
+class ParameterSpec(Description):
+    """A property of a node that is not in any frame: a choice among values, or a number."""
 
     called = "a parameter"
     example = {"values": ["A", "B"]}
     schema_extra: ClassVar[JsonSchema] = {"oneOf": [{"required": ["values"]}, {"required": ["number"]}]}
 
     values: Annotated[
-        list[Choice] | dict[ValueName, Titled] | None,
+        list[Choice] | dict[ValueName, Description] | None,
         Limits(min_length=1, max_length=256),
-        Key(
-            "The values of a choice: a list of numbers or names, or names with a title.",
+        Doc(
+            "The values of a choice: a list of numbers or names, or names with titles.",
             examples=([14, 15, 18], ["A", "B"]),
         ),
     ] = None
-    number: Annotated[NumberRange | None, Key("A number, with its limits.")] = None
+    number: Annotated[NumberRange | None, Doc("A number, with its limits.")] = None
 
 
 @dataclass(frozen=True, kw_only=True)
-class SettingSpec(Titled):
-    """A limit that is set on the node by other means than this protocol."""
+class SettingSpec(Description):
+    """A limit that is set on the node, but not with this protocol."""
 
     example = {"title": "Limit of the current"}
 
@@ -143,33 +141,33 @@ class SettingSpec(Titled):
 
 
 @dataclass(frozen=True, kw_only=True)
-class EffectSpec(Titled):
-    """What sending a command can do besides its reply."""
+class EffectSpec(Description):
+    """A side effect of a command."""
 
     called = "an effect"
     example = {"title": "Moves", "level": "warning"}
 
-    level: Annotated[Level, Key("note, warning, or danger.")] = Level.NOTE
+    level: Annotated[Level, Doc("Severity of the effect: note, warning, or danger.")] = Level.NOTE
 
 
 @dataclass(frozen=True, kw_only=True)
 class ErratumSpec(Concept):
-    """Where the manual is wrong or silent, and what this spec does about it."""
+    """An error or omission of the manual, and the correction in this spec."""
 
     called = "an erratum"
     example = {"id": "unit_of_power", "where": ["types.power"], "manual": "3", "printed": "…", "used": "…", "why": "…"}
 
-    id: Annotated[Name, Key("A name for it, unique in the edition.")]
-    where: Annotated[list[str], Limits(min_length=1), Key("What it is about, as dotted paths into this file.")]
-    manual: Annotated[Section, Key("Section of the manual.")]
-    printed: Annotated[Text, Key("What the manual says.")]
-    used: Annotated[Text, Key("What this spec says.")]
-    why: Annotated[Text, Key("Why the one and not the other.")]
+    id: Annotated[Name, Doc("A name, unique in the edition.")]
+    where: Annotated[list[str], Limits(min_length=1), Doc("The affected parts of this file, as dotted paths.")]
+    manual: Annotated[Section, Doc("Section of the manual.")]
+    printed: Annotated[Text, Doc("The statement of the manual.")]
+    used: Annotated[Text, Doc("The statement of this spec.")]
+    why: Annotated[Text, Doc("The reason for the difference.")]
 
 
 @dataclass(frozen=True, kw_only=True)
-class EditionSpec(Titled):
-    """One exact protocol: a label and a date, and all there is to know of it."""
+class EditionSpec(Description):
+    """One exact protocol, identified by a label and a date."""
 
     called = "the edition"
     example = {
@@ -181,48 +179,50 @@ class EditionSpec(Titled):
     }
     advice = dict.fromkeys(
         ("frames", "refused", "exchanges", "sources"),
-        "golden frames stand in a file of their own, EDITION.frames.yaml beside EDITION.yaml",
+        "write golden frames into a separate file, EDITION.frames.yaml beside EDITION.yaml",
     )
     other = (
         "frames",
         "these are golden frames, not a spec",
-        "name the spec that they stand beside; it is read together with them",
+        "name the spec beside this file; canwright loads both",
     )
 
-    canwright: Annotated[Literal[1], Key("Version of this language.")]
-    family: Annotated[Name, Key("The protocols that grew from one another; prefix of generated names.")]
+    canwright: Annotated[Literal[1], Doc("Version of this language.")]
+    family: Annotated[Name, Doc("The name of related protocols; prefix of generated names.")]
     edition: Annotated[
         str,
         Limits(pattern=r"^[A-Za-z0-9]+([.-][A-Za-z0-9]+)*$", max_length=40),
-        Key("Label, and date where needed."),
+        Doc("Label, with a date if the label is not unique."),
     ]
     date: Annotated[
         str | None,
         Limits(pattern=DATE),
-        Key("Date of the manual: 2023-03 or 2023-03-21."),
+        Doc("Date of the manual: 2023-03 or 2023-03-21."),
     ] = None
-    languages: Annotated[list[Language], Limits(min_length=1), Key("Languages that every text is given in.")] = field(
+    languages: Annotated[list[Language], Limits(min_length=1), Doc("Languages of every text.")] = field(
         default_factory=lambda: ["en"]
     )
-    manual: Annotated[Text | None, Key("Title of the manual that this spec follows.")] = None
-    byte_order: Annotated[Order, Key("Which byte comes first; a type may say otherwise.")] = Order.LITTLE
-    bus: Annotated[Bus, Key("What host and nodes must agree on.")] = Bus()
+    manual: Annotated[Text | None, Doc("Title of the manual.")] = None
+    byte_order: Annotated[Order, Doc("Order of bytes, unless a type has its own.")] = Order.LITTLE
+    bus: Annotated[BusSpec, Doc("The settings that host and nodes have in common.")] = BusSpec()
     addresses: Annotated[
-        dict[Name, Address], Limits(min_length=1, max_length=256), Key("Addresses; the first is the usual one.")
+        dict[Name, AddressSpec],
+        Limits(min_length=1, max_length=256),
+        Doc("Addresses, by name; the first is the default."),
     ]
-    selector: Annotated[Selector | None, Key("What tells one command from another.")] = None
-    parameters: Annotated[dict[Name, ParameterSpec], Limits(max_length=256), Key("Parameters, by name.")] = field(
+    selector: Annotated[Selector | None, Doc("The bits that identify a command.")] = None
+    parameters: Annotated[dict[Name, ParameterSpec], Limits(max_length=256), Doc("Parameters, by name.")] = field(
         default_factory=dict
     )
-    settings: Annotated[dict[Name, SettingSpec], Key("Settings, by name.")] = field(default_factory=dict)
-    effects: Annotated[dict[Name, EffectSpec], Key("Effects, by name.")] = field(default_factory=dict)
-    types: Annotated[dict[Name, Type], Key("Types, by name.")] = field(default_factory=dict)
-    layouts: Annotated[dict[Name, LayoutSpec], Key("Layouts that several messages share, by name.")] = field(
+    settings: Annotated[dict[Name, SettingSpec], Doc("Settings, by name.")] = field(default_factory=dict)
+    effects: Annotated[dict[Name, EffectSpec], Doc("Effects, by name.")] = field(default_factory=dict)
+    types: Annotated[dict[Name, TypeSpec], Doc("Types, by name.")] = field(default_factory=dict)
+    layouts: Annotated[dict[Name, LayoutSpec], Doc("Layouts shared by several messages, by name.")] = field(
         default_factory=dict
     )
-    tables: Annotated[dict[Name, Table], Key("Tables, by name.")] = field(default_factory=dict)
-    commands: Annotated[dict[Name, Command], Limits(min_length=1), Key("Commands, by name.")]
-    errata: Annotated[list[ErratumSpec], Key("Errata, in the order of the manual.")] = field(default_factory=list)
+    tables: Annotated[dict[Name, TableSpec], Doc("Tables, by name.")] = field(default_factory=dict)
+    commands: Annotated[dict[Name, CommandSpec], Limits(min_length=1), Doc("Commands, by name.")]
+    errata: Annotated[list[ErratumSpec], Doc("Errata, in the order of the manual.")] = field(default_factory=list)
 
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -231,7 +231,7 @@ JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 def json_schema(concept: type[Concept]) -> JsonSchema:
     """The JSON Schema of a file that contains `concept`."""
     definitions: dict[str, JsonSchema] = {}
-    body = Mapped(concept).body(definitions)
+    body = ConceptForm(concept).body(definitions)
     return {"$schema": JSON_SCHEMA_DIALECT, "$defs": dict(sorted(definitions.items())), **body}
 
 

@@ -1,4 +1,4 @@
-"""The findings about a document while it is decoded."""
+"""Findings of the decoder."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..document.document import Document
 
 
 class Findings:
-    """Collects the findings about a document; `invalid` are the paths of what is left out."""
+    """The findings about a document; `invalid` are the paths of omitted values."""
 
     def __init__(self, document: Document) -> None:
         self._document = document
@@ -22,18 +22,18 @@ class Findings:
     def finding(
         self, path: DocumentPath, rule: str, message: str, hint: str = "", *, key: bool = False, about: str = ""
     ) -> None:
-        """A finding at a path, `about` a key that is missing there."""
+        """Adds a finding at a path; `about` is a missing key of the mapping at this path."""
         self.invalid.add((*path, about) if about else path)
         if len(self.findings) < self._most:
             message = message[:1].lower() + message[1:]
             self.findings.append(self._document.finding(path, rule, message, hint, key=key))
 
     def is_unreadable(self, path: DocumentPath) -> bool:
-        """Whether there is a finding about what stands at a path already."""
+        """Whether the value at a path already has a finding about its YAML."""
         return path in self._document.unreadable
 
     def has_unreadable_key(self, path: DocumentPath, data: Mapping[str, Any]) -> bool:
-        """Whether the mapping at a path has a key that is not in its data."""
+        """Whether the mapping at a path has an unreadable key, which is not in its data."""
         return any(one[:-1] == path and one and one[-1] not in data for one in self._document.unreadable)
 
     def is_type(self, name: object) -> bool:
@@ -43,7 +43,7 @@ class Findings:
         return isinstance(types, dict) and name in types
 
     def written(self, path: DocumentPath, value: object, *, key: bool = False) -> str:
-        """A number as it stands in the file: 0x80 and not 128."""
+        """A number in the notation of the file: 0x80, not 128."""
         if not key and (isinstance(value, bool) or not isinstance(value, (int, Decimal))):
             return str(value)
         at = self._document.position(path, key=key)

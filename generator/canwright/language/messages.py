@@ -1,4 +1,4 @@
-"""The part of the language that lays out frames: fields, layouts, messages, tables and commands."""
+"""Frames in the language: fields, layouts, messages, tables and commands."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,13 +6,13 @@ from typing import Annotated, ClassVar, Literal
 
 from ..model.layout import MAX_DATA_BYTES
 from ..model.types import Encoding, Order
-from .concept import Choose, Concept, JsonSchema, Key, Limits, keys
+from .concept import Choose, Concept, Doc, JsonSchema, Limits, keys
 from .scalar_types import Byte, CodeFormat, Indices, Name, Nodes, Only, Raw, Section, Start, Text
-from .types import Titled
+from .types import Description
 
 
 @dataclass(frozen=True, kw_only=True)
-class FieldSpec(Titled):
+class FieldSpec(Description):
     """A run of bits with a type."""
 
     called = "a field"
@@ -21,39 +21,35 @@ class FieldSpec(Titled):
 
     at: Annotated[
         Start,
-        Key(
-            "Where it starts: byte 4, bit 3 of byte 4 (4.3), or bit 5 of the id (id.5). In the data, "
-            "little-endian fields start at their least significant bit and big-endian ones at their most significant: with a "
-            "byte alone, at its bit 0 or its bit 7. In the id, all start at their least significant bit."
+        Doc(
+            "The start of the field: byte 4, bit 3 of byte 4 (4.3), or bit 5 of the id (id.5). In the data, a "
+            "little-endian field starts at its least significant bit, which is bit 0 of a byte without a bit number. A "
+            "big-endian field starts at its most significant bit, which is bit 7. In the id, every field starts at its "
+            "least significant bit."
         ),
     ]
-    type: Annotated[Name | None, Key("A type of this edition.")] = None
-    raw: Annotated[Raw | None, Key("A bare number of this format, in place of a type.")] = None
-    byte_order: Annotated[Order | None, Key("Of a bare number: overrides the edition's byte order.")] = None
-    array: Annotated[
-        Indices | None, Key("Indices of an array whose elements follow one another.", examples=("1..4",))
-    ] = None
+    type: Annotated[Name | None, Doc("A type of this edition.")] = None
+    raw: Annotated[Raw | None, Doc("Format of a plain number, instead of a type.")] = None
+    byte_order: Annotated[Order | None, Doc("Byte order of a plain number, if not that of the edition.")] = None
+    array: Annotated[Indices | None, Doc("Indices of an array of adjacent elements.", examples=("1..4",))] = None
     only: Only = None
-    constant: Annotated[int | None, Key("The raw value that it always holds, in the data or in the id.")] = None
+    constant: Annotated[int | None, Doc("The only valid raw value.")] = None
     reserved: Annotated[
         int | None,
-        Key(
-            "The raw value that is sent here, while a reader ignores what it finds: padding, or a priority "
-            "in the id. Bits that no field covers are sent as 0 and ignored."
+        Doc(
+            "The raw value to send; a receiver ignores it. For padding, or a priority in the id. Bits without a "
+            "field are sent as 0 and ignored."
         ),
     ] = None
     holds: Annotated[
         Literal["node"] | None,
-        Key(
-            "`node` when it says which node the frame is to or from, or the low bits of that: an answer "
-            "then comes from the node that was asked."
-        ),
+        Doc("`node` if the field contains the node, or its low bits. A reply then comes from the node of the request."),
     ] = None
-    manual: Annotated[Section | None, Key("Section of the manual, when not the command's.")] = None
+    manual: Annotated[Section | None, Doc("Section of the manual, if not that of the command.")] = None
 
 
 EMPTY_RAW: tuple[Encoding, int] = (Encoding.UNSIGNED, 1)
-"""Stands in for the format of a field that has none, so that its other findings come out too."""
+"""The format for a field without one, so that its other keys can be checked."""
 
 
 Fields = Annotated[dict[Name, FieldSpec], Limits(max_length=1000)]
@@ -64,50 +60,52 @@ LayoutOrName = Name | Fields
 
 
 @dataclass(frozen=True, kw_only=True)
-class LayoutSpec(Titled):
-    """Fields with their bits, shared by several messages. Bits that no field covers are reserved."""
+class LayoutSpec(Description):
+    """Fields with their bits, shared by several messages. Bits without a field are reserved."""
 
     called = "a layout"
     example = {"fields": {"level": {"at": 4, "raw": "u16"}}}
 
-    fields: Annotated[Fields, Key("The fields, by name.")]
-    manual: Annotated[Section | None, Key("Section of the manual.")] = None
+    fields: Annotated[Fields, Doc("The fields, by name.")]
+    manual: Annotated[Section | None, Doc("Section of the manual.")] = None
 
 
 Code = Byte | Annotated[dict[Name, Byte], Limits(min_length=1)]
-"""A code, or one for each kind of the table's entries."""
+"""A code, or one code for each kind of table entry."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MessageSpec(Concept):
-    """A request or reply that needs more said than its fields."""
+    """A request or reply with more keys than its fields."""
 
     called = "a request or a reply"
     schema_extra: ClassVar[JsonSchema] = {"dependentSchemas": {"of": {"propertyNames": {"enum": ["of", "from_each"]}}}}
 
     layout: Annotated[
         LayoutOrName | None,
-        Key("A shared layout's name, fields, or `entry`, those of the table's entry."),
+        Doc("Fields, the name of a shared layout, or `entry` for the fields of the table entry."),
     ] = None
-    fields: Annotated[Fields | None, Key("Further fields, besides those of `layout`.")] = None
-    of: Annotated[Name | None, Key("The command whose reply this one is.")] = None
+    fields: Annotated[Fields | None, Doc("Further fields, in addition to those of `layout`.")] = None
+    of: Annotated[Name | None, Doc("The command with this reply.")] = None
     from_each: Annotated[
-        Nodes | None, Key("The nodes that reply, one frame each, in this order.", examples=("1..4",))
+        Nodes | None, Doc("The nodes that reply, one frame each, in this order.", examples=("1..4",))
     ] = None
     code: Annotated[
         Code | None,
-        Key(
-            "Code, when not the command's; or one for each `kind` of the table's entries.",
+        Doc(
+            "Code, if not that of the command; or one code for each `kind` of table entry.",
             examples=(
                 0x60,
                 {"byte": 0x4F, "word": 0x4B},
             ),
         ),
     ] = None
-    accept: Annotated[list[Byte] | None, Limits(max_length=256), Key("Further codes that a receiver takes.")] = None
-    address: Annotated[Name | None, Key("Address, when not the command's.")] = None
-    dlc: Annotated[int | None, Limits(ge=0, le=MAX_DATA_BYTES), Key("Data bytes, when not the bus's.")] = None
-    remote: Annotated[bool | None, Key("True for a remote frame, which has no data.")] = None
+    accept: Annotated[list[Byte] | None, Limits(max_length=256), Doc("Further codes that a receiver accepts.")] = None
+    address: Annotated[Name | None, Doc("Address, if not that of the command.")] = None
+    dlc: Annotated[
+        int | None, Limits(ge=0, le=MAX_DATA_BYTES), Doc("Number of data bytes, if not that of the bus.")
+    ] = None
+    remote: Annotated[bool | None, Doc("True for a remote frame, which has no data.")] = None
 
 
 def _message_kind(value: Mapping[str, object]) -> int:
@@ -116,64 +114,65 @@ def _message_kind(value: Mapping[str, object]) -> int:
     return int(bool(set(value) & set(keys(MessageSpec))) and not names_fields)
 
 
-Message = Annotated[Name | Fields | MessageSpec, Choose(_message_kind)]
+MessageOrName = Annotated[Name | Fields | MessageSpec, Choose(_message_kind)]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Selector(Concept):
-    """The bits that tell one command from another, or one entry of a table."""
+    """The bits that identify a command or a table entry."""
 
     example = {"at": 0, "raw": "u8"}
 
-    at: Annotated[Start, Key("Where it is, in the data or in the id.")]
-    raw: Annotated[CodeFormat, Key("Its format, usually u8.")]
-    byte_order: Annotated[Order | None, Key("Overrides the edition's byte order.")] = None
+    at: Annotated[Start, Doc("Start of the bits, in the data or in the id.")]
+    raw: Annotated[CodeFormat, Doc("Format, usually u8.")]
+    byte_order: Annotated[Order | None, Doc("Overrides the edition's byte order.")] = None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry(Titled):
-    """One thing that a table's index can name, with its layout."""
+class EntrySpec(Description):
+    """One entry of a table: an index and a layout."""
 
     called = "an entry of a table"
     example = {"index": 1, "layout": {"gain": {"at": 4, "raw": "u16"}}}
     advice = {
-        **dict.fromkeys(
-            ("subindex", "sub_index", "sub"), "a second number stands behind the first: index: [0x6060, 1]"
-        ),
+        **dict.fromkeys(("subindex", "sub_index", "sub"), "write both numbers as a list: index: [0x6060, 1]"),
         **dict.fromkeys(
             ("read_only", "readonly", "ro"),
-            "say which commands have it: commands: [READ], by the name of the one that reads",
+            "list the commands that have it: commands: [READ], with the name of the read command",
         ),
     }
 
     index: Annotated[
         Annotated[list[Byte], Limits(min_length=1)] | Byte,
-        Key("Value of the index; a list where the index is one, and then it may be shorter."),
+        Doc("Value of the index; a list, possibly shorter, if the index is a list."),
     ]
-    layout: Annotated[LayoutOrName, Key("Fields, or a shared layout's name.")]
-    kind: Annotated[Name | None, Key("A name of your own for entries alike, where a command's codes differ by it.")] = (
-        None
-    )
+    layout: Annotated[LayoutOrName, Doc("Fields, or the name of a shared layout.")]
+    kind: Annotated[
+        Name | None, Doc("Kind of entry, a name that you choose, if the codes of a command depend on it.")
+    ] = None
     commands: Annotated[
         list[Name] | None,
         Limits(min_length=1),
-        Key("The commands that have it, when not all of the table: for what can only be read.", examples=(["read"],)),
+        Doc(
+            "The commands with this entry, if not all commands of the table; for example, of a read-only entry.",
+            examples=(["read"],),
+        ),
     ] = None
     dlc: Annotated[
         int | None,
         Limits(ge=0, le=MAX_DATA_BYTES),
-        Key("Data bytes of the messages that hold its layout, when not those of the others."),
+        Doc("Number of data bytes of messages with this layout, if not that of other entries."),
     ] = None
     only: Only = None
-    effects: Annotated[list[Name], Key("What writing it does, besides the command's effects.")] = field(
+    effects: Annotated[list[Name], Doc("Effects of writing this entry, in addition to those of the command.")] = field(
         default_factory=list
     )
-    manual: Annotated[Section | None, Key("Section of the manual, when not the command's.")] = None
+    manual: Annotated[Section | None, Doc("Section of the manual, if not that of the command.")] = None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Table(Titled):
-    """Things that several commands read and write by an index: a second selector, and a layout for each value of it."""
+class TableSpec(Description):
+    """Entries that several commands read and write by index: a second selector, and a layout for each value."""
 
     called = "a table"
     example = {
@@ -183,14 +182,14 @@ class Table(Titled):
 
     index: Annotated[
         Annotated[list[Selector], Limits(min_length=1)] | Selector,
-        Key("The bits that hold the index; a list where a second one follows the first."),
+        Doc("The bits with the index; a list if there is a second index."),
     ]
-    entries: Annotated[dict[Name, Entry], Limits(min_length=1), Key("The entries, by name.")]
-    manual: Annotated[Section | None, Key("Section of the manual.")] = None
+    entries: Annotated[dict[Name, EntrySpec], Limits(min_length=1), Doc("The entries, by name.")]
+    manual: Annotated[Section | None, Doc("Section of the manual.")] = None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Command(Titled):
+class CommandSpec(Description):
     """A code with its request and its reply."""
 
     called = "a command"
@@ -199,37 +198,37 @@ class Command(Titled):
 
     code: Annotated[
         Code | None,
-        Key(
-            "Value of the selector, or one for each `kind` of the table's entries; left out when there is none.",
+        Doc(
+            "Value of the selector, or one value for each `kind` of table entry; omitted without a selector.",
             examples=(
                 0x10,
                 {"byte": 0x2F, "word": 0x2B},
             ),
         ),
     ] = None
-    address: Annotated[Name | None, Key("Address, when not the first.")] = None
-    mode: Annotated[Name | None, Key("Bus mode, when not the first.")] = None
-    table: Annotated[Name | None, Key("A table; the command then has one form for each entry, `COMMAND_ENTRY`.")] = None
-    manual: Annotated[Section | None, Key("Section of the manual, quoted.", examples=("2.10",))] = None
+    address: Annotated[Name | None, Doc("Address, if not the first.")] = None
+    mode: Annotated[Name | None, Doc("Bus mode, if not the first.")] = None
+    table: Annotated[Name | None, Doc("Table; the command then has one form for each entry, `COMMAND_ENTRY`.")] = None
+    manual: Annotated[Section | None, Doc("Section of the manual, in quotes.", examples=("2.10",))] = None
     only: Only = None
-    implemented: Annotated[bool, Key("False when the manual says that it does not work yet.")] = True
+    implemented: Annotated[bool, Doc("False if the manual states that it is not implemented.")] = True
     request: Annotated[
-        Message | None,
-        Key(
-            "Fields, the name of a shared layout, `entry` (the fields of the table's entry) or `none`, for "
-            "what nodes send unasked; left out, a request without fields."
+        MessageOrName | None,
+        Doc(
+            "Fields, the name of a shared layout, `entry` (the fields of the table entry), or `none` for a frame that "
+            "nodes send without a request. Without this key, the request has no fields."
         ),
     ] = None
     reply: Annotated[
-        Message | None,
-        Key(
-            "Fields, the name of a shared layout, `echo` (the request comes back), `entry` (the fields of "
-            "the table's entry) or `none`."
+        MessageOrName | None,
+        Doc(
+            "Fields, the name of a shared layout, `echo` (the reply repeats the request), `entry` (the fields of the "
+            "table entry) or `none`."
         ),
     ] = None
-    effects: Annotated[list[Name], Key("What sending it does; names of `effects`.")] = field(default_factory=list)
-    limited_by: Annotated[list[Name], Key("Settings that limit it.")] = field(default_factory=list)
-    not_limited_by: Annotated[list[Name], Key("Settings that one would expect to limit it.")] = field(
+    effects: Annotated[list[Name], Doc("Side effects; names of `effects`.")] = field(default_factory=list)
+    limited_by: Annotated[list[Name], Doc("Settings that limit it.")] = field(default_factory=list)
+    not_limited_by: Annotated[list[Name], Doc("Settings that do not limit it, contrary to expectation.")] = field(
         default_factory=list
     )
-    notes: Annotated[list[Text], Key("What else its user should know.")] = field(default_factory=list)
+    notes: Annotated[list[Text], Doc("Further information for users.")] = field(default_factory=list)

@@ -1,6 +1,6 @@
-"""The small notations of the language: rationals, ranges, id rules, positions and raw formats.
+"""The notations of the language: rationals, ranges, id rules, positions and raw formats.
 
-Each parser takes the text as written and returns exact values, or raises ValueError with a sentence for the writer.
+Each parser returns exact values, or raises ValueError with a message for the author.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from ..model.layout import MAX_DATA_BYTES, Space
 from ..model.types import Bound, Encoding, Order, Range
 
 LONGEST = 200
-"""Characters of a notation, so that no text of a stranger makes numbers that take long to reckon with."""
+"""The maximum number of characters of a notation. It limits the computing time for untrusted text."""
 DIGITS = 40
-"""Characters of one number."""
+"""The maximum number of characters of one number."""
 MOST_NODES = 1 << 16
 MOST_ELEMENTS = MAX_DATA_BYTES * 8
-"""Elements of an array: no frame has more bits."""
+"""The maximum number of array elements: one for each bit of a frame."""
 LAST_BYTE = MAX_DATA_BYTES * 8 - 1
-"""The last position that is read: a bit in place of a byte is reported with the byte it is in."""
+"""The last position that is accepted. It is beyond a frame, so that a rule reports a bit number used as a byte number."""
 LAST_ID_BIT = 28
 SHORT_ID = 0x7FF
-"""The last id of 11 bits."""
+"""The last 11-bit id."""
 LAST_ID = (1 << LAST_ID_BIT + 1) - 1
 
 _WHOLE = r"(?:0|[1-9][0-9]*)"
@@ -47,10 +47,10 @@ ID_PATTERN = rf"^{_TERM}(?: *\+ *{_TERM})*$"
 
 
 def number(text: str) -> Fraction:
-    """One number as written, exact: `-2048`, `0x1F`, `16.5`."""
+    """An exact number: `-2048`, `0x1F`, `16.5`."""
     if not NUMBER.fullmatch(text):
         raise ValueError(
-            f"`{text}` is not a number; write an integer, a hexadecimal like 0x1F, a decimal like 0.01 or a quotient like 33/2048"
+            f"`{text}` is not a number; write an integer, a hexadecimal (0x1F), a decimal (0.01) or a quotient (33/2048)"
         )
     if len(text) > DIGITS:
         raise ValueError(f"`{text}` has more than {DIGITS} digits")
@@ -60,12 +60,12 @@ def number(text: str) -> Fraction:
 
 
 def rational(text: str) -> Fraction:
-    """A number, or a quotient of two as a manual prints it: `16.5/2048`."""
+    """A number, or a quotient of two numbers: `16.5/2048`."""
     above, slash, below = text.replace(" ", "").partition("/")
     if not slash:
         return number(above)
     if not above or not below:
-        raise ValueError(f"`{text}` is not a number; a quotient has two, like 33/2048")
+        raise ValueError(f"`{text}` is not a number; write a quotient of two numbers, for example 33/2048")
     divisor = number(below)
     if divisor == 0:
         raise ValueError(f"`{text}` divides by zero")
@@ -74,7 +74,7 @@ def rational(text: str) -> Fraction:
 
 @dataclass(frozen=True)
 class Multiple:
-    """A rational, or so many times a number parameter; exact. `text` is the rational the way it was written."""
+    """An exact rational, or its product with a number parameter. `text` is the rational as written."""
 
     value: Fraction
     parameter: str | None
@@ -82,7 +82,7 @@ class Multiple:
 
 
 def multiple(text: str) -> Multiple:
-    """A rational that people read as it was written: `360/16384` and not 45/2048; also `2/65535*size` and `-size`."""
+    """A rational with its notation, `360/16384` and not 45/2048, or a product: `2/65535*size`, `-size`."""
     parts = re.fullmatch(r"(?:(.*)\*|(?!(?:none|nan|inf)\b)([+-]?))([a-z][a-z0-9_]*)", text.replace(" ", ""))
     if parts is None:
         return Multiple(rational(text), None, text.replace(" ", ""))
@@ -111,82 +111,103 @@ def _bound(text: str) -> Bound:
     written, constant = match.groups()
     if written is None:
         return Bound(number(text))
-    found = multiple(written)
-    return Bound(number(constant or "0"), found.value, found.parameter)
+    product = multiple(written)
+    return Bound(number(constant or "0"), product.value, product.parameter)
 
 
 def nodes(text: str) -> range:
     """Nodes `1..32`, both ends included."""
-    found = _numbers(text)
-    if len(found) > MOST_NODES:
-        raise ValueError(f"`{text}` are {len(found)} nodes, more than {MOST_NODES}")
-    return found
+    numbers = _numbers(text)
+    if len(numbers) > MOST_NODES:
+        raise ValueError(f"the {len(numbers)} nodes of `{text}` exceed the maximum of {MOST_NODES}")
+    return numbers
 
 
 def indices(text: str) -> range:
     """Indices of an array `1..4`, both ends included."""
-    found = _numbers(text)
-    if len(found) > MOST_ELEMENTS:
-        raise ValueError(f"an array `{text}` has {len(found)} elements, and a frame has room for {MOST_ELEMENTS}")
-    return found
+    numbers = _numbers(text)
+    if len(numbers) > MOST_ELEMENTS:
+        raise ValueError(f"the {len(numbers)} array elements of `{text}` exceed the maximum of {MOST_ELEMENTS}")
+    return numbers
 
 
 def _numbers(text: str) -> range:
     if not re.fullmatch(NODES_PATTERN, text.replace(" ", "")):
         number = re.fullmatch(r"(?:([0-9]{1,9}) *[ -] *)?([0-9]{1,9})", text)
-        meant = f"{number[1] or 1}..{number[2]}" if number else "1..32"
-        raise ValueError(f"`{text}` is not a range of whole numbers; write it as {meant}")
+        example = f"{number[1] or 1}..{number[2]}" if number else "1..32"
+        raise ValueError(f"`{text}` is not a range of whole numbers; write it as {example}")
     first, last = (int(part) for part in text.replace(" ", "").split(".."))
     if last > LAST_ID:
-        raise ValueError(f"the range `{text}` goes beyond {LAST_ID}, the last CAN id")
+        raise ValueError(f"the range `{text}` exceeds {LAST_ID}, the last CAN id")
     if first > last:
         raise ValueError(f"the range `{text}` is empty: {first} is above {last}")
     return range(first, last + 1)
 
 
+def data_bytes(text: str) -> bytes:
+    """Data bytes in hex: `A1 00`."""
+    try:
+        return bytes.fromhex(text)
+    except ValueError:
+        raise ValueError(
+            f"`{text}` is not data; write pairs of hex digits, for example A1 00 00 00 64 00 00 00"
+        ) from None
+
+
+def value(written: str | int | Decimal) -> Fraction | str:
+    """A number in its unit, `none` for no value, or the name of an enum member."""
+    if isinstance(written, str) and not NUMBER.match(written):
+        return written
+    return rational(str(written).lower())
+
+
 @dataclass(frozen=True)
 class IdExpression:
-    """`0x100 + node`, `node << 5`, `300 + node * 10`, or a fixed id; `node_step` is None when no node is in it."""
+    """`0x100 + node`, `node << 5`, `300 + node * 10`, or a fixed id; `node_step` is None for an id without `node`."""
 
     base: int
     node_step: int | None
 
 
 def id_expression(text: str) -> IdExpression:
-    """A sum of numbers and at most one `node`, which may be shifted or multiplied: `0x100 + node`, `1 + (node << 5)`."""
+    """A sum of numbers and at most one `node`, possibly shifted or multiplied: `0x100 + node`, `1 + (node << 5)`."""
     base = 0
     step: int | None = None
     for term in (part.strip() for part in text.split("+")):
         bare = re.sub(rf"^\( *({_NODE}) *\)$", r"\1", term)
         match = re.fullmatch(rf"(?:({_ID_NUMBER}) *\* *)?node|node *(<<|\*) *({_ID_NUMBER})", bare)
         if match and step is not None:
-            raise ValueError(f"`{text}` names node twice")
+            raise ValueError(f"`{text}` contains `node` twice; write it once")
         if match:
             step = _node_step(term, match[1] or match[3] or "1", match[2] == "<<")
         elif re.fullmatch(_ID_NUMBER, term):
             base += int(term, 0)
         else:
-            more = "; for the other parts of an id there are `selector` and fields at id.0" if "|" in term else ""
-            raise ValueError(f"`{term}` does not belong in an id; write it like 0x100 + node, node << 5 or 0x200{more}")
+            form = (
+                "other parts of an id as `selector` or fields at id.0"
+                if "|" in term
+                else "0x100 + node, node << 5 or 0x200"
+            )
+            raise ValueError(f"`{term}` is not valid in an id; write {form}")
     return IdExpression(base, step)
 
 
 def _node_step(term: str, written: str, shifted: bool) -> int:
-    """How far the id of a node is from that of the next."""
+    """The difference between the ids of two adjacent nodes."""
     number = int(written, 0)
     if shifted and number > LAST_ID_BIT:
-        raise ValueError(f"`{term}` is beyond the last bit of a CAN id, {LAST_ID_BIT}")
+        raise ValueError(f"`{term}` exceeds {LAST_ID_BIT}, the last bit of a CAN id")
     step = 1 << number if shifted else number
     if not 1 <= step <= LAST_ID:
         raise ValueError(
-            f"`{term}` gives no node an id of its own" if not step else f"`{term}` is beyond 0x{LAST_ID:X}"
+            f"`{term}` gives all nodes the same id" if not step else f"`{term}` exceeds 0x{LAST_ID:X}, the last CAN id"
         )
     return step
 
 
 @dataclass(frozen=True)
 class At:
-    """Where a field starts. `bit` is None when only the byte is given, and the byte order decides."""
+    """The start of a field. `bit` is None for a byte alone; the byte order then determines the bit."""
 
     space: Space
     byte: int
@@ -202,7 +223,9 @@ def at(text: str) -> At:
         )
     byte, bit, id_bit = match.groups()
     if int(id_bit or 0) > LAST_ID_BIT or int(byte or 0) > LAST_BYTE:
-        raise ValueError(f"`{text}` is in no frame: there are bytes up to {LAST_BYTE}, and id bits up to {LAST_ID_BIT}")
+        raise ValueError(
+            f"`{text}` is outside of a frame; the last byte is {MAX_DATA_BYTES - 1}, the last id bit is {LAST_ID_BIT}"
+        )
     if id_bit is not None:
         return At(Space.ID, 0, int(id_bit))
     return At(Space.DATA, int(byte), None if bit is None else int(bit))
@@ -219,18 +242,18 @@ def raw_format(text: str) -> tuple[Encoding, int]:
 
 
 def code_format(text: str) -> tuple[Encoding, int]:
-    """As `raw_format`, of what selects: codes and indices are unsigned."""
+    """The raw format of a code or an index, which is unsigned."""
     encoding, width = raw_format(text)
     if encoding is not Encoding.UNSIGNED:
-        raise ValueError(f"codes and indices are unsigned, and `{text}` is not; write u{width}")
+        raise ValueError(f"`{text}` is not unsigned, as codes and indices must be; write u{width}")
     return encoding, width
 
 
 def frame_bits(start: At, width: int, order: Order) -> tuple[int, ...]:
     """Frame bits of a field from the least significant raw bit up.
 
-    A little-endian field starts at its least significant bit, by default bit 0 of the byte, and goes on upwards. A
-    big-endian one starts at its most significant bit, by default bit 7, and goes on downwards into the next byte.
+    A little-endian field starts at its least significant bit, by default bit 0 of the byte, and continues upwards. A
+    big-endian field starts at its most significant bit, by default bit 7, and continues downwards into the next byte.
     """
     if start.space is Space.ID or order is Order.LITTLE:
         first = start.byte * 8 + (start.bit or 0)

@@ -1,4 +1,4 @@
-"""The language in words, made from its JSON Schema: every concept, its keys, what they take, an example."""
+"""Reference of the language, generated from its JSON Schema: every concept with its keys, values and examples."""
 
 from __future__ import annotations
 
@@ -17,50 +17,52 @@ JsonSchema = Mapping[str, Any]
 
 NAME_PATTERN = "^[a-z][a-z0-9_]*$"
 IN_ALL = frozenset(("title", "about"))
-"""Keys of nearly every concept, explained once."""
+"""Keys of nearly every concept, described once."""
 
 
-class Key(NamedTuple):
-    """One key of a concept. `needed` is True where it cannot be left out."""
+class KeyReference(NamedTuple):
+    """One key of a concept. `takes` describes its value."""
 
     name: str
     about: str
     takes: str
     example: str
     default: str
-    needed: bool
+    required: bool
 
 
-class Concept(NamedTuple):
-    """What a mapping of the language describes."""
+class ConceptReference(NamedTuple):
+    """One concept of the language."""
 
     name: str
     about: str
-    keys: tuple[Key, ...]
+    keys: tuple[KeyReference, ...]
 
 
 @functools.cache
-def concepts() -> tuple[Concept, ...]:
-    """Every concept of specs and of golden frames, each after the one that has it."""
-    found: dict[str, Concept] = {}
+def concepts() -> tuple[ConceptReference, ...]:
+    """Every concept of specs and golden frames, each after a concept that contains it."""
+    result: dict[str, ConceptReference] = {}
     for root in (EditionSpec, GoldenFrames):
         whole = json.loads(schema_text(root))
         for name, schema in _reached(root.__name__, whole):
             if "properties" in schema:
                 keys = tuple(_keys(schema, whole["$defs"]))
-                found.setdefault(_spoken(name), Concept(_spoken(name), schema["description"].split("\n")[0], keys))
-    return tuple(found.values())
+                result.setdefault(
+                    _spoken(name), ConceptReference(_spoken(name), schema["description"].split("\n")[0], keys)
+                )
+    return tuple(result.values())
 
 
 def explained(word: str) -> Iterator[str]:
-    """The description of a key or of a concept, in lines; nothing when it has neither."""
+    """The description of a key or a concept, in lines; empty for other words."""
     every = concepts()
     for concept in every:
         if word in (concept.name, concept.name.replace(" ", "_")):
             yield f"{concept.name}: {concept.about}"
             yield from (f"  {line}" for key in concept.keys for line in _lines(key.name, key))
     own = [(concept, key) for concept in every for key in concept.keys if key.name == word]
-    shown: set[Key] = set()
+    shown: set[KeyReference] = set()
     for _, key in own:
         if key not in shown:
             shown.add(key)
@@ -69,12 +71,12 @@ def explained(word: str) -> Iterator[str]:
 
 
 def words() -> list[str]:
-    """All that `explained` knows."""
+    """All keys and concepts."""
     return sorted({word for concept in concepts() for word in (concept.name, *(key.name for key in concept.keys))})
 
 
 def page() -> str:
-    """How to write a spec, and every key of the language, in Markdown."""
+    """The guide to writing a spec and the reference of every key, in Markdown."""
     every = concepts()
     names = {concept.name for concept in every}
 
@@ -85,11 +87,11 @@ def page() -> str:
     return template.render(concepts=every, in_all=IN_ALL)
 
 
-def _lines(head: str, key: Key) -> Iterator[str]:
+def _lines(head: str, key: KeyReference) -> Iterator[str]:
     yield f"{head}: {key.about}"
-    like = f"; like {key.example}" if key.example else ""
-    left_out = "needed" if key.needed else f"left out: {key.default}" if key.default else "may be left out"
-    yield f"    {key.takes}{like}; {left_out}"
+    example = f"; example: {key.example}" if key.example else ""
+    presence = "required" if key.required else f"default: {key.default}" if key.default else "optional"
+    yield f"    {key.takes}{example}; {presence}"
 
 
 def _row(text: str) -> str:
@@ -98,7 +100,7 @@ def _row(text: str) -> str:
 
 
 def _reached(name: str, whole: JsonSchema) -> Iterator[tuple[str, JsonSchema]]:
-    """The concepts from the root on, in the order in which keys lead to them."""
+    """The concepts below a root concept, in breadth-first order of their keys."""
     waiting: list[tuple[str, JsonSchema]] = [(name, whole)]
     seen = {name}
     while waiting:
@@ -119,13 +121,13 @@ def _references(schema: Any) -> Iterator[str]:
         yield from _references(part)
 
 
-def _keys(schema: JsonSchema, known: JsonSchema) -> Iterator[Key]:
+def _keys(schema: JsonSchema, known: JsonSchema) -> Iterator[KeyReference]:
     for name, of in schema["properties"].items():
         examples = next(_examples(of), ())
         example = next((one for one in examples if isinstance(one, dict)), None)
         shown = aliases.flow(example) if isinstance(example, dict) else ", ".join(map(aliases.flow, examples))
         default = of.get("default")
-        yield Key(
+        yield KeyReference(
             name,
             of["description"],
             _takes(of, known),
@@ -136,7 +138,7 @@ def _keys(schema: JsonSchema, known: JsonSchema) -> Iterator[Key]:
 
 
 def _examples(schema: JsonSchema) -> Iterator[Sequence[Any]]:
-    """The examples of a key, or those of the forms that it can have."""
+    """The examples of a key, or of its forms."""
     if "examples" in schema:
         yield schema["examples"]
     for choice in (*schema.get("oneOf", ()), *schema.get("anyOf", ())):
@@ -144,7 +146,7 @@ def _examples(schema: JsonSchema) -> Iterator[Sequence[Any]]:
 
 
 def _takes(schema: JsonSchema, known: JsonSchema) -> str:
-    """What stands behind a key, in words."""
+    """A description of the value of a key."""
     if "$ref" in schema:
         name = schema["$ref"].rpartition("/")[2]
         return _takes(known[name], known) if "enum" in known[name] else f"`{_spoken(name)}`"
@@ -168,5 +170,5 @@ def _takes(schema: JsonSchema, known: JsonSchema) -> str:
 
 
 def _spoken(name: str) -> str:
-    """A concept as people call it: FieldSpec is a field."""
+    """The name of a concept in texts: `field` for FieldSpec."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name.removesuffix("Spec")).lower()

@@ -1,4 +1,4 @@
-"""Scalars of the language as types: names, texts, and the notations with their JSON Schemas."""
+"""Types of scalars: names, texts, and notations with their JSON Schemas."""
 
 from collections.abc import Callable
 from fractions import Fraction
@@ -6,13 +6,13 @@ from typing import Annotated, Any, Literal
 
 from ..model.types import Encoding, Range
 from . import notation
-from .concept import JsonSchema, Key, Limits, Notation
+from .concept import Doc, JsonSchema, Limits, Notation
 from .notation import At, IdExpression
 from .suggestions import VISIBLE
 
 
 def _written(parse: Callable[[str], Any], example: str, schema: JsonSchema) -> Notation:
-    return Notation(parse, f"a number or a short text here, like {example}", schema)
+    return Notation(parse, f"a number or a short text here, for example {example}", schema)
 
 
 def _number_or(pattern: str, *examples: str | int | float) -> JsonSchema:
@@ -65,12 +65,12 @@ Line = Annotated[str, Limits(min_length=1, max_length=2000, pattern=VISIBLE)]
 Language = Literal["en", "zh"]
 Text = Annotated[
     Line | dict[Language, Line],
-    Key("A text in each language of the edition, or a plain text where there is one language."),
+    Doc("A text in each language of the edition, or a plain text if the edition has one language."),
 ]
 Only = Annotated[
     dict[Name, Annotated[list[ValueName], Limits(min_length=1)]] | None,
-    Key(
-        "Parameter to the values under which this is there; left out, it always is.",
+    Doc(
+        "Parameter to the values for which this exists; without it, this always exists.",
         examples=({"model": ["A", "B"]},),
     ),
 ]

@@ -1,4 +1,4 @@
-"""What the author of an invalid spec probably meant: nearest names, and words that others use for those of the language."""
+"""Suggestions for invalid specs: nearest names, and synonyms of the words of the language."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .aliases import REMOTE
 from .concept import Concept, keys
 
 LISTED_KEYS = 20
-"""Up to so many keys are listed where none is near."""
+"""The maximum number of keys to list if no key is similar."""
 
-_MEANT: Mapping[str, tuple[str, ...]] = {
+_SYNONYMS: Mapping[str, tuple[str, ...]] = {
     "accept": ("also", "alternatives"),
     "about": ("desc", "description", "doc", "details"),
     "bit": ("value", "position", "pos", "index", "number", "mask", "shift", "raw"),
@@ -63,18 +63,18 @@ _MEANT: Mapping[str, tuple[str, ...]] = {
     "why": ("because", "reason"),
 }
 
-_OF_MAPPINGS = frozenset({"bus", "commands", "addresses", "enum", "flags"})
-"""Keys that a single number or word is not meant for."""
+_MAPPING_KEYS = frozenset({"bus", "commands", "addresses", "enum", "flags"})
+"""Keys that are not suggested for a number."""
 
-_ALL_MEANT = frozenset(word for words in _MEANT.values() for word in words)
+_ALL_SYNONYMS = frozenset(word for words in _SYNONYMS.values() for word in words)
 
 _REMEDIES: Mapping[str, str] = {
-    "a type": ": name one under `types`, and write `type: NAME` in place of `raw`",
-    "a request or a reply": ", which then has its fields in `layout`",
-    "a field": ", which stands in a request, a reply or a layout",
+    "a type": ": define one under `types`, and write `type: NAME` instead of `raw`",
+    "a request or a reply": "; its fields are then in `layout`",
+    "a field": " in a request, a reply or a layout",
 }
 
-_SPELT: Mapping[str, tuple[str, ...]] = {
+_UNIT_SPELLINGS: Mapping[str, tuple[str, ...]] = {
     "A": ("amp",),
     "degC": ("c", "celsius", "deg c", "deg_c", "degrees c", "centigrade"),
     "degF": ("f", "fahrenheit", "deg f", "deg_f"),
@@ -90,66 +90,66 @@ _SPELT: Mapping[str, tuple[str, ...]] = {
     "s": ("sec",),
     "%": ("pct", "prozent", "per cent"),
 }
-"""Units as others spell them, besides their symbols and titles."""
+"""Other spellings of units, besides their symbols and titles."""
 
-_STEPS = re.compile(r"\b(?:tick|pulse|step|increment|inc|lsb|cnt)s?\b")
-"""What other manuals call a count."""
+_COUNT_WORDS = re.compile(r"\b(?:tick|pulse|step|increment|inc|lsb|cnt)s?\b")
+"""Words for a count."""
 
 DATE = r"^[0-9]{4}(-(0[1-9]|1[0-2])(-(0[1-9]|[12][0-9]|3[01]))?)?$"
 VISIBLE = r"\S"
-"""The pattern of a text in which there is something."""
-NAME = "a small letter, then small letters, digits and `_`"
+"""The pattern of a text that is not blank."""
+NAME = "write a lowercase letter, then lowercase letters, digits and `_`"
 
 _SHAPES: Mapping[str, str] = {
     r"^[a-z][a-z0-9_]*$": NAME,
-    r"^[A-Za-z0-9][A-Za-z0-9_]*$": "a letter or a digit, then letters, digits and `_`",
-    r"^[A-Za-z][A-Za-z0-9_]*$": "a letter, then letters, digits and `_`",
-    r"^[A-Za-z0-9]+([.-][A-Za-z0-9]+)*$": "letters and digits, with single dots and dashes between: v2.35-2024-02",
+    r"^[A-Za-z0-9][A-Za-z0-9_]*$": "write a letter or a digit, then letters, digits and `_`",
+    r"^[A-Za-z][A-Za-z0-9_]*$": "write a letter, then letters, digits and `_`",
+    r"^[A-Za-z0-9]+([.-][A-Za-z0-9]+)*$": "write letters and digits, separated by single dots or dashes, for example v2.35-2024-02",
 }
 
 
-def meant(written: str, known: Iterable[str], there: Collection[str] = (), value: object = None) -> str | None:
-    """The one of the known keys that an unknown one with this value stands for, and that is not `there` yet."""
-    names = [name for name in known if name not in _OF_MAPPINGS or not isinstance(value, (int, Decimal))]
+def likely_key(written: str, known: Iterable[str], present: Collection[str] = (), value: object = None) -> str | None:
+    """The known key that the author of an unknown key with this value probably meant; none that is `present`."""
+    names = [name for name in known if name not in _MAPPING_KEYS or not isinstance(value, (int, Decimal))]
     word = written.strip().lower().replace("-", "_").replace(" ", "_")
-    found = near(word, names)
-    if found is None or (found not in (word, f"{word}s", f"{word}es") and word != f"{found}s"):
-        has_format = any(name in there and name != written for name in ("type", "raw"))
-        taken = {*there, "type", "raw"} if has_format else there
-        free = (name for name in _MEANT if name in names and name not in taken)
-        found = next((name for name in free if word in _MEANT[name]), None if word in _ALL_MEANT else found)
-    return found
+    similar = near(word, names)
+    if similar is not None and (similar in (word, f"{word}s", f"{word}es") or word == f"{similar}s"):
+        return similar
+    has_format = any(name in present and name != written for name in ("type", "raw"))
+    used = {*present, "type", "raw"} if has_format else present
+    unused = (name for name in _SYNONYMS if name in names and name not in used)
+    return next((name for name in unused if word in _SYNONYMS[name]), None if word in _ALL_SYNONYMS else similar)
 
 
-def slip(written: str, known: Iterable[str], there: Collection[str]) -> str | None:
-    """The key that an unknown one is a slip of the pen for, unless that is there already."""
-    found = near(written, known)
-    return found if found and found not in there and found == meant(written, [found]) else None
+def corrected_key(written: str, known: Iterable[str], present: Collection[str]) -> str | None:
+    """The key that an unknown one misspells, unless it is present."""
+    similar = near(written, known)
+    return similar if similar and similar not in present and similar == likely_key(written, [similar]) else None
 
 
-def all_meant(concept: type[Concept], written: str, value: object, there: Mapping[str, object]) -> Iterator[str]:
-    """The keys of a concept that an unknown one may stand for: these are not missing."""
+def likely_keys(concept: type[Concept], written: str, value: object, present: Mapping[str, object]) -> Iterator[str]:
+    """The keys of a concept that the author of an unknown key probably meant; they are not reported as missing."""
     known = keys(concept)
-    found = meant(written, known, there, value)
-    if found:
-        yield found
+    likely = likely_key(written, known, present, value)
+    if likely:
+        yield likely
     if _is_field(value) and "layout" in known:
         yield "layout"
 
 
-def unknown_key(concept: type[Concept], written: str, value: object, there: Mapping[str, object]) -> str:
-    """What to write in place of an unknown key with this value, beside the keys that are `there`."""
+def unknown_key(concept: type[Concept], written: str, value: object, present: Mapping[str, object]) -> str:
+    """A hint for an unknown key with this value, beside the keys that are `present`."""
     known = list(keys(concept))
     advice = concept.advice.get(written.lower()) or _misplaced(concept, written, value)
     if advice:
         return advice
-    found = meant(written, known, there, value)
-    if found:
-        return f"did you mean `{found}`?" + (" It contains both ends: low..high" if found == "range" else "")
-    format_key = next((name for name in ("type", "raw") if name in there and name in known and name != written), None)
-    if format_key and written.lower() in _MEANT["raw"]:
-        several = ", or write `array: 1..4` for several" if "array" in known else ""
-        return f"remove it: `{format_key}` has the width and the sign{several}"
+    likely = likely_key(written, known, present, value)
+    if likely:
+        return f"did you mean `{likely}`?" + (" It contains both limits: low..high" if likely == "range" else "")
+    format_key = next((n for n in ("type", "raw") if n in present and n in known and n != written), None)
+    if format_key and written.lower() in _SYNONYMS["raw"]:
+        several = ", or write `array: 1..4` for several values" if "array" in known else ""
+        return f"remove it, because `{format_key}` defines the width and the sign{several}"
     owners = _owners(written, known)
     if owners:
         return f"`{written}` belongs to {' or '.join(owners[:3])}" + (
@@ -159,16 +159,16 @@ def unknown_key(concept: type[Concept], written: str, value: object, there: Mapp
 
 
 def _misplaced(concept: type[Concept], written: str, value: object) -> str:
-    """Where a field or a command stands that was written elsewhere."""
+    """A hint for a field or a command at the wrong level."""
     known = keys(concept)
     if _is_field(value) and {"layout", "fields"} <= set(known):
-        return f"a field stands in `layout` here: {{layout: {{{written}: …}}, dlc: …}}"
+        return f"move the field into `layout`: {{layout: {{{written}: …}}, dlc: …}}"
     if _is_field(value) and concept.called == "a layout":
-        return "a field stands in `fields`; indent it further"
+        return "move the field into `fields`; indent it further"
     if _is_field(value) and concept.called == "a command":
-        return "a field stands in `request` or `reply`; indent it further"
+        return "move the field into `request` or `reply`; indent it further"
     if isinstance(value, dict) and {"code", "reply"} & set(value) and concept.called in ("a command", "the edition"):
-        return f"a command stands in `commands`; indent it {'less' if concept.called == 'a command' else 'further'}"
+        return f"move the command into `commands`; indent it {'less' if concept.called == 'a command' else 'further'}"
     return ""
 
 
@@ -177,39 +177,39 @@ def _is_field(value: object) -> bool:
 
 
 def _owners(written: str, known: Collection[str]) -> list[str]:
-    """The concepts that have a key which stands where it does not belong."""
-    names = [written, *(name for name, words in _MEANT.items() if written.lower() in words)]
+    """The concepts that have a key, or a synonym of it."""
+    names = [written, *(name for name, words in _SYNONYMS.items() if written.lower() in words)]
     owners = ([one.called for one in Concept.all if name in keys(one)] for name in names if name not in known)
     return next((called for called in owners if called), [])
 
 
 def _listed(names: Sequence[str]) -> str:
-    return "there are: " + ", ".join(f"`{n}`" for n in names) if 0 < len(names) <= LISTED_KEYS else ""
+    return "write one of " + ", ".join(f"`{n}`" for n in names) if 0 < len(names) <= LISTED_KEYS else ""
 
 
 def shape(pattern: str) -> str:
-    """What a pattern of the language wants, in words."""
-    return _SHAPES.get(pattern, f"it has to match {pattern}")
+    """What to write for a pattern of the language."""
+    return _SHAPES.get(pattern, f"write a text that matches {pattern}")
 
 
 def plain(written: str) -> str:
-    """A name in small letters and `_`."""
+    """A name in lowercase letters and `_`."""
     parts = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", written)
     return re.sub(r"[^A-Za-z0-9]+", "_", parts).strip("_").lower()
 
 
 def name(written: str, pattern: str) -> str:
-    """What a name has to look like, and this one as it would."""
+    """A hint for an invalid name: the rule for names, and the nearest valid name."""
     kept = r"[^A-Za-z0-9.-]+" if "." in pattern else r"[^A-Za-z0-9]+"
-    meant = plain(written) if pattern.startswith("^[a-z]") else re.sub(kept, "_", written).strip("._-")
-    wanted = shape(pattern)
+    valid = plain(written) if pattern.startswith("^[a-z]") else re.sub(kept, "_", written).strip("._-")
+    rule = shape(pattern)
     if array := re.fullmatch(r"([a-z][a-z0-9_]*)\[([1-9][0-9]?)\]", written):
-        return f"{wanted}; several are an array: {array[1]} with `array: 1..{array[2]}`"
-    return f"{wanted}: `{meant}`" if meant != written and re.fullmatch(pattern, meant) else wanted
+        return f"{rule}; write an array as {array[1]} with `array: 1..{array[2]}`"
+    return f"{rule}: `{valid}`" if valid != written and re.fullmatch(pattern, valid) else rule
 
 
 def place(dotted: str, data: object) -> str:
-    """The path that one which leads to nothing was probably meant for."""
+    """A hint for a path that does not exist."""
     steps = dotted.split(".")
     for i, step in enumerate(steps):
         names = (
@@ -220,83 +220,82 @@ def place(dotted: str, data: object) -> str:
             else []
         )
         if step not in names:
-            found = near(step, names)
-            if found:
-                return f"did you mean `{'.'.join([*steps[:i], found, *steps[i + 1 :]])}`?"
-            where = f"below `{'.'.join(steps[:i])}`" if i else "at the top"
-            return f"{where} there is " + (
-                ", ".join(f"`{n}`" for n in names) if 0 < len(names) <= LISTED_KEYS else "no such thing"
-            )
+            similar = near(step, names)
+            if similar:
+                return f"did you mean `{'.'.join([*steps[:i], similar, *steps[i + 1 :]])}`?"
+            parent = f"`{'.'.join(steps[:i])}`" if i else "the file"
+            listed = ", ".join(f"`{n}`" for n in names) if 0 < len(names) <= LISTED_KEYS else f"no `{step}`"
+            return f"{parent} contains {listed}"
         data = data[int(step)] if isinstance(data, list) else data[step] if isinstance(data, dict) else None
     return ""
 
 
 def date(written: str) -> str:
-    """How a date is written, and this one as it would be."""
+    """A hint for an invalid date: the notation of dates, and the nearest valid date."""
     parts = re.fullmatch(r"([0-9]{4})[-/. ]?([0-9]{1,2})?[-/. ]?([0-9]{1,2})?", written.strip())
-    found = "-".join(part.zfill(2) for part in parts.groups() if part) if parts else ""
-    wanted = "a year, a month, or a day: 2023, 2023-03 or 2023-03-21"
-    return f"{wanted}: `{found}`" if found != written and re.fullmatch(DATE, found) else wanted
+    valid = "-".join(part.zfill(2) for part in parts.groups() if part) if parts else ""
+    rule = "write a year, a month or a day, as 2023, 2023-03 or 2023-03-21"
+    return f"{rule}: `{valid}`" if valid != written and re.fullmatch(DATE, valid) else rule
 
 
 def as_yaml(value: object) -> str:
-    """A scalar as it is written."""
+    """A scalar in the notation of YAML."""
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def integer(written: object) -> str:
-    """How a whole number that was not read as one is written."""
+    """A hint for a value that is not a whole number."""
     text = str(written).strip()
     if re.fullmatch(r"0x[0-9A-Fa-f]+|0|[1-9][0-9]*", text):
         return f"write {text} without quotes"
     if re.fullmatch(r"(?:0x[0-9A-Fa-f]+|0|[1-9][0-9]*)[;,]", text):
-        return f"write {text[:-1]}: there is nothing behind a value"
+        return f"write {text[:-1]}, without a character after it"
     if parts := re.fullmatch(r"(0x[0-9A-Fa-f]+)[:.](?:0x)?([0-9A-Fa-f]{1,2})", text):
         return f"did you mean [{parts[1]}, 0x{parts[2].upper()}]?"
     digits = text[:-1] if text[-1:] in "hH" else text[1:] if text[:1] in "$#xX" else text
     return (
         f"did you mean 0x{digits.upper()}?"
         if re.fullmatch(r"[0-9A-Fa-f]+", digits)
-        else "a whole number is written like 16 or 0x10"
+        else "write a whole number, for example 16 or 0x10"
     )
 
 
 def word(written: str, known: Iterable[str]) -> str:
-    """Which of a few words is meant; or all of them."""
+    """The most likely of several words; all of them without a likely one."""
     words, lower = list(known), written.lower()
-    inside = next((one for one in words if one in lower), None)
-    other = next((one for one in words if lower.replace("_", "-") in _WORDS.get(one, ())), None)
-    every = f"{', '.join(words[:-1])} or {words[-1]}" if len(words) > 1 else "".join(words)
-    return other or near(lower, words) or inside or every
+    contained = next((one for one in words if one in lower), None)
+    synonym = next((one for one in words if lower.replace("_", "-") in _WORDS.get(one, ())), None)
+    listed = f"{', '.join(words[:-1])} or {words[-1]}" if len(words) > 1 else "".join(words)
+    return synonym or near(lower, words) or contained or listed
 
 
 def unit(written: str, units: Mapping[str, Unit]) -> str:
-    """The unit that another spelling stands for; or all that there are."""
+    """A hint for an unknown unit."""
     if written.strip().lower() in ("", "-", "none", "raw", "1", "n/a", "no unit", "unitless"):
-        return "leave `unit` out: without it, this is a bare number"
-    spelt = {spelling.casefold(): u for u in units.values() for spelling in (u.symbol, u.title["en"], u.dbc)}
-    spelt |= {spelling: units[name] for name, spellings in _SPELT.items() if name in units for spelling in spellings}
-    spelt |= {f"{spelling}s": u for spelling, u in spelt.items() if f"{spelling}s" not in spelt}
+        return "omit `unit` for a plain number"
+    spellings = {spelling.casefold(): u for u in units.values() for spelling in (u.symbol, u.title["en"], u.dbc)}
+    spellings |= {other: units[name] for name, others in _UNIT_SPELLINGS.items() if name in units for other in others}
+    spellings |= {f"{one}s": u for one, u in spellings.items() if f"{one}s" not in spellings}
     word = written.strip().casefold().replace("meter", "metre")
-    meant = units.get(written) or spelt.get(word) or units.get(_STEPS.sub("count", word))
-    if meant:
-        return f"did you mean `{meant.name}`?"
+    likely = units.get(written) or spellings.get(word) or units.get(_COUNT_WORDS.sub("count", word))
+    if likely:
+        return f"did you mean `{likely.name}`?"
     close = near(written, units)
     listed = ", ".join([*units][:LISTED_KEYS])
-    return f"did you mean `{close}`?" if close else f"leave `unit` out and name it in `title`, or use {listed}, …"
+    return f"did you mean `{close}`?" if close else f"omit `unit` and state it in `title`, or use {listed}, …"
 
 
 def layout(written: str, known: Sequence[str], commands: Collection[str], types: Collection[str]) -> str:
-    """What stands in place of the name of a layout that is not there."""
+    """A hint for an unknown layout."""
     if written in commands:
-        return f"`{written}` is a command: its reply is {{of: {written}}}"
+        return f"`{written}` is a command: write {{of: {written}}} for its reply"
     if written in types:
-        return f"`{written}` is a type, of a field: {{{written}: {{at: 0, type: {written}}}}}"
+        return f"`{written}` is a type: write a field, {{{written}: {{at: 0, type: {written}}}}}"
     if written.lower() in ("remote", *REMOTE):
-        return "a remote frame is {remote: true}"
-    word = next((one for one in known if written.lower() in _MEANT.get(one, ())), None)
-    found = word or near(written, known)
-    return f"did you mean `{found}`?" if found else f"{nearest(written, known)}, or fields".removeprefix(", or ")
+        return "write {remote: true} for a remote frame"
+    word = next((one for one in known if written.lower() in _SYNONYMS.get(one, ())), None)
+    likely = word or near(written, known)
+    return f"did you mean `{likely}`?" if likely else f"{nearest(written, known)}, or fields".removeprefix(", or ")
 
 
 _WORDS: Mapping[str, tuple[str, ...]] = {
@@ -308,4 +307,4 @@ _WORDS: Mapping[str, tuple[str, ...]] = {
     "warning": ("medium", "warn"),
     "note": ("low", "info", "hint"),
 }
-"""What other people call the words of the language."""
+"""Synonyms of words of the language."""

@@ -1,19 +1,19 @@
-"""The part of the language that knows no frame: concepts, and types of raw bits."""
+"""Types of the language: conversions of raw bits to values."""
 
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
 from ..model.types import Order
-from .concept import Concept, JsonSchema, Key, Limits
+from .concept import Concept, Doc, JsonSchema, Limits
 from .scalar_types import Multiple, Name, Raw, Span, Text
 
 
 @dataclass(frozen=True, kw_only=True)
-class Titled(Concept):
-    """What people read of a concept."""
+class Description(Concept):
+    """A title and a text."""
 
-    title: Annotated[Text | None, Key("A few words, as a heading.")] = None
-    about: Annotated[Text | None, Key("A sentence or two for whoever uses it.")] = None
+    title: Annotated[Text | None, Doc("A few words, used as a heading.")] = None
+    about: Annotated[Text | None, Doc("One or two sentences for users.")] = None
 
 
 CaseMultiple = Literal["none"] | Multiple
@@ -22,31 +22,31 @@ CaseSpan = Literal["none"] | Span
 
 @dataclass(frozen=True, kw_only=True)
 class ScaleBy(Concept):
-    """A scale for each value of a choice parameter; `none` where the manual gives none."""
+    """A scale for each value of a choice parameter; `none` if the manual states none."""
 
     cases: ClassVar[str] = "by_value"
 
-    by: Annotated[Name, Key("The parameter that decides.")]
+    by: Annotated[Name, Doc("The parameter; its values are the other keys.")]
     by_value: dict[str, CaseMultiple]
 
 
 @dataclass(frozen=True, kw_only=True)
 class OffsetBy(Concept):
-    """An offset for each value of a choice parameter; `none` where the manual gives none."""
+    """An offset for each value of a choice parameter; `none` if the manual states none."""
 
     cases: ClassVar[str] = "by_value"
 
-    by: Annotated[Name, Key("The parameter that decides.")]
+    by: Annotated[Name, Doc("The parameter; its values are the other keys.")]
     by_value: dict[str, CaseMultiple]
 
 
 @dataclass(frozen=True, kw_only=True)
 class RangeBy(Concept):
-    """A range for each value of a choice parameter; `none` where the manual gives none."""
+    """A range for each value of a choice parameter; `none` if the manual states none."""
 
     cases: ClassVar[str] = "by_value"
 
-    by: Annotated[Name, Key("The parameter that decides.")]
+    by: Annotated[Name, Doc("The parameter; its values are the other keys.")]
     by_value: dict[str, CaseSpan]
 
 
@@ -56,59 +56,59 @@ SpanChoice = Span | RangeBy
 
 
 @dataclass(frozen=True, kw_only=True)
-class Member(Titled):
+class MemberSpec(Description):
     """A name for one raw value."""
 
-    value: Annotated[int, Key("The raw value that has this name.")]
+    value: Annotated[int, Doc("The raw value with this name.")]
 
 
 BitNumber = Annotated[int, Limits(ge=0, le=63)]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Flag(Titled):
+class FlagSpec(Description):
     """A name for one bit."""
 
-    bit: Annotated[BitNumber, Key("The bit, 0 is the least significant.")]
+    bit: Annotated[BitNumber, Doc("The bit; 0 is the least significant one.")]
 
 
-Value = int | Member
-Bit = BitNumber | Flag
+NamedValue = int | MemberSpec
+NamedBit = BitNumber | FlagSpec
 
 
 @dataclass(frozen=True, kw_only=True)
-class Type(Titled):
-    """How raw bits become a value."""
+class TypeSpec(Description):
+    """A conversion of raw bits to a value."""
 
     called = "a type"
     example = {"raw": "u16", "unit": "V", "scale": "0.1"}
     schema_extra: ClassVar[JsonSchema] = {"not": {"required": ["range", "raw_range"]}}
 
-    raw: Annotated[Raw, Key("Sign and width: u8, i16, i56 (1 to 64 bits), or f32, f64.")]
-    byte_order: Annotated[Order | None, Key("Overrides the edition's byte order.")] = None
-    unit: Annotated[str | None, Key("A unit of units.yaml; left out for a bare number.")] = None
+    raw: Annotated[Raw, Doc("Sign and width: u8, i16, i56 (1 to 64 bits), or f32, f64.")]
+    byte_order: Annotated[Order | None, Doc("Overrides the edition's byte order.")] = None
+    unit: Annotated[str | None, Doc("A unit of units.yaml; omitted for a plain number.")] = None
     scale: Annotated[
         Scale | None,
-        Key(
-            "value = raw * scale + offset. As printed: 0.01, 1/64, 16.5/2048; `none` if none is known. A "
-            "multiple of a number parameter, as 2/65535*size, makes offset and range multiples of the same one."
+        Doc(
+            "value = raw * scale + offset. A number as printed (0.01, 1/64, 16.5/2048), or `none` if it is unknown. "
+            "If it is a multiple of a number parameter (2/65535*size), offset and range are multiples of it, too."
         ),
     ] = None
-    offset: Annotated[OffsetChoice | None, Key("Added after scaling, in the unit: -40, or -size.")] = None
-    raw_range: Annotated[SpanChoice | None, Key("Allowed raw integers, when the manual says so.")] = None
-    range: Annotated[SpanChoice | None, Key("Allowed values in the unit, when the manual says so.")] = None
+    offset: Annotated[OffsetChoice | None, Doc("Added after scaling, in the unit: -40, or -size.")] = None
+    raw_range: Annotated[SpanChoice | None, Doc("Valid raw integers, if the manual states them.")] = None
+    range: Annotated[SpanChoice | None, Doc("Valid values in the unit, if the manual states them.")] = None
     plausible: Annotated[
         Span | None,
-        Key(
-            "Values in the unit that a working node reports. `canwright identify` reasons from it; nothing is "
-            "refused for it.",
+        Doc(
+            "Values in the unit that a working node reports. Only `canwright identify` uses it; no frame is "
+            "rejected because of it.",
             examples=("6..100",),
         ),
     ] = None
     enum: Annotated[
-        Annotated[dict[Name, Value], Limits(min_length=1)] | None,
-        Key(
-            "The raw values that have a name: the value, or a mapping where there is a title to it.",
+        Annotated[dict[Name, NamedValue], Limits(min_length=1)] | None,
+        Doc(
+            "Named raw values: the value, or a mapping with a title.",
             examples=(
                 {"idle": 0, "running": 1},
                 {"idle": {"value": 0, "title": "Waits"}},
@@ -116,13 +116,13 @@ class Type(Titled):
         ),
     ] = None
     flags: Annotated[
-        Annotated[dict[Name, Bit], Limits(min_length=1)] | None,
-        Key(
-            "The bits that have a name, 0 is the least significant: the bit, or a mapping with a title.",
+        Annotated[dict[Name, NamedBit], Limits(min_length=1)] | None,
+        Doc(
+            "Named bits, 0 is the least significant one: the bit, or a mapping with a title.",
             examples=(
                 {"hot": 0, "stuck": 7},
                 {"hot": {"bit": 0, "title": "Too hot"}},
             ),
         ),
     ] = None
-    differs: Annotated[Text | None, Key("Why this scale or unit is another one than that of its like.")] = None
+    differs: Annotated[Text | None, Doc("The reason why this scale or unit differs from that of similar types.")] = None

@@ -1,5 +1,5 @@
-"""The specs of a folder: loaded, checked and generated; golden frames, git revisions, the site.
+"""Load, check and generate the specs of a folder; golden frames, git revisions, the site.
 
-Belongs here: what combines the other packages into one run, without printing anything.
-Imports every package but `recordings` and `cli`.
+Belongs here: the combination of other packages into one run, without printing.
+Imports `diagnostics`, `document`, `model`, `language`, `resolve`, `targets`, `rules` and `output`.
 """

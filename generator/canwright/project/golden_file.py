@@ -1,4 +1,4 @@
-"""The golden frames beside a spec, and the findings about them."""
+"""The golden frames beside a spec, with their findings."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ LISTS = ("frames", "refused", "exchanges")
 
 @dataclass(frozen=True)
 class GoldenFile:
-    """Golden frames; `golden` is None where there are none, or where there is an error."""
+    """Golden frames with their document and findings; `golden` is None without a file, or after an error."""
 
     golden: GoldenFrames | None = None
     document: Document | None = None
     findings: tuple[Diagnostic, ...] = ()
 
     def other_edition(self, names: Mapping[str, str]) -> Iterator[Diagnostic]:
-        """A finding for each of family and edition that is another one than the spec's."""
+        """A finding for a family or an edition that differs from that of the spec."""
         data = self.document.data if self.document and isinstance(self.document.data, dict) else {}
-        for key, wanted in names.items():
-            if self.document and isinstance(data.get(key), str) and data[key] != wanted:
-                text = f"these frames stand beside {key} `{wanted}`"
-                yield self.document.finding((key,), "other-edition", text, f"{key}: {_as_yaml(wanted)}")
+        for key, expected in names.items():
+            if self.document and isinstance(data.get(key), str) and data[key] != expected:
+                text = f"the {key} of the spec beside this file is `{expected}`"
+                yield self.document.finding((key,), "other-edition", text, f"write {key}: {_as_yaml(expected)}")
 
 
 def read_golden_file(file: Path) -> GoldenFile:
@@ -44,7 +44,7 @@ def read_golden_file(file: Path) -> GoldenFile:
 
 
 def _unknown_sources(document: Document) -> Iterator[Diagnostic]:
-    """Each source that does not exist, where it is named first."""
+    """A finding for each unknown source, at its first use."""
     data = document.data if isinstance(document.data, dict) else {}
     sources = data.get("sources")
     if not isinstance(sources, dict) or any(path[:1] == ("sources",) for path in document.unreadable):
@@ -57,11 +57,11 @@ def _unknown_sources(document: Document) -> Iterator[Diagnostic]:
                 used.setdefault(name, []).append((key, i, "source"))
     for name, paths in used.items():
         if name not in sources:
-            more = f", which {len(paths)} entries name" if len(paths) > 1 else ""
-            hint = nearest(name, sources) or f"describe it under `sources`: {{{name}: …}}"
+            more = f", but {len(paths)} entries use it" if len(paths) > 1 else ""
+            hint = nearest(name, sources) or f"define it under `sources`: {{{name}: …}}"
             yield document.finding(paths[0], "unknown-reference", f"there is no source `{name}`{more}", hint)
 
 
 def _as_yaml(text: str) -> str:
-    """A text as YAML: in quotes where it would be a number without."""
+    """A text as a YAML scalar, in quotes if necessary."""
     return f'"{text}"' if text.replace(".", "", 1).isdigit() or ambiguous.ambiguity(text) else text

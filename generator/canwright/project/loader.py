@@ -1,4 +1,4 @@
-"""A spec file and its golden frames, read, resolved and checked."""
+"""Loader of a spec file and its golden frames: read, decode, resolve, check."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FRAMES_SUFFIX = ".frames.yaml"
 
 @dataclass(frozen=True)
 class Loaded:
-    """A spec that is right: what targets are given of it, its text with positions, and what might be better."""
+    """A valid spec: the input of targets, the document, and warnings."""
 
     specification: Specification
     document: Document
@@ -34,9 +34,9 @@ class Loaded:
 
 
 def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
-    """The edition in `file`, with the golden frames beside it where there are any, unless without `golden`.
+    """The edition in `file`, with the golden frames beside it, unless `golden` is False.
 
-    `name` is what findings call the file, when it is not the path. Raises SpecError with all findings when one of them
+    `name` is the name of the file in findings; by default its path. Raises SpecError with all findings if one of them
     is an error, and OSError.
     """
     frames = frames_file(file)
@@ -70,11 +70,11 @@ def _load(file: Path, name: str | None, golden_file: GoldenFile) -> Loaded:
             checker.check(phase, [])
     if checker.errors:
         raise SpecError([*checker.errors, *checker.warnings])
-    return Loaded(Specification(edition, golden_file.golden), document, tuple(sorted(checker.warnings, key=_place)))
+    return Loaded(Specification(edition, golden_file.golden), document, tuple(sorted(checker.warnings, key=_position)))
 
 
 class _Checker:
-    """Checks the rules of one phase after the other, and collects their findings."""
+    """Checks the rules of each phase, and collects their findings."""
 
     def __init__(
         self, document: Document, golden_file: GoldenFile, subject: Subject, errors: Sequence[Diagnostic]
@@ -82,13 +82,13 @@ class _Checker:
         self._document = document
         self._golden_file = golden_file
         self._subject = subject
-        self._rules = {_place(error): error.rule for error in errors}
+        self._rules = {_position(error): error.rule for error in errors}
         self.errors = list(errors)
         self.warnings: list[Diagnostic] = []
         self.invalid: list[DocumentPath] = []
 
     def check(self, phase: Phase, invalid: Iterable[DocumentPath]) -> None:
-        """Checks what errors at the paths of what is `invalid` do not affect."""
+        """Checks the definitions that are unaffected by errors at the `invalid` paths."""
         affected = Affected(self._document.data, invalid)
         edition = affected.others(self._subject.edition)
         subject = self._subject._replace(edition=edition, partial=edition is not self._subject.edition)
@@ -102,7 +102,7 @@ class _Checker:
         diagnostic = (document or self._document).finding(
             finding.path, rule.id, finding.message, finding.hint, key=finding.key, warning=is_warning
         )
-        if self._rules.setdefault(_place(diagnostic), rule.id) != rule.id and finding.key:
+        if self._rules.setdefault(_position(diagnostic), rule.id) != rule.id and finding.key:
             return
         (self.warnings if is_warning else self.errors).append(diagnostic)
         if not is_warning:
@@ -110,22 +110,22 @@ class _Checker:
 
 
 def specification(file: Path) -> Specification:
-    """What targets are given of the edition in `file`. Raises as `load`."""
+    """The input of targets for the edition in `file`. Raises as `load`."""
     return load(file).specification
 
 
 def all_loaded(files: Iterable[Path]) -> list[Loaded]:
-    """Every edition of `files`, in order of family and edition. Raises SpecError with the findings of all files."""
-    tried = [_tried(file) for file in files]
-    if not all(isinstance(one, Loaded) for one in tried):
-        raise SpecError(f for one in tried for f in (one.warnings if isinstance(one, Loaded) else one))
-    result = [one for one in tried if isinstance(one, Loaded)]
+    """The editions of `files`, sorted by family and name. Raises SpecError with the findings of all files."""
+    results = [_load_or_findings(file) for file in files]
+    if not all(isinstance(one, Loaded) for one in results):
+        raise SpecError(f for one in results for f in (one.warnings if isinstance(one, Loaded) else one))
+    result = [one for one in results if isinstance(one, Loaded)]
     result.sort(key=lambda one: (one.specification.edition.family, one.specification.edition.name))
     findings = [
         later.document.finding(
             ("edition",),
             "name-collision",
-            f"{earlier.document.name} is {later.specification.edition.family} {later.specification.edition.name} as well",
+            f"{earlier.document.name} describes {later.specification.edition.family} {later.specification.edition.name}, too",
             "rename one of the editions",
         )
         for earlier, later in itertools.pairwise(result)
@@ -145,8 +145,8 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     return result
 
 
-def _tried(file: Path) -> Loaded | Sequence[Diagnostic]:
-    """An edition, or what is wrong with it."""
+def _load_or_findings(file: Path) -> Loaded | Sequence[Diagnostic]:
+    """A loaded spec, or its findings."""
     try:
         return load(file)
     except SpecError as error:
@@ -158,14 +158,14 @@ def _name(one: Loaded) -> tuple[str, str]:
 
 
 def frames_file(file: Path) -> Path:
-    """Where the golden frames of a spec stand."""
+    """The path of the golden frames of a spec."""
     return file.with_name(file.name.removesuffix(file.suffix) + FRAMES_SUFFIX)
 
 
 def spec_files(folder: Path) -> list[Path]:
-    """The editions below a folder: `FAMILY/EDITION.yaml`, without golden frames."""
+    """The specs below a folder: `FAMILY/EDITION.yaml`, without golden frames."""
     return sorted(f for f in folder.glob("*/*.yaml") if not f.name.endswith(FRAMES_SUFFIX))
 
 
-def _place(finding: Diagnostic) -> tuple[str, int, int]:
+def _position(finding: Diagnostic) -> tuple[str, int, int]:
     return (finding.position.file, finding.position.line, finding.position.column)

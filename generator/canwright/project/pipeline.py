@@ -1,4 +1,4 @@
-"""Generation: from specs to the files of every target."""
+"""Generation of the files of every target."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..targets.base import Specification
 
 
 def generate(specifications: Sequence[Specification], targets: Sequence[str], set_parameters: Assignment) -> Content:
-    """The files of `targets` for these editions, in memory; writes nothing. Raises TargetError."""
+    """The files that `targets` generate from the editions, in memory. Raises TargetError."""
     files = {
         f"{target}/{output.path}": output.text.encode("utf-8")
         for target in targets

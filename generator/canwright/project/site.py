@@ -1,4 +1,4 @@
-"""The documents as a website: MkDocs with Material, strict, in every language, without external requests."""
+"""The documentation site: MkDocs with Material, strict, in all languages, without external requests."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ACROSS = ("support.md", "new-edition.md")
 _COMMANDS = {"en": "Commands", "zh": "命令"}
 EXTENSIONS = ["tables", "toc", "attr_list", "md_in_html"]
 _NEEDED = {"mkdocs": "mkdocs<2", "material": "mkdocs-material<10", "mkdocs_static_i18n": "mkdocs-static-i18n<2"}
-"""The required modules, with their packages and versions as in `pyproject.toml`."""
+"""Modules and the packages that contain them, with the limits of `pyproject.toml`."""
 
 
 _THEME = """{% extends "base.html" %}
@@ -47,41 +47,41 @@ _THEME = """{% extends "base.html" %}
 }
 </style>{% endblock %}
 """
-"""Tables are wide: the page is wider, the table of contents is hidden on small screens, and numbers do not break.
+"""Styles for wide tables: a wider page, a table of contents only on wide screens, no line breaks in numbers.
 
 On a phone, the first column stays visible while the others scroll.
 """
 
 
 _WORDS = r"[\s\-\u200b]+|(?<=[\u3400-\u9fff])|(?=[\u3400-\u9fff])"
-"""Word separators of the search. Each Chinese character is a word, so that any part of a text is found."""
+"""Word separators of the search. Chinese has no spaces, so each Chinese character is a word."""
 
 
 _ROW = re.compile(r"^\|[^|]*\| (\[(?:[^|\\]|\\.)*\]\([^)|]+\))<br>((?:[^|\\]|\\.)*) \|", re.MULTILINE)
-"""A row of the command table of the overview: code; name with a link, title, and links to the entries."""
+"""A command in the table of the overview: code; name with link, title, and links to entries."""
 
 _LINK = re.compile(r"\[((?:[^\]\\]|\\.)*)\]\(([^)]+\.md)\)")
 
 
 class SiteError(Exception):
-    """The site cannot be built; the message states why and what to do."""
+    """An error that prevents building the site."""
 
 
 def build(docs: Path, site: Path, *, force: bool = False) -> None:
-    """Builds the pages below `docs` into `site`, which is empty or an earlier site; an error leaves it unchanged.
+    """Builds the pages below `docs` into `site`, an empty folder or an earlier site, which is replaced at the end.
 
-    Raises SiteError, also for a broken link, and OutputError if other files are in the way; `force` overwrites only
-    pages that were edited by hand.
+    Raises SiteError, also for broken links, and OutputError for other files in `site`. `force` overwrites only pages
+    that were edited by hand.
     """
     refuse_occupied(site, (_TARGET,))
     if docs.resolve() in (site.resolve(), *site.resolve().parents):
-        raise SiteError(f"{site.as_posix()} is a folder of pages; choose another folder with --out")
+        raise SiteError(f"{site.as_posix()} contains the pages; write another folder with --out")
     languages = [name for name in LANGUAGES if (docs / name / "index.md").is_file()]
     if not languages:
         raise SiteError(f"there are no pages in {docs.as_posix()}; run `canwright generate --target docs` first")
     missing = [package for module, package in _NEEDED.items() if importlib.util.find_spec(module) is None]
     if missing:
-        raise SiteError(f"packages for the site are missing; run: pip install {shlex.join(missing)}")
+        raise SiteError(f"required packages are not installed; run: pip install {shlex.join(missing)}")
     with tempfile.TemporaryDirectory() as folder:
         config, theme, built = (Path(folder) / name for name in ("mkdocs.yml", "theme", "site"))
         theme.mkdir()
@@ -91,21 +91,21 @@ def build(docs: Path, site: Path, *, force: bool = False) -> None:
         command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", str(config)]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         if result.returncode != 0:
-            raise SiteError(f"mkdocs stopped:\n{result.stdout}{result.stderr}")
+            raise SiteError(f"mkdocs failed:\n{result.stdout}{result.stderr}")
         _name_editions(built / "search/search_index.json", docs, languages)
         files = {f.relative_to(built).as_posix(): f.read_bytes() for f in sorted(built.rglob("*")) if f.is_file()}
     write(site, Content((), (_TARGET,), files, alone=True), force=force)
 
 
 def _name_editions(index: Path, docs: Path, languages: list[str]) -> None:
-    """Adds the edition to the page titles in the search index, since a command has a page in several editions."""
-    found = json.loads(index.read_text("utf-8"))
-    for page in found["docs"]:
+    """Adds the edition to the page titles of the search, because a command has a page for each edition."""
+    search = json.loads(index.read_text("utf-8"))
+    for page in search["docs"]:
         folders = Path(page["location"]).parts
         edition = next(iter(folders[1:] if folders[:1] in {(name,) for name in languages} else folders), "")
         if (docs / languages[0] / edition).is_dir() and edition not in page["title"] and "#" not in page["location"]:
             page["title"] += f" · {edition}"
-    index.write_text(json.dumps(found, ensure_ascii=False, separators=(",", ":")), "utf-8")
+    index.write_text(json.dumps(search, ensure_ascii=False, separators=(",", ":")), "utf-8")
 
 
 def _config(docs: Path, site: Path, theme: Path, languages: list[str]) -> dict[str, Any]:
@@ -154,7 +154,7 @@ def _toggle(icon: str) -> dict[str, str]:
 
 
 def _nav(folder: Path, commands: str) -> list[Any]:
-    """The menu: editions in the order of the first page, their commands in the order of the overview."""
+    """Editions with their pages, in the order of the first page; commands in the order of the overview."""
     front = _LINK.findall((folder / "index.md").read_text("utf-8"))
     nav: list[Any] = ["index.md", *(name for name in _ACROSS if (folder / name).is_file())]
     for edition in (link.removesuffix("/index.md") for _, link in front if link.endswith("/index.md")):
@@ -164,14 +164,14 @@ def _nav(folder: Path, commands: str) -> list[Any]:
     return nav
 
 
-def _item(edition: str, link: str, what: str) -> Any:
+def _item(edition: str, link: str, description: str) -> Any:
     """A command in the menu: its page, or its title with the pages of its entries."""
-    title, _, entries = what.partition("<br>")
+    title, _, entries = description.partition("<br>")
     if entries:
         return {_shown(title): [{_shown(text): f"{edition}/{page}"} for text, page in _LINK.findall(entries)]}
     return f"{edition}/{_LINK.findall(link)[0][1]}"
 
 
 def _shown(text: str) -> str:
-    """The displayed text of Markdown as HTML, for titles in the menu."""
+    """A Markdown text as HTML, the format of menu titles."""
     return html.escape(html.unescape(re.sub(r"\\(.)", r"\1", text)))

@@ -1,5 +1,5 @@
-"""Validated spec to model: references, parameters, reply forms, bit positions.
+"""Decoded spec to model: references, parameters, reply forms, bit positions.
 
-Belongs here: everything that is decided once, while a spec becomes an edition.
-Imports `diagnostics`, `document`, `templating`, `model`, `language` and `semantics`.
+Belongs here: the construction of an edition, with checks of references and of keys that exclude each other.
+Imports `diagnostics`, `document`, `templating`, `model` and `language`.
 """

@@ -1,4 +1,4 @@
-"""The forms of a command: one, or one for each entry of its table."""
+"""Forms of a command: one, or one for each entry of its table."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from ..model.message import Key
 
 
 @dataclass(frozen=True)
-class Form:
-    """A command, or what one entry of a table makes of it."""
+class CommandForm:
+    """A command, or its variant for one entry of a table."""
 
     command: str
     entry: str | None

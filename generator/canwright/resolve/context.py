@@ -1,4 +1,4 @@
-"""What every step of resolving needs: the document, what errors affect, and the findings so far."""
+"""The shared context of resolvers: the document, affected definitions, and findings."""
 
 from __future__ import annotations
 
@@ -16,16 +16,13 @@ from .affected import Affected
 T = TypeVar("T")
 
 
-_OF_AFFECTED = ("unknown-reference", "missing-language")
-"""Rules whose findings do not depend on the rest of a definition."""
+_INDEPENDENT_RULES = ("unknown-reference", "missing-language")
+"""Rules with findings that do not depend on the rest of a definition."""
 
 
 @dataclass
 class Context:
-    """What every step of resolving needs: the document for positions, the languages, and the findings so far.
-
-    Definitions that are `affected` by errors are only checked for names that do not exist.
-    """
+    """The shared context of resolvers. In definitions `affected` by errors, they report only unknown names."""
 
     document: Document
     languages: tuple[schema.Language, ...]
@@ -34,11 +31,11 @@ class Context:
 
     def __post_init__(self) -> None:
         self.invalid: list[DocumentPath] = []
-        """Where there is an error in more than a text."""
+        """Paths of errors, except for errors in texts."""
         self.unknown: list[DocumentPath] = []
-        """Where there is a name of something that does not exist, or that is invalid."""
-        self._unnamed: set[str] = set()
-        """Languages of texts that the edition does not name."""
+        """Paths of names without a valid definition."""
+        self._unlisted: set[str] = set()
+        """Languages of texts that are not in `languages`."""
 
     def report(
         self,
@@ -50,19 +47,19 @@ class Context:
         key: bool = False,
         about: DocumentPath | None = None,
     ) -> None:
-        """A finding at `path`, `about` what is invalid where that is more than what stands there."""
+        """Adds a finding at `path`; `about` is the path of the invalid value, if it is a different one."""
         self.invalid.append(path if about is None else about)
         self._report(path, rule, message, hint, key)
 
     def _report(self, path: DocumentPath, rule: str, message: str, hint: str, key: bool = False) -> None:
-        is_hidden = path in self.affected if rule not in _OF_AFFECTED else self.affected.has_error(path)
+        is_hidden = path in self.affected if rule not in _INDEPENDENT_RULES else self.affected.has_error(path)
         if not is_hidden and len(self.diagnostics) < MOST_FINDINGS:
             self.diagnostics.append(self.document.finding(path, rule, message, hint, key=key))
 
     def find(
         self, path: DocumentPath, kind: str, name: str, known: Mapping[str, T], hint: str = "", *, key: bool = False
     ) -> T | None:
-        """`known[name]`, or a finding that there is no such thing, at the value or at the `key` that names it."""
+        """`known[name]`, or None and a finding for an unknown name, which is a value or a `key`."""
         if name not in known:
             self.unknown.append(path)
             section = _SECTION.get(kind.partition(" ")[0], "")
@@ -74,36 +71,42 @@ class Context:
         return known.get(name)
 
     def _other_kind(self, name: str) -> str:
-        """What a name is, when it is that of something of another kind."""
+        """A hint for a name with a definition of another kind."""
         data = self.document.data if isinstance(self.document.data, dict) else {}
-        kinds = (kind for key, kind in _KINDS.items() if isinstance(found := data.get(key), dict) and name in found)
+        kinds = (kind for key, kind in _KINDS.items() if isinstance(named := data.get(key), dict) and name in named)
         return next((f"`{name}` is {kind}" for kind in kinds), "")
 
     def is_invalid(self, path: DocumentPath) -> bool:
-        """Whether there is an error at a path, or in the definition."""
+        """Whether there is an error at a path, or in its definition."""
         return path in self.invalid or path in self.affected
 
     def text(self, path: DocumentPath, written: schema.Text | None) -> Text:
-        """A text in every language; a plain one stands for the only language."""
+        """A text in every language; a plain text is that of the only language."""
         if written is None or "languages" in self.affected.sections:
             return dict.fromkeys(self.languages, "")
         if isinstance(written, str):
             if len(self.languages) > 1:
-                wanted = ", ".join(f"{language}: …" for language in self.languages)
-                self._report(path, "missing-language", "this text is in one language only", f"write {{{wanted}}}")
+                texts = ", ".join(f"{language}: …" for language in self.languages)
+                self._report(path, "missing-language", "this text is in one language only", f"write {{{texts}}}")
             return dict.fromkeys(self.languages, written)
         for language in self.languages:
             if language not in written:
-                hint = f"add {language}: …, or take `{language}` out of `languages`"
+                hint = f"add {language}: …, or remove `{language}` from `languages`"
                 self._report(path, "missing-language", f"this text has no `{language}`", hint)
-        for language in written.keys() - {*self.languages, *self._unnamed}:
-            self._unnamed.add(language)
-            hint = f"languages: [{', '.join((*self.languages, language))}]"
-            self._report((*path, language), "missing-language", f"the edition does not name `{language}`", hint, True)
+        for language in written.keys() - {*self.languages, *self._unlisted}:
+            self._unlisted.add(language)
+            hint = f"remove it, or write languages: [{', '.join((*self.languages, language))}]"
+            self._report(
+                (*path, language),
+                "missing-language",
+                f"`languages` of the edition does not contain `{language}`",
+                hint,
+                True,
+            )
         return {language: written.get(language, "") for language in self.languages}
 
     def title(self, path: DocumentPath, written: schema.Text | None, name: str) -> Text:
-        """A title; a name in words where none is written."""
+        """A title; by default the words of the name."""
         if written is None:
             return dict.fromkeys(self.languages, formatting.spoken(name))
         return self.text((*path, "title"), written)
@@ -133,16 +136,16 @@ _SECTION = {
     "effect": "effects",
     "mode": "bus",
 }
-"""Where what there can be of a kind is defined; by the first word of the kind."""
+"""Sections with definitions, by the first word of a kind."""
 
 
 def _defined(kind: str, number: int) -> str:
-    """What to do where none of a kind is alike: where the others stand."""
+    """A hint for an unknown name without a similar one."""
     section = _SECTION.get(kind, "").replace("bus", "bus.modes")
     if not section or section in ("commands", "addresses"):
         return ""
     return (
-        f"none of the {number} under `{section}` is like it; define it there"
+        f"define it under `{section}`; none of the {number} names there is similar"
         if number
-        else f"none is defined; define it under `{section}`"
+        else f"define it under `{section}`"
     )

@@ -1,4 +1,4 @@
-"""What tells messages apart once all of them are known: constants that are keys, and codes that are claimed."""
+"""Keys from constants that identify messages, and claims of codes that several messages accept."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from itertools import combinations
 from ..model.layout import Field, Layout, Segment, Space, Variant, bits_of
 from ..model.message import Command, Direction, Key, KeyRole, Message
 
-Place = tuple[Space, tuple[Segment, ...]]
-Constants = dict[Place, Field]
+FieldBits = tuple[Space, tuple[Segment, ...]]
+Constants = dict[FieldBits, Field]
 Deciding = dict[str, frozenset[str]]
-"""Message to the names of the constants that tell it from others."""
+"""Message to the names of the constants that identify it."""
 
 
 def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
-    """The commands with a key in place of each constant that tells a message from others of the same id and code.
+    """The commands with a key for each constant that distinguishes a message from others of the same id and code.
 
-    The others are also those of its id that have no code, or no index: what is left when the message is not meant. Where
-    messages of one code have a length each, that tells them apart, and their constants are only looked at.
+    The others include messages of the same id without a code or an index, because they are decoded if the constant
+    differs. Messages of one code with different lengths are distinguished by length; their constants stay fields.
 
-    A layout with a name of its own keeps its constants: it is the same in all its messages.
+    A shared layout keeps its constants, because it is the same in all its messages.
     """
     deciding: Deciding = {}
     for direction in Direction:
@@ -31,18 +31,18 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
         for message in _distinct(commands, direction):
             together.setdefault((message.id, message.remote), []).append(message)
         for messages in together.values():
-            alike: dict[frozenset[object], list[Message]] = {}
+            groups: dict[frozenset[object], list[Message]] = {}
             for message in messages:
-                alike.setdefault(_selected(message), []).append(message)
-            holding = {keys: [_constants(message) for message in same] for keys, same in alike.items()}
-            by_length = {keys for keys, same in alike.items() if _lengths_tell(same)}
+                groups.setdefault(_selected(message), []).append(message)
+            constants_of = {keys: [_constants(message) for message in same] for keys, same in groups.items()}
+            by_length = {keys for keys, same in groups.items() if _have_distinct_lengths(same)}
             for message in messages:
-                mine = {} if message.layout.shared else _by_themselves(message)
-                selected = _selected(message) if mine else frozenset()
-                less = (frozenset(c) for size in range(len(selected) + 1) for c in combinations(selected, size))
-                meant = (keys for keys in less if keys != selected or keys not in by_length)
-                others = [constants for keys in meant for constants in holding.get(keys, ())]
-                names = (f.name for at, f in mine.items() if any(_holds(o.get(at)) != f.fixed for o in others))
+                own = {} if message.layout.shared else _separate_constants(message)
+                selected = _selected(message) if own else frozenset()
+                subsets = (frozenset(c) for size in range(len(selected) + 1) for c in combinations(selected, size))
+                competing = (keys for keys in subsets if keys != selected or keys not in by_length)
+                others = [constants for keys in competing for constants in constants_of.get(keys, ())]
+                names = (f.name for at, f in own.items() if any(_fixed_value(o.get(at)) != f.fixed for o in others))
                 deciding[message.name] = frozenset(names)
     for command in commands:
         if command.is_echoed and command.request and command.reply:
@@ -53,7 +53,7 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
 
 
 def _with_messages(commands: Sequence[Command], changed: Callable[[Message], Message]) -> tuple[Command, ...]:
-    """The commands with other messages; one that is the reply of several commands stays one."""
+    """The commands with changed messages; the shared reply of several commands remains one object."""
     of = functools.cache(changed)
     return tuple(
         dataclasses.replace(
@@ -65,8 +65,8 @@ def _with_messages(commands: Sequence[Command], changed: Callable[[Message], Mes
     )
 
 
-def _lengths_tell(messages: Sequence[Message]) -> bool:
-    """Whether each message has a length of its own."""
+def _have_distinct_lengths(messages: Sequence[Message]) -> bool:
+    """Whether all messages have different lengths."""
     return not messages[0].remote and len({message.dlc for message in messages}) == len(messages)
 
 
@@ -78,36 +78,36 @@ def _distinct(commands: Sequence[Command], direction: Direction) -> Iterator[Mes
 
 
 def _selected(message: Message) -> frozenset[object]:
-    """What the selectors of a message have to hold."""
+    """The values of the selectors of a message."""
     return frozenset((key.space, key.segments, key.value) for key in message.keys)
 
 
-def _by_themselves(message: Message) -> Constants:
-    """Its constants, but for those that share a bit with something: that is a mistake, and told of the field."""
+def _separate_constants(message: Message) -> Constants:
+    """The constants of a message, without those that overlap other fields; a rule reports the overlap."""
     constants = _constants(message)
     if not constants:
         return constants
-    taken = Counter((key.space, bit) for key in message.keys for bit in bits_of(key.segments))
-    taken.update((f.space, bit) for f in message.layout.fields for e in f.elements for bit in e.bits)
+    uses = Counter((key.space, bit) for key in message.keys for bit in bits_of(key.segments))
+    uses.update((f.space, bit) for f in message.layout.fields for e in f.elements for bit in e.bits)
     return {
         place: field
         for place, field in constants.items()
-        if all(taken[field.space, bit] == 1 for bit in field.elements[0].bits)
+        if all(uses[field.space, bit] == 1 for bit in field.elements[0].bits)
     }
 
 
 def _constants(message: Message) -> Constants:
-    """The constants that are always there, by place."""
+    """The constants that exist for all parameters, by bits."""
     fields = (f for f in message.layout.fields if f.demanded is not None and not f.only and not f.is_array)
     return {(field.space, field.elements[0].segments): field for field in fields}
 
 
-def _holds(field: Field | None) -> int | None:
+def _fixed_value(field: Field | None) -> int | None:
     return field.fixed if field else None
 
 
 def _keyed(message: Message, deciding: Deciding, known: dict[tuple[Layout, frozenset[str]], Layout]) -> Message:
-    """The message with its keys; what one layout becomes is one layout again, for a request and its echo."""
+    """The message with its keys; a request and its echo share the changed layout."""
     names = deciding.get(message.name)
     if not names:
         return message
@@ -138,7 +138,7 @@ def _without(layout: Layout, names: frozenset[str]) -> Layout:
 
 
 def with_claims(commands: Sequence[Command]) -> tuple[Command, ...]:
-    """The commands with `claims` filled in: which codes stand for which message when nothing else is known."""
+    """The commands with `claims`: the codes that identify a message if several messages accept them."""
     claims: dict[str, list[int]] = {}
     for direction in Direction:
         messages = [(c, c.message(direction)) for c in commands]

@@ -1,4 +1,4 @@
-"""Schema to model: references, parameters, reply forms, bit positions."""
+"""Decoded spec to edition."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..model.edition import Edition
 from ..model.message import Address, Command, Direction, Entry, IdRule, Table
 from ..model.metadata import Bus, Effect, Erratum, Mode, Setting
 from .affected import Affected
-from .command_forms import Form
+from .command_forms import CommandForm
 from .context import Context
 from .discriminators import keyed_by_constants, with_claims
 from .layouts import LayoutResolver
@@ -26,20 +26,20 @@ T = TypeVar("T")
 
 
 class Unresolved(NamedTuple):
-    """The findings about a spec once it is resolved, and the paths of those that are about more than a text."""
+    """The findings of resolvers, and the paths of invalid values that are not texts."""
 
     findings: list[Diagnostic]
     paths: list[DocumentPath]
     references: list[DocumentPath]
-    """Those of names that do not exist."""
+    """The paths of unknown names."""
 
 
 def resolve(
     document: Document, spec: schema.EditionSpec, digest: str, invalid: Iterable[DocumentPath] = ()
 ) -> tuple[Edition, Unresolved]:
-    """The edition that a spec describes, and all findings; with any, the edition is only there to be checked further.
+    """The edition of a spec, and all findings; with findings, the edition is only for further checks.
 
-    `digest` is the hash of the document's text, `invalid` the paths of what `spec` lacks.
+    `digest` is the hash of the text, `invalid` are the paths of values that the decoder omitted.
     """
     context = Context(document, tuple(spec.languages), [], Affected(document.data, invalid))
     return _edition(context, spec, digest), Unresolved(context.diagnostics, context.invalid, context.unknown)
@@ -117,20 +117,20 @@ def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition
 
 def _command(
     context: Context,
-    written: schema.Command,
-    form: Form,
+    written: schema.CommandSpec,
+    form: CommandForm,
     messages: MessageResolver,
     layouts: LayoutResolver,
     modes: Mapping[str, Mode],
     settings: Mapping[str, Setting],
     effects: Mapping[str, Effect],
-    tables: Mapping[str, schema.Table],
+    tables: Mapping[str, schema.TableSpec],
 ) -> Command:
     path: DocumentPath = ("commands", form.command)
     request, replies = messages.of(form)
     title = context.title(path, written.title, form.command)
     only = layouts.only(path, written.only)
-    does = _named(context, (*path, "effects"), "effect", written.effects, effects)
+    command_effects = _named(context, (*path, "effects"), "effect", written.effects, effects)
     of = None
     if form.entry is not None and written.table is not None:
         entry = tables[written.table].entries[form.entry]
@@ -144,9 +144,9 @@ def _command(
             path=at,
         )
         title = {language: f"{text}: {of.title[language]}" for language, text in title.items()}
-        asked = written.request.layout if isinstance(written.request, schema.MessageSpec) else written.request
-        if asked == ENTRY:
-            does += _named(context, (*at, "effects"), "effect", entry.effects, effects)
+        layout = written.request.layout if isinstance(written.request, schema.MessageSpec) else written.request
+        if layout == ENTRY:
+            command_effects += _named(context, (*at, "effects"), "effect", entry.effects, effects)
         only |= layouts.only(at, entry.only)
     return Command(
         name=form.name,
@@ -159,7 +159,7 @@ def _command(
         request=request,
         replies=replies,
         implemented=written.implemented,
-        effects=tuple(does),
+        effects=tuple(command_effects),
         limited_by=tuple(_named(context, (*path, "limited_by"), "setting", written.limited_by, settings)),
         not_limited_by=tuple(_named(context, (*path, "not_limited_by"), "setting", written.not_limited_by, settings)),
         title=title,
@@ -170,49 +170,51 @@ def _command(
     )
 
 
-def _table(context: Context, name: str, written: schema.Table) -> Table:
+def _table(context: Context, name: str, written: schema.TableSpec) -> Table:
     path: DocumentPath = ("tables", name)
     title, about = context.title(path, written.title, name), context.text((*path, "about"), written.about)
     return Table(name=name, title=title, about=about, manual=written.manual or "", path=path)
 
 
 def _named(context: Context, path: DocumentPath, kind: str, names: Sequence[str], known: Mapping[str, T]) -> list[T]:
-    found = [context.find((*path, i), kind, name, known) for i, name in enumerate(names)]
-    return [item for item in found if item is not None]
+    items = (context.find((*path, i), kind, name, known) for i, name in enumerate(names))
+    return [item for item in items if item is not None]
 
 
-def _mode(context: Context, path: DocumentPath, written: schema.Command, modes: Mapping[str, Mode]) -> str | None:
+def _mode(context: Context, path: DocumentPath, written: schema.CommandSpec, modes: Mapping[str, Mode]) -> str | None:
     if written.mode is not None:
         context.find((*path, "mode"), "mode", written.mode, modes)
         return written.mode
     return next(iter(modes), None)
 
 
-def _address(context: Context, number: int, name: str, written: schema.Address) -> Address:
+def _address(context: Context, number: int, name: str, written: schema.AddressSpec) -> Address:
     path: DocumentPath = ("addresses", name)
-    lost = IdRule(base=LAST_ID + 1 + number, node_step=1, nodes=None, extended=True)
-    """An id that no other address has, in place of one that could not be read."""
+    unresolved = IdRule(base=LAST_ID + 1 + number, node_step=1, nodes=None, extended=True)
+    """A unique id in place of an invalid one."""
     request, reply = written.request or written.id, written.reply or written.id
     if request is None or reply is None:
-        lacking = "its id" if request is reply else "the id of requests" if request is None else "the id of replies"
-        text = f"`{name}` says nothing of {lacking}"
+        missing = "id" if request is reply else "id of requests" if request is None else "id of replies"
+        text = f"`{name}` has no {missing}"
         context.report(path, "missing-key", text, "write `id`, or `request` and `reply`", key=True)
     elif written.id is not None and (written.request or written.reply):
         hint = "keep `id`, or `request` and `reply`"
         context.report(
-            (*path, "id"), "address-id", "`id` is that of both directions, and one has its own", hint, key=True
+            (*path, "id"), "address-id", "`id` is for both directions, but one has its own id", hint, key=True
         )
     elif written.nodes is not None and request.node_step is None and reply.node_step is None:
-        hint = f"write the id with `node`, like 0x{request.base:X} + node, or leave `nodes` out"
-        context.report((*path, "nodes"), "address-id", "there are nodes, but no id depends on `node`", hint, key=True)
-    asked = _id_rule(context, _id_path(path, written, Direction.REQUEST), request, written, lost)
-    answered = _id_rule(context, _id_path(path, written, Direction.REPLY), reply, written, lost)
-    if max(_highest(asked), _highest(answered)) > SHORT_ID:
-        asked, answered = (dataclasses.replace(rule, extended=True) for rule in (asked, answered))
+        hint = f"write the id with `node`, for example 0x{request.base:X} + node, or omit `nodes`"
+        context.report(
+            (*path, "nodes"), "address-id", "no id depends on `node`, so `nodes` has no effect", hint, key=True
+        )
+    request_rule = _id_rule(context, _id_path(path, written, Direction.REQUEST), request, written, unresolved)
+    reply_rule = _id_rule(context, _id_path(path, written, Direction.REPLY), reply, written, unresolved)
+    if max(_highest(request_rule), _highest(reply_rule)) > SHORT_ID:
+        request_rule, reply_rule = (dataclasses.replace(rule, extended=True) for rule in (request_rule, reply_rule))
     return Address(
         name=name,
-        request=asked,
-        reply=answered,
+        request=request_rule,
+        reply=reply_rule,
         title=context.title(path, written.title, name),
         about=context.text((*path, "about"), written.about),
         manual=written.manual or "",
@@ -220,29 +222,29 @@ def _address(context: Context, number: int, name: str, written: schema.Address) 
     )
 
 
-def _id_path(address: DocumentPath, written: schema.Address, direction: Direction) -> DocumentPath:
-    """Where the id of one direction stands."""
+def _id_path(address: DocumentPath, written: schema.AddressSpec, direction: Direction) -> DocumentPath:
+    """The path of the id of one direction."""
     return (*address, "id" if getattr(written, direction.value) is None else direction.value)
 
 
 def _id_rule(
-    context: Context, path: DocumentPath, id_: IdExpression | None, written: schema.Address, lost: IdRule
+    context: Context, path: DocumentPath, id_: IdExpression | None, written: schema.AddressSpec, unresolved: IdRule
 ) -> IdRule:
     if id_ is None:
-        return lost
+        return unresolved
     if id_.node_step is not None and written.nodes is None:
         text = "the id depends on `node`, but `nodes` is missing"
-        context.report(path[:-1], "missing-key", text, "nodes: 1..32", key=True)
-        return lost
+        context.report(path[:-1], "missing-key", text, "write, for example, nodes: 1..32", key=True)
+        return unresolved
     nodes = written.nodes if id_.node_step is not None else None
     limit = LAST_ID if written.extended else SHORT_ID
     rule = IdRule(base=id_.base, node_step=id_.node_step or 1, nodes=nodes, extended=written.extended)
     highest = _highest(rule)
     if highest > limit:
-        longer = "" if written.extended or highest > LAST_ID else "; with `extended: true` there are 29 bits"
+        longer = "" if written.extended or highest > LAST_ID else ", or write `extended: true` for a 29-bit id"
         hint = f"check {'`id` and `nodes`' if nodes else 'the id'}{longer}"
-        context.report(path, "id-space", f"the id reaches 0x{highest:X}, past 0x{limit:X}", hint)
-    return rule if highest <= LAST_ID else lost
+        context.report(path, "id-space", f"the id 0x{highest:X} exceeds the maximum of 0x{limit:X}", hint)
+    return rule if highest <= LAST_ID else unresolved
 
 
 def _highest(rule: IdRule) -> int:
@@ -252,8 +254,8 @@ def _highest(rule: IdRule) -> int:
 def _erratum(context: Context, index: int, written: schema.ErratumSpec) -> Erratum:
     path: DocumentPath = ("errata", index)
     for i, where in enumerate(written.where):
-        if not context.document.holds(where) and not context.affected.may_hide(where):
-            text = f"there is nothing at `{where}` in this file"
+        if not context.document.contains(where) and not context.affected.may_hide(where):
+            text = f"`{where}` is not a path of this file"
             context.report(
                 (*path, "where", i), "unknown-reference", text, suggestions.place(where, context.document.data)
             )

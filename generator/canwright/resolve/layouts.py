@@ -1,4 +1,4 @@
-"""Layouts of a spec, resolved: fields with their bits."""
+"""Resolver of layouts: fields with their bits."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from .types import bare_type
 
 
 class LayoutResolver:
-    """Resolves layouts one by one; `bare_types` collects the types of fields that name a raw format only."""
+    """Resolver of layouts; `bare_types` are the types of fields with only a raw format."""
 
     def __init__(
         self,
@@ -44,19 +44,21 @@ class LayoutResolver:
         self.bare_types: dict[str, Type] = {}
 
     def only(self, path: DocumentPath, written: Mapping[str, Sequence[str]] | None) -> dict[str, tuple[str, ...]]:
-        """A condition on parameters, checked."""
+        """A condition on parameters, with findings for invalid names."""
         for name, values in (written or {}).items():
             parameter = self._context.find((*path, "only", name), "parameter", name, self._parameters, key=True)
             if parameter and not parameter.values and not self._context.is_invalid(("parameters", name)):
-                text = f"`{name}` is a number, and `only` wants a choice"
-                self._context.report((*path, "only", name), "parameter-kind", text, "give it `values`", key=True)
+                text = f"`only` requires a choice, but `{name}` is a number"
+                self._context.report(
+                    (*path, "only", name), "parameter-kind", text, "use a parameter with `values`", key=True
+                )
             known = {value.name: value for value in parameter.values} if parameter else {}
             for i, value in enumerate(values if known else ()):
                 self._context.find((*path, "only", name, i), f"value of `{name}`:", value, known)
         return {name: tuple(values) for name, values in (written or {}).items()}
 
     def shared(self, path: DocumentPath, name: str, written: schema.LayoutSpec, fields_at: DocumentPath) -> Layout:
-        """A layout with a name of its own; its fields stand at `fields_at`."""
+        """A shared layout; `fields_at` is the path of its fields."""
         title = self._context.title(path, written.title, name)
         about = self._context.text((*path, "about"), written.about)
         return self._layout(path, fields_at, name, written.fields, title, about, written.manual or "", True)
@@ -66,11 +68,11 @@ class LayoutResolver:
         return self._layout(path, path, name, fields, title, self._context.text(path, None), manual, False)
 
     def joined(self, path: DocumentPath, name: str, layout: Layout, more: schema.Fields) -> Layout:
-        """The layout of one message: the fields of another layout, and `more`, which stand at `path`."""
+        """The layout of one message: the fields of another layout, and `more` fields at `path`."""
         own = self._layout(path, path, name, more, layout.title, layout.about, layout.manual, False)
         if None not in (own.parameter, layout.parameter) and own.parameter != layout.parameter:
             text = f"these fields depend on {own.parameter}, those of `{layout.name}` on {layout.parameter}"
-            self._context.report(path, "two-parameters", text, "give the command a layout of its own")
+            self._context.report(path, "two-parameters", text, "define a separate layout for the command")
         fields, parameter = (*own.fields, *layout.fields), own.parameter or layout.parameter
         return dataclasses.replace(own, fields=fields, parameter=parameter, variants=self._variants(fields, parameter))
 
@@ -85,16 +87,18 @@ class LayoutResolver:
         manual: str,
         shared: bool,
     ) -> Layout:
-        judged = [self._field((*fields_at, n), n, f, manual) for n, f in fields.items()]
-        resolved = tuple(f for f in judged if not any(self._context.is_invalid((*f.path, k)) for k in ("at", "only")))
+        all_fields = [self._field((*fields_at, n), n, f, manual) for n, f in fields.items()]
+        resolved = tuple(
+            f for f in all_fields if not any(self._context.is_invalid((*f.path, k)) for k in ("at", "only"))
+        )
         conditions = dict.fromkeys(p for f in fields.values() for p in f.only or {} if p in self._parameters)
         if len(conditions) > 1:
             names = ", ".join(conditions)
             self._context.report(
                 path,
                 "two-parameters",
-                f"the fields of one layout depend on {names}; one is allowed",
-                "give the others commands of their own",
+                f"the fields of this layout depend on {names}; one parameter is allowed",
+                "define separate commands for the others",
             )
         parameter = next(iter(conditions), None)
         variants = self._variants(resolved, parameter)
@@ -153,14 +157,14 @@ class LayoutResolver:
         )
 
     def _role(self, path: DocumentPath, written: schema.FieldSpec) -> FieldRole:
-        """The role of a field. One without a readable format is a value: no constant can be checked against it."""
-        given = [key for key in ("constant", "reserved", "holds") if getattr(written, key) is not None]
-        if len(given) > 1:
-            hint = "keep `constant` where a reader insists on the value, `reserved` where it ignores it"
-            if "holds" in given:
-                hint = f"leave `{given[0]}` out where the field varies with the node, or leave `holds` out"
-            text = f"`{path[-1]}` is both `{given[0]}` and `{given[1]}`"
-            self._context.report((*path, given[1]), "field-type", text, hint, key=True)
+        """The role of a field. A field without a valid format is a value, because its constant cannot be checked."""
+        roles = [key for key in ("constant", "reserved", "holds") if getattr(written, key) is not None]
+        if len(roles) > 1:
+            hint = "keep `constant` if receivers check the value, or `reserved` if they ignore it"
+            if "holds" in roles:
+                hint = f"omit `{roles[0]}` if the value depends on the node; otherwise omit `holds`"
+            text = f"`{path[-1]}` has both `{roles[0]}` and `{roles[1]}`"
+            self._context.report((*path, roles[1]), "field-type", text, hint, key=True)
         if written.holds is not None:
             return NodeRole()
         if written.raw is None and written.type not in self._types:
@@ -173,16 +177,18 @@ class LayoutResolver:
         if (written.type is None) == (written.raw is None):
             both = written.type is not None
             text = f"`{path[-1]}` has both `type` and `raw`" if both else f"`{path[-1]}` has neither `type` nor `raw`"
-            hint = "keep one: `type` names a type, `raw` is a bare number" if both else "raw: u8 is a bare number"
+            hint = (
+                "keep `type` for a type, or `raw` for a plain number"
+                if both
+                else "write, for example, raw: u8 for a plain number"
+            )
             self._context.report(path, "field-type", text, hint, key=True)
         if written.type is not None and written.byte_order is not None:
-            hint = "move it into the type, or write `raw` in place of `type`"
-            self._context.report(
-                (*path, "byte_order"), "field-type", "the type says in which order its bytes are", hint
-            )
+            hint = "move `byte_order` into the type, or write `raw` instead of `type`"
+            self._context.report((*path, "byte_order"), "field-type", "the type defines the byte order", hint)
         elif written.byte_order is not None and written.at.space is Space.ID:
-            text = "`byte_order` says nothing of a field in the id"
-            hint = "leave it out; in the id, `at` is the least significant bit"
+            text = "`byte_order` has no effect on a field in the id"
+            hint = "remove it; in the id, `at` is the least significant bit"
             self._context.report((*path, "byte_order"), "no-effect", text, hint, key=True)
         if written.raw is not None:
             bare = bare_type(self._context, written.raw, written.byte_order or self._order, path)
@@ -193,8 +199,8 @@ class LayoutResolver:
             return bare_type(self._context, schema.EMPTY_RAW, self._order, path)
         raw = aliases.raw_format(written.type)
         hint = f"write `raw: {raw}`" if raw and written.type not in self._types else ""
-        found = self._context.find((*path, "type"), "type", written.type, self._types, hint)
-        return found or bare_type(self._context, schema.EMPTY_RAW, self._order, path)
+        type_ = self._context.find((*path, "type"), "type", written.type, self._types, hint)
+        return type_ or bare_type(self._context, schema.EMPTY_RAW, self._order, path)
 
 
 def segments_at(start: At, width: int, order: Order) -> tuple[Segment, ...]:
@@ -203,9 +209,9 @@ def segments_at(start: At, width: int, order: Order) -> tuple[Segment, ...]:
 
 @functools.lru_cache(maxsize=1 << 12)
 def segments_of(bits: tuple[int, ...], space: Space) -> tuple[Segment, ...]:
-    """Runs of frame bits, from the least significant raw bit up, as segments within one byte each.
+    """Frame bits, from the least significant raw bit up, as segments within one byte each.
 
-    Kept: fields of many messages stand at the same place.
+    Cached, because many messages have fields with the same bits.
     """
     if space is Space.ID:
         return (Segment(0, bits[0], len(bits), 0),)

@@ -1,4 +1,4 @@
-"""Messages of a spec, resolved: keys, tables, reply forms."""
+"""Resolver of messages: keys, tables, reply forms."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from ..model.message import (
     Reply,
     SharedReply,
 )
-from .command_forms import Form
+from .command_forms import CommandForm
 from .context import Context
 from .layouts import LayoutResolver, segments_at
 
 ENTRY = "entry"
-"""In place of a layout's name: the layout of the table's entry."""
-FORMS = (ENTRY, "echo", "none")
-"""The words that stand in place of a layout's name."""
-OF_REPLIES = frozenset(("of", "from_each"))
-"""What is said of replies alone, and all that is said of one that is another command's."""
+"""The word for the layout of the table entry, instead of the name of a layout."""
+LAYOUT_WORDS = (ENTRY, "echo", "none")
+"""Words that are valid instead of the name of a layout."""
+REPLY_KEYS = frozenset(("of", "from_each"))
+"""Keys of replies only; a reply with `of` has no others."""
 LONGEST_CHAIN = 20
-"""How many commands may take their reply one from the next."""
+"""The maximum length of a chain of commands that use the reply of the next one."""
 
 
 class MessageResolver:
-    """Resolves the layouts of an edition at once, and the messages of its commands on demand."""
+    """Resolver of shared layouts, and of the messages of each command on demand."""
 
     def __init__(
         self,
@@ -59,28 +59,30 @@ class MessageResolver:
 
     @property
     def layouts(self) -> tuple[Layout, ...]:
-        """The layouts that have a name of their own."""
+        """The shared layouts, including those of table entries."""
         of_entries = (entry.layout for table in self._tables.values() for entry in table.values())
         own = {layout.name: layout for layout in of_entries if layout}
         return tuple({**self._shared, **own}.values())
 
-    def forms(self, command: str) -> list[Form]:
+    def forms(self, command: str) -> list[CommandForm]:
         """The forms of a command: one, or one for each entry of its table."""
         name = self._spec.commands[command].table
         if name is None:
-            return [Form(command, None, None, ())]
+            return [CommandForm(command, None, None, ())]
         table = self._context.find(("commands", command, "table"), "table", name, self._tables) or {}
         written = self._spec.tables[name].entries if table else {}
-        having = (entry for entry in table.values() if command in (written[entry.entry or ""].commands or (command,)))
-        return [dataclasses.replace(entry, command=command) for entry in having]
+        with_command = (
+            entry for entry in table.values() if command in (written[entry.entry or ""].commands or (command,))
+        )
+        return [dataclasses.replace(entry, command=command) for entry in with_command]
 
     def address_of(self, command: str) -> str:
-        """The address that a command is sent to."""
+        """The address of a command."""
         name = self._spec.commands[command].address or next(iter(self._addresses))
         self._context.find(("commands", command, "address"), "address", name, self._addresses)
         return name
 
-    def of(self, form: Form) -> tuple[Message | None, tuple[Reply, ...]]:
+    def of(self, form: CommandForm) -> tuple[Message | None, tuple[Reply, ...]]:
         """Request and replies of a command."""
         key = (form.command, form.entry)
         if key not in self._done:
@@ -89,32 +91,30 @@ class MessageResolver:
             self._pending.pop()
         return self._done[key]
 
-    def _resolve(self, form: Form) -> tuple[Message | None, tuple[Reply, ...]]:
+    def _resolve(self, form: CommandForm) -> tuple[Message | None, tuple[Reply, ...]]:
         written = self._spec.commands[form.command]
         echo = written.reply == "echo"
         request = None
         if isinstance(written.request, schema.MessageSpec):
             at: DocumentPath = ("commands", form.command, "request")
-            self._without_effect(at, written.request, OF_REPLIES, "a request", "leave it out")
+            self._without_effect(at, written.request, REPLY_KEYS, "a request", "remove it")
         if written.request != "none":
             name = form.name if echo else f"{form.name}_request"
             request = self._message(form, Direction.REQUEST, name, written.request or {})
         return request, self._replies(form, request)
 
-    def _replies(self, form: Form, request: Message | None) -> tuple[Reply, ...]:
+    def _replies(self, form: CommandForm, request: Message | None) -> tuple[Reply, ...]:
         command = form.command
         path: DocumentPath = ("commands", command, "reply")
         written = self._spec.commands[command].reply
         if written is None:
             hint = "write fields, the name of a layout, `echo`, or `none`"
-            self._context.report(
-                path[:-1], "missing-reply", f"`{command}` does not say what it replies", hint, key=True
-            )
+            self._context.report(path[:-1], "missing-reply", f"`{command}` has no `reply`", hint, key=True)
             return ()
         if written == "none":
             if request is None and self._spec.commands[command].request == "none":
                 text = f"`{command}` has neither a request nor a reply"
-                hint = "leave `request` out where the code is all that is sent, or say what nodes send"
+                hint = "omit `request` if the request has only a code, or define the reply"
                 self._context.report((*path[:-1], "request"), "missing-reply", text, hint)
             return ()
         if written == "echo":
@@ -126,43 +126,41 @@ class MessageResolver:
         from_each = tuple(written.from_each or ()) if isinstance(written, schema.MessageSpec) else ()
         return (reply(message=message, from_each=from_each),)
 
-    def _echo(self, form: Form, request: Message | None) -> tuple[Reply, ...]:
+    def _echo(self, form: CommandForm, request: Message | None) -> tuple[Reply, ...]:
         if request is None:
             path: DocumentPath = ("commands", form.command, "reply")
             self._context.report(
                 path,
                 "echo-of-nothing",
-                f"`{form.command}` has no request that could come back",
-                "say what it replies, or `none`",
+                f"`{form.command}` has no request to repeat",
+                "define the reply, or write `none`",
             )
             return ()
         reply = self._message(form, Direction.REPLY, form.name, {})
         return (EchoReply(message=dataclasses.replace(reply, layout=request.layout, dlc=request.dlc)),)
 
     def _without_effect(
-        self, path: DocumentPath, written: schema.MessageSpec, keys: Collection[str], what: str, hint: str
+        self, path: DocumentPath, written: schema.MessageSpec, keys: Collection[str], concept: str, hint: str
     ) -> None:
         for key in (key for key in sorted(keys) if getattr(written, key) is not None):
-            self._context.report((*path, key), "no-effect", f"`{key}` says nothing of {what}", hint, key=True)
+            self._context.report((*path, key), "no-effect", f"`{key}` has no effect on {concept}", hint, key=True)
 
-    def _other(self, path: DocumentPath, form: Form, written: schema.MessageSpec, of: str) -> tuple[Reply, ...]:
-        others = set(schema.keys(schema.MessageSpec)) - OF_REPLIES
-        hint = "leave it out, or leave `of` out and lay the reply out here"
+    def _other(self, path: DocumentPath, form: CommandForm, written: schema.MessageSpec, of: str) -> tuple[Reply, ...]:
+        others = set(schema.keys(schema.MessageSpec)) - REPLY_KEYS
+        hint = "remove it, or remove `of` and define the reply here"
         self._without_effect(path, written, others, "the reply of another command", hint)
         hint = f"`{of}` is a layout: write reply: {of}" if of in self._shared else ""
         if self._context.find((*path, "of"), "command", of, self._spec.commands, hint) is None:
             return ()
         if of in self._pending:
             in_turn = of != self._pending[-1]
-            text = (
-                f"`{of}` takes its reply from here in turn" if in_turn else "a command has no reply of its own to take"
-            )
-            hint = "give one of them a reply" if in_turn else "say what it replies"
+            text = f"`{of}` uses the reply of this command" if in_turn else "this command refers to its own reply"
+            hint = "define the reply of one of them" if in_turn else "define the reply"
             self._context.report((*path, "of"), "circular-reference", text, hint)
             return ()
         if len(self._pending) > LONGEST_CHAIN:
-            text = f"this is the end of a chain of {LONGEST_CHAIN} commands that take their reply from the next"
-            self._context.report((*path, "of"), "circular-reference", text, "name the command that has the reply")
+            text = f"more than {LONGEST_CHAIN} commands in a chain use the reply of the next one"
+            self._context.report((*path, "of"), "circular-reference", text, "write the command that defines the reply")
             return ()
         other = self._other_form((*path, "of"), form, of)
         if other is None:
@@ -170,27 +168,31 @@ class MessageResolver:
         from_each = tuple(written.from_each or ())
         return tuple(OtherReply(message=r.message, from_each=from_each, of=other.name) for r in self.of(other)[1])
 
-    def _other_form(self, path: DocumentPath, form: Form, of: str) -> Form | None:
-        """The form of the command `of` that has the reply: that of the same entry, where it has a table."""
+    def _other_form(self, path: DocumentPath, form: CommandForm, of: str) -> CommandForm | None:
+        """The form of the command `of` with the reply: if it has a table, the form of the same entry."""
         table = self._spec.commands[of].table
         if table is None:
-            return Form(of, None, None, ())
+            return CommandForm(of, None, None, ())
         if table != self._spec.commands[form.command].table:
-            hint = f"name the table `{table}` here as well, or write the name of a layout"
-            self._context.report(path, "reply-of-table", f"`{of}` has a reply for each entry of a table", hint)
+            hint = f"write `table: {table}` in this command, too, or write the name of a layout"
+            self._context.report(path, "reply-of-table", f"`{of}` has a separate reply for each table entry", hint)
             return None
         if table not in self._tables:
             return None
         found = next((other for other in self.forms(of) if other.entry == form.entry), None)
         if found is None:
             at: DocumentPath = ("tables", table, "entries", form.entry or "", "commands")
-            hint = f"add `{of}` to its `commands`, or lay the reply of `{form.command}` out"
-            text = f"`{of}` has no `{form.entry}`, and so no reply that `{form.command}` could take"
+            hint = f"add `{of}` to its `commands`, or define the reply of `{form.command}`"
+            text = f"`{form.command}` uses the reply of `{of}`, which has no `{form.entry}`"
             self._context.report(at, "reply-of-table", text, hint)
         return found
 
     def _message(
-        self, form: Form, direction: Direction, layout_name: str, written: str | schema.Fields | schema.MessageSpec
+        self,
+        form: CommandForm,
+        direction: Direction,
+        layout_name: str,
+        written: str | schema.Fields | schema.MessageSpec,
     ) -> Message:
         command = form.command
         path: DocumentPath = ("commands", command, direction.value)
@@ -203,10 +205,12 @@ class MessageResolver:
         if spec.layout == ENTRY and form.layout is not None:
             layout = form.layout
         elif spec.layout == ENTRY:
-            hint = "name the `table` of the command"
-            self._context.report(path, "entry-of-nothing", f"`{command}` has no table with an entry", hint)
+            hint = "add the `table` of the command"
+            self._context.report(path, "entry-of-nothing", f"`{command}` has no table, so `entry` is unknown", hint)
         elif isinstance(spec.layout, str):
-            hint = suggestions.layout(spec.layout, (*self._shared, *FORMS), self._spec.commands, self._spec.types)
+            hint = suggestions.layout(
+                spec.layout, (*self._shared, *LAYOUT_WORDS), self._spec.commands, self._spec.types
+            )
             layout = self._context.find(path, "layout", spec.layout, self._shared, hint)
         if layout is None:
             fields = spec.layout if isinstance(spec.layout, dict) else {}
@@ -238,21 +242,21 @@ class MessageResolver:
     def _dlc(self, path: DocumentPath, spec: schema.MessageSpec, of_entry: int | None) -> int:
         return next(dlc for dlc in (of_entry, spec.dlc, self._spec.bus.dlc) if dlc is not None)
 
-    def code_of(self, form: Form) -> int | None:
-        """The code of a command, or of what an entry's kind makes of it."""
+    def code_of(self, form: CommandForm) -> int | None:
+        """The code of a command, or its code for the kind of an entry."""
         return self._code(("commands", form.command, "code"), form, self._spec.commands[form.command].code)
 
-    def _code(self, path: DocumentPath, form: Form, written: schema.Code | None) -> int | None:
+    def _code(self, path: DocumentPath, form: CommandForm, written: schema.Code | None) -> int | None:
         if not isinstance(written, dict):
             return written
         if form.entry is None:
             text = f"`{form.command}` has no table, so its code cannot depend on an entry"
-            self._context.report(path, "entry-of-nothing", text, "write one code, or name the `table` of the command")
+            self._context.report(path, "entry-of-nothing", text, "write one code, or add the `table` of the command")
             return None
         if form.kind is None:
             at: DocumentPath = ("tables", self._spec.commands[form.command].table or "", "entries", form.entry)
-            text = f"`{form.entry}` has no `kind`, and the code of `{form.command}` differs by it"
-            self._context.report(at, "missing-key", text, f"kind: {' or '.join(written)}", key=True)
+            text = f"`{form.entry}` has no `kind`, but the code of `{form.command}` depends on it"
+            self._context.report(at, "missing-key", text, f"write kind: {' or '.join(written)}", key=True)
             return None
         at = ("tables", self._spec.commands[form.command].table or "", "entries", form.entry, "kind")
         return self._context.find(at, f"code of `{form.command}` for the kind", form.kind, written)
@@ -274,8 +278,10 @@ class MessageResolver:
         selector = of_reply or here.selector or self._spec.selector
         if selector is None:
             if not self._lacks_selector:
-                text = "there is a code, but no `selector` that says where it stands"
-                self._context.report(path, "no-selector", text, "selector: {at: 0, raw: u8}", about=("selector",))
+                text = "there is a code, but no `selector` for its position"
+                self._context.report(
+                    path, "no-selector", text, "write, for example, selector: {at: 0, raw: u8}", about=("selector",)
+                )
             self._lacks_selector = True
             return ()
         return (self._key("code", KeyRole.CODE, selector, code, path),)
@@ -296,10 +302,10 @@ class MessageResolver:
 
     def _fits(self, value: int, width: int, path: DocumentPath) -> None:
         if value >= 1 << width:
-            text = f"0x{value:X} does not fit the selector's {width} bits"
+            text = f"0x{value:X} exceeds 0x{(1 << width) - 1:X}, the maximum of the {width}-bit selector"
             self._context.report(path, "code-width", text, "check the value, and `raw` of the selector")
 
-    def _entries(self, table: str, written: schema.Table) -> dict[str, Form]:
+    def _entries(self, table: str, written: schema.TableSpec) -> dict[str, CommandForm]:
         selectors = written.index if isinstance(written.index, list) else [written.index]
         entries = {}
         for name, entry in written.entries.items():
@@ -310,14 +316,16 @@ class MessageResolver:
             layout = self._entry_layout(path, f"{table}_{name}", written, entry)
             values = entry.index if isinstance(entry.index, list) else [entry.index]
             if len(values) > len(selectors):
-                text = f"`{name}` has {len(values)} index values, the table only {len(selectors)}"
-                self._context.report((*path, "index"), "too-many-values", text, "give the table's `index` as a list")
+                text = f"`{name}` has {len(values)} index values, but the table has {len(selectors)}"
+                self._context.report(
+                    (*path, "index"), "too-many-values", text, "write the `index` of the table as a list"
+                )
             places = ((*path, "index", i) if isinstance(entry.index, list) else (*path, "index") for i in range(9))
             keys = (
                 self._key("index" if i == 0 else f"index_{i + 1}", KeyRole.INDEX, selector, value, place)
                 for i, (selector, value, place) in enumerate(zip(selectors, values, places, strict=False))
             )
-            entries[name] = Form(
+            entries[name] = CommandForm(
                 "",
                 name,
                 layout,
@@ -327,12 +335,14 @@ class MessageResolver:
             )
         return entries
 
-    def _may_have(self, name: str, command: schema.Command, table: str) -> bool:
-        """Whether a command has a table, or names one that is not there."""
+    def _may_have(self, name: str, command: schema.CommandSpec, table: str) -> bool:
+        """Whether a command has a table, or an unknown one."""
         unknown = command.table is not None and command.table not in self._spec.tables
         return command.table == table or unknown
 
-    def _entry_layout(self, path: DocumentPath, name: str, table: schema.Table, entry: schema.Entry) -> Layout | None:
+    def _entry_layout(
+        self, path: DocumentPath, name: str, table: schema.TableSpec, entry: schema.EntrySpec
+    ) -> Layout | None:
         if isinstance(entry.layout, str):
             return self._context.find((*path, "layout"), "layout", entry.layout, self._shared)
         manual = entry.manual or table.manual

@@ -1,4 +1,4 @@
-"""Parameters of a spec, resolved."""
+"""Resolver of parameters."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def resolve_parameters(context: Context, written: Mapping[str, schema.ParameterS
         if (spec.values is None) == (spec.number is None):
             both = spec.values is not None
             text = f"`{name}` has both `values` and `number`" if both else f"`{name}` has neither `values` nor `number`"
-            hint = "keep one" if both else "values: [A, B] is a choice, number: {} a number"
+            hint = "keep one" if both else "write values: [A, B] for a choice, or number: {} for a number"
             context.report(path, "parameter-kind", text, hint, key=True)
         values: tuple[ParameterValue, ...] = ()
         if isinstance(spec.values, list):

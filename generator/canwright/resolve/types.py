@@ -1,4 +1,4 @@
-"""Types and units of a spec, resolved."""
+"""Resolver of types and units."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 @functools.cache
 def read_units() -> tuple[Document, dict[str, Unit]]:
-    """The unit vocabulary."""
+    """The units of units.yaml, with their document."""
     document, _ = read_document(resources.UNITS)
     if not isinstance(document.data, dict):
         raise TypeError(f"{document.name} is not a mapping of units")
@@ -43,7 +43,7 @@ def resolve_types(
 
 
 def bare_type(context: Context, raw: tuple[Encoding, int], order: Order, path: DocumentPath) -> Type:
-    """The type of a field that names a raw format only: a number without scale, unit or range."""
+    """The type of a field with only a raw format: a number without scale, unit or range."""
     encoding, width = raw
     letter = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}[encoding]
     empty = context.text(path, None)
@@ -74,7 +74,7 @@ class _TypeResolver:
     parameters: Mapping[str, Parameter]
     path: DocumentPath
 
-    def resolve(self, name: str, spec: schema.Type) -> Type:
+    def resolve(self, name: str, spec: schema.TypeSpec) -> Type:
         encoding, width = spec.raw
         linear = self._linear(spec)
         return Type(
@@ -100,7 +100,7 @@ class _TypeResolver:
             self.context.report((*self.path, "unit"), "unknown-reference", text, hint)
         return self.units.get(name or "")
 
-    def _member(self, at: DocumentPath, name: str, written: int | schema.Member | schema.Flag) -> Member:
+    def _member(self, at: DocumentPath, name: str, written: int | schema.MemberSpec | schema.FlagSpec) -> Member:
         path = (*self.path, *at)
         if isinstance(written, int):
             return Member(
@@ -109,11 +109,11 @@ class _TypeResolver:
                 title=self.context.title(path, None, name),
                 about=self.context.text(path, None),
             )
-        value = written.value if isinstance(written, schema.Member) else written.bit
+        value = written.value if isinstance(written, schema.MemberSpec) else written.bit
         title = self.context.title(path, written.title, name)
         return Member(name=name, value=value, title=title, about=self.context.text((*path, "about"), written.about))
 
-    def _linear(self, spec: schema.Type) -> Dependent[Linear]:
+    def _linear(self, spec: schema.TypeSpec) -> Dependent[Linear]:
         scale = self._multiples("scale", 1 if spec.scale is None else spec.scale)
         offset = self._multiples("offset", 0 if spec.offset is None else spec.offset)
         if scale.parameter and offset.parameter not in (None, scale.parameter):
@@ -121,7 +121,7 @@ class _TypeResolver:
                 (*self.path, "offset"),
                 "two-parameters",
                 "scale and offset depend on two parameters",
-                "let both name one parameter",
+                "use one parameter for both",
             )
             offset = Dependent.always(_number(0))
         by = scale.parameter or offset.parameter
@@ -133,14 +133,14 @@ class _TypeResolver:
         )
 
     def _line(self, scale: Multiple | None, offset: Multiple | None) -> Linear | None:
-        """The two as one; None also where they do not belong together, or some of it is wrong already."""
+        """Scale and offset as one conversion; None if one is unknown or invalid, or if they are incompatible."""
         known = {None, *(name for name, parameter in self.parameters.items() if not parameter.is_choice)}
         if scale is None or offset is None or not {scale.parameter, offset.parameter} <= known:
             return None
         if offset.value and offset.parameter != scale.parameter:
             text = "scale and offset are not multiples of one parameter"
             by = scale.parameter or offset.parameter
-            self.context.report((*self.path, "offset"), "two-parameters", text, f"write both as number*{by}")
+            self.context.report((*self.path, "offset"), "two-parameters", text, f"write both as NUMBER*{by}")
             return None
         return Linear(scale.value, offset.value, scale.parameter, scale.text)
 
@@ -157,14 +157,16 @@ class _TypeResolver:
         return Dependent.always(_number(written) if isinstance(written, int) else _none_or(written))
 
     def _need_number(self, at: DocumentPath, name: str | None) -> None:
-        """A finding where a parameter that is multiplied with is not there, or is no number."""
-        found = self.context.find((*self.path, *at), "parameter", name, self.parameters) if name is not None else None
-        if found is not None and found.is_choice and not self.context.is_invalid(("parameters", found.name)):
-            text = f"`{name}` is a choice among values, and only a `number` can be multiplied"
-            self.context.report((*self.path, *at), "parameter-kind", text, f"write `by: {name}` with its values")
+        """Reports a factor that is not a known number parameter."""
+        if name is None:
+            return
+        factor = self.context.find((*self.path, *at), "parameter", name, self.parameters)
+        if factor is not None and factor.is_choice and not self.context.is_invalid(("parameters", factor.name)):
+            text = f"`{name}` is a choice among values, not a `number`, so it cannot be a factor"
+            self.context.report((*self.path, *at), "parameter-kind", text, f"write {{by: {name}, …}} with its values")
 
     def _cases(self, key: str, parameter_name: str, written: Mapping[str, Literal["none"] | T]) -> dict[str, T | None]:
-        """One entry for every value of the parameter, in the parameter's order; findings for what is invalid."""
+        """One entry for each value of a parameter, in the order of the parameter."""
         path = (*self.path, key)
         parameter = self.context.find((*path, "by"), "parameter", parameter_name, self.parameters)
         if parameter is None:
@@ -174,7 +176,10 @@ class _TypeResolver:
         if not parameter.is_choice:
             text = f"`{parameter_name}` has no `values`, so `{key}` cannot depend on them"
             self.context.report(
-                (*path, "by"), "parameter-kind", text, f"give it `values`, or write a multiple like 2*{parameter_name}"
+                (*path, "by"),
+                "parameter-kind",
+                text,
+                f"use a parameter with `values`, or write a multiple, for example 2*{parameter_name}",
             )
             return {}
         known = {value.name: value for value in parameter.values}
@@ -182,38 +187,40 @@ class _TypeResolver:
             self.context.find((*path, name), f"value of `{parameter_name}`:", name, known, key=True)
         missing = [name for name in known if name not in written]
         if len(missing) > len(set(written) - set(known)):
-            hint = "write `none` where the manual gives none"
-            text = f"`{key}` says nothing for {', '.join(missing)}"
+            hint = "add them; write `none` if the manual states no value"
+            text = f"`{key}` has no value for {', '.join(missing)}"
             self.context.report(path, "incomplete-choice", text, hint, key=True)
         return {name: _none_or(written[name]) for name in known if name in written}
 
-    def _raw_range(self, spec: schema.Type, linear: Dependent[Linear]) -> Dependent[Range]:
+    def _raw_range(self, spec: schema.TypeSpec, linear: Dependent[Linear]) -> Dependent[Range]:
         if spec.raw_range is not None and spec.range is not None:
             self.context.report(
-                (*self.path, "range"), "two-ranges", "both `range` and `raw_range` are given", "keep one"
+                (*self.path, "range"), "two-ranges", "there are both `range` and `raw_range`", "keep one"
             )
         if spec.raw_range is not None and spec.raw[0] is Encoding.FLOAT:
-            text = "`raw_range` is in raw integers, and this is a float"
+            text = "`raw_range` is in raw integers, but this is a float"
             self.context.report((*self.path, "raw_range"), "two-ranges", text, "write `range`", key=True)
         for key in ("offset", "plausible") if spec.scale == "none" else ():
             if getattr(spec, key) is not None:
-                text = f"`{key}` is in the unit, and without a scale no value is"
-                self.context.report((*self.path, key), "two-ranges", text, "leave it out", key=True)
+                text = f"`{key}` is in the unit, but there is no scale"
+                self.context.report((*self.path, key), "two-ranges", text, "remove it, or write a scale", key=True)
         raw = self._spans("raw_range", spec.raw_range)
         times = any(line.times for _, line in linear.distinct() if line is not None)
         if times and spec.raw[0] is Encoding.FLOAT:
             text = "the scale of a float cannot be a multiple of a parameter"
-            self.context.report((*self.path, "scale"), "parameter-kind", text, "leave `scale` out, or write a number")
+            self.context.report((*self.path, "scale"), "parameter-kind", text, "omit `scale`, or write a number")
         if times and any(not limits.is_constant for _, limits in raw.distinct() if limits is not None):
-            text = "scale and raw range depend on numbers both"
-            hint = "write `raw_range` in integers, or `range` in multiples as the scale is"
+            text = "both scale and raw range depend on number parameters"
+            hint = "write `raw_range` in integers, or `range` in multiples of the parameter of the scale"
             self.context.report((*self.path, "raw_range"), "two-parameters", text, hint)
             return Dependent.always(None)
         if spec.range is None:
             return raw
         if spec.scale == "none":
-            text = "`range` is in the unit, and without a scale no value is"
-            self.context.report((*self.path, "range"), "two-ranges", text, "write `raw_range`", key=True)
+            text = "`range` is in the unit, but there is no scale"
+            self.context.report(
+                (*self.path, "range"), "two-ranges", text, "write `raw_range` in raw integers", key=True
+            )
             return raw
         span = self._spans("range", spec.range)
         if spec.raw[0] is Encoding.FLOAT:
@@ -223,7 +230,7 @@ class _TypeResolver:
                 (*self.path, "range"),
                 "two-parameters",
                 "scale and range depend on two parameters",
-                "let both name one parameter",
+                "use one parameter for both",
             )
             return raw
         by = linear.parameter or span.parameter
@@ -231,32 +238,36 @@ class _TypeResolver:
         cases = {n: (span.at({by or "": n}), linear.at({by or "": n})) for n in names or [""]}
         if not all(self._is_like_scale(limits, line) for limits, line in cases.values()):
             return raw
-        found = {name: _raw_of(*pair) for name, pair in cases.items()}
-        return Dependent.always(found[""]) if by is None else Dependent(parameter=by, constant=None, cases=found)
+        raw_cases = {name: _raw_of(*pair) for name, pair in cases.items()}
+        return (
+            Dependent.always(raw_cases[""]) if by is None else Dependent(parameter=by, constant=None, cases=raw_cases)
+        )
 
     def _is_like_scale(self, limits: Range | None, line: Linear | None) -> bool:
-        """Whether a range is in multiples of the parameter that the scale is; a finding where it is not."""
+        """Whether a range is a multiple of the same parameter as the scale; reports it if not."""
         if limits is None or line is None or line.times is None:
             return True
         ends = (limits.low, limits.high)
         if any(end.constant or end.parameter not in (None, line.times) for end in ends):
-            text = f"the scale is a multiple of `{line.times}` and this range is not"
-            hint = f"write it like -{line.times}..{line.times}, or write `raw_range`"
+            text = f"the scale is a multiple of `{line.times}`, but this range is not"
+            hint = f"write, for example, -{line.times}..{line.times}, or write `raw_range`"
             self.context.report((*self.path, "range"), "two-parameters", text, hint)
         elif limits.low.coefficient > limits.high.coefficient:
-            text = f"the range is empty: its low end is above its high end, as `{line.times}` is above 0"
-            self.context.report((*self.path, "range"), "value", text, "check both ends")
+            text = "the range is empty: its low end is above its high end"
+            self.context.report((*self.path, "range"), "value", text, f"check both ends; `{line.times}` is positive")
         else:
             return True
         return False
 
-    def _plausible(self, spec: schema.Type, linear: Dependent[Linear]) -> Range | None:
-        found = self._spans("plausible", spec.plausible).constant
+    def _plausible(self, spec: schema.TypeSpec, linear: Dependent[Linear]) -> Range | None:
+        plausible = self._spans("plausible", spec.plausible).constant
         times = any(line.times for _, line in linear.distinct() if line is not None)
-        if found is None or (found.is_constant and not times):
-            return found
-        text = "no frame tells what a number parameter is, so nothing can be plausible by it"
-        self.context.report((*self.path, "plausible"), "parameter-kind", text, "write numbers, or leave it out")
+        if plausible is None or (plausible.is_constant and not times):
+            return plausible
+        text = "`plausible` depends on a number parameter, which is not in any frame"
+        self.context.report(
+            (*self.path, "plausible"), "parameter-kind", text, "write numbers and a constant scale, or remove it"
+        )
         return None
 
     def _spans(self, key: str, written: Range | schema.RangeBy | None) -> Dependent[Range]:
@@ -278,12 +289,12 @@ def _none_or(value: Literal["none"] | T) -> T | None:
 
 
 def _number(value: int) -> Multiple:
-    """What stands where nothing is written."""
+    """A default multiple: a number without notation."""
     return Multiple(Fraction(value), None, "")
 
 
 def _raw_of(span: Range | None, linear: Linear | None) -> Range | None:
-    """The raw integers whose values lie in a range of values; a parameter that all of them are multiples of drops out."""
+    """The raw integers of a range of values; a parameter that is a factor of scale and range cancels."""
     if span is None or linear is None or linear.scale == 0:
         return None
     if linear.times is not None:

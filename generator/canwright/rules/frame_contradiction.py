@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from ..diagnostics.diagnostic import nearest
-from ..language.golden_frames import Frame
+from ..language.golden_frames import GoldenFrame
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Field, Space
@@ -36,7 +36,7 @@ class _FrameChecker:
         self._encoders = Encoders()
         self._decoder = Decoder(edition)
 
-    def problems(self, frame: Frame) -> list[EntryProblem]:
+    def problems(self, frame: GoldenFrame) -> list[EntryProblem]:
         direction = frame.direction
         if not frame.command or (frame.request and frame.reply):
             text = "this frame has no command" if not frame.command else "a frame is either a request or a reply"
@@ -91,7 +91,7 @@ def _has_same_fields(alone: Identified | Rejection, encoder: Encoder, can: CanFr
 
 
 def _encoded(
-    encoder: Encoder, message: Message, fields: Mapping[str, Field], frame: Frame, can: CanFrame
+    encoder: Encoder, message: Message, fields: Mapping[str, Field], frame: GoldenFrame, can: CanFrame
 ) -> Iterator[EntryProblem]:
     """Problems of a frame that the encoder rejects or writes differently."""
     for name, raw in frame.raw.items():
@@ -116,7 +116,7 @@ _DECODE_ONLY = "or add decode_only: true if the frame is never sent"
 _CHECK_LAYOUT = f"check the layout and its `reserved` fields; {_DECODE_ONLY}"
 
 
-def _header(message: Message, frame: Frame, can: CanFrame) -> EntryProblem | None:
+def _header(message: Message, frame: GoldenFrame, can: CanFrame) -> EntryProblem | None:
     wrong = difference(message, can)
     if wrong is None:
         node = node_of(message, can)
@@ -137,7 +137,7 @@ def _header(message: Message, frame: Frame, can: CanFrame) -> EntryProblem | Non
     return ("data",), wrong.text, "check `data` and the code in the spec"
 
 
-def _id_of(message: Message, frame: Frame) -> str:
+def _id_of(message: Message, frame: GoldenFrame) -> str:
     """The hint for a wrong id, with the id of the node if no field is a part of it."""
     hint, nodes = "check the id and the address in the spec", message.id.nodes
     node = frame.node
@@ -146,7 +146,7 @@ def _id_of(message: Message, frame: Frame) -> str:
     return f"the id of node {node} is 0x{can_ids.of_message(message)[nodes.index(node)]:X}; {hint}"
 
 
-def _raws(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[EntryProblem]:
+def _raws(frame: GoldenFrame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[EntryProblem]:
     unknown = [name for name in frame.raw if name not in found]
     if unknown:
         return [(("raw", name, KEY), *_no_field(name, fields, found)) for name in unknown]
@@ -166,7 +166,7 @@ def _raws(frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -
 
 
 def _values(
-    frame: Frame, fields: Mapping[str, Field], found: Mapping[str, Raw], assignment: Assignment
+    frame: GoldenFrame, fields: Mapping[str, Field], found: Mapping[str, Raw], assignment: Assignment
 ) -> list[EntryProblem]:
     problems: list[EntryProblem] = []
     for name, wanted in frame.values.items():

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath, nearest
-from ..language.golden_frames import CheckedFrame, Exchange, Frame, RefusedFrame, Sourced
+from ..language.golden_frames import CheckedFrame, Exchange, GoldenFrame, RefusedFrame, Sourced
 from ..language.notation import LAST_ID, SHORT_ID
 from ..model import formatting
 from ..model.edition import Edition
@@ -46,7 +46,7 @@ def _ids(entry: Sourced) -> Iterator[EntryProblem]:
     if isinstance(entry, Exchange):
         frames = {("request",): entry.request, ("reply",): entry.reply}
     for path, frame in frames.items():
-        if isinstance(frame, (Frame, RefusedFrame, CheckedFrame)):
+        if isinstance(frame, (GoldenFrame, RefusedFrame, CheckedFrame)):
             last = LAST_ID if frame.extended else SHORT_ID
             if frame.id > last:
                 hint = "extended: true" if frame.id <= LAST_ID else "check the id"

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language.golden_frames import Frame
+from ...language.golden_frames import GoldenFrame
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
 from ...model.types import Encoding, Type
@@ -142,7 +142,7 @@ class _Example:
                     return request.node or 0, request.raw, reply.raw
         return None
 
-    def _frames_of(self, command: Command, direction: Direction) -> list[Frame]:
+    def _frames_of(self, command: Command, direction: Direction) -> list[GoldenFrame]:
         return [
             f
             for f in (self._golden.of_command.get((command.name, direction), ()) if self._golden else ())

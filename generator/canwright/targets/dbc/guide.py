@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language.golden_frames import Frame as GoldenFrame
+from ...language.golden_frames import GoldenFrame
 from ...model.edition import Edition
 from ...model.message import Direction
 from ...model.types import Parameter

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...language.edition import Text
-from ...language.golden_frames import Frame, GoldenFrames, Value
+from ...language.golden_frames import GoldenFrame, GoldenFrames, Value
 from ...model import formatting
 from ...model.message import Message
 from ...templating.markup import code, markdown
@@ -68,7 +68,7 @@ def _source(source: str, note: str | None) -> str:
     return f"{markdown(source.removesuffix('.'))} ({markdown(note)})" if note else markdown(source)
 
 
-def _meanings(frame: Frame, units: Mapping[str, str]) -> Iterator[str]:
+def _meanings(frame: GoldenFrame, units: Mapping[str, str]) -> Iterator[str]:
     """The node and each field with its value; labels are inserted later by `%`."""
     if frame.node is not None:
         yield code(f"node = {frame.node}")

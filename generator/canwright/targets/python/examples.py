@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language.golden_frames import Frame, Value
+from ...language.golden_frames import GoldenFrame, Value
 from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
@@ -67,13 +67,13 @@ def _examples(specification: Specification) -> Iterator[Example]:
                 break
 
 
-def _belong(request: Frame, reply: Frame) -> bool:
+def _belong(request: GoldenFrame, reply: GoldenFrame) -> bool:
     """Whether a reply may answer a request: same node, no contradicting parameters, and both can be encoded."""
     agree = all(reply.parameters.get(name, value) == value for name, value in request.parameters.items())
     return agree and request.node == reply.node and not (request.decode_only or reply.decode_only)
 
 
-def _example(edition: Edition, command: Command, request: Frame, reply: Frame) -> Example | None:
+def _example(edition: Edition, command: Command, request: GoldenFrame, reply: GoldenFrame) -> Example | None:
     asked, answer = command.message(Direction.REQUEST), command.message(Direction.REPLY)
     if asked is None or answer is None or answer.command != command.name:
         return None
@@ -109,7 +109,7 @@ def _example(edition: Edition, command: Command, request: Frame, reply: Frame) -
     )
 
 
-def _arguments(message: Message, frame: Frame, views: Mapping[str, types.TypeView]) -> list[Argument] | None:
+def _arguments(message: Message, frame: GoldenFrame, views: Mapping[str, types.TypeView]) -> list[Argument] | None:
     """The arguments that make the message of a frame; None where a field has no value."""
     arguments = [Argument("node", str(frame.node), "")] if message.id.nodes is not None else []
     variant = message.layout.variant({name: str(value) for name, value in frame.parameters.items()})
