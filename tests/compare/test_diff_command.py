@@ -86,7 +86,7 @@ def test_exit_codes() -> None:
     assert diff("v1", "v2", "--fail-on", "wire, value").exit_code == 1
     assert diff("v1", "v2", "--fail-on", "silent").exit_code == 1
     unknown = diff("v1", "v2", "--fail-on", "values")
-    assert (unknown.exit_code, "there are: wire, value, api, doc" in unknown.output) == (2, True)
+    assert (unknown.exit_code, "wire, value, api, doc" in unknown.output) == (2, True)
 
 
 def test_what_cannot_be_compared(specs: Path) -> None:
