@@ -310,7 +310,7 @@ def test_a_golden_frame_has_valid_parameters(tmp_path: Path) -> None:
     golden = spec.with_name("v1.frames.yaml").read_text("utf-8")
     for number, message in (
         ("0", "`p_max` must be above 0"),
-        ("101", "`p_max` is at most 100"),
+        ("101", "`p_max` must be at most 100"),
         ("much", "`much` is not a number"),
         ("", "`` is not a number"),
     ):
