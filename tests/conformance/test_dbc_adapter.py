@@ -7,13 +7,16 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from cantools.database.can import Message as CanMessage
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
+from canwright.targets import dbc
 
-from ..spec_texts import ROOT
+from ..spec_texts import ROOT, called
 from .adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
 from .adapters.dbc import DbcAdapter
+from .adapters.dbc_file import DbcMessages, load
 
 CASES = Path(__file__).parents[1] / "targets" / "dbc"
 
@@ -124,3 +127,26 @@ def test_what_no_dbc_can_say_has_a_name(exception: str, case: functools.partial[
     with pytest.raises(Cannot) as raised:
         case()
     assert raised.value.name == exception
+
+
+def all_of(message: CanMessage) -> tuple[object, ...]:
+    """Everything that a file says of a message."""
+    signals = [
+        (
+            *(s.name, s.start, s.length, s.byte_order, s.is_signed, s.is_multiplexer, s.multiplexer_ids),
+            *(repr(s.conversion), s.minimum, s.maximum, s.unit, s.comment, s.receivers, s.raw_initial),
+        )
+        for s in message.signals
+    ]
+    ids = (message.name, message.frame_id, message.is_extended_frame, message.length)
+    return (*ids, message.senders, message.comment, signals)
+
+
+@pytest.mark.parametrize("spec", [ROOT / "spec/mwd_motor/v2.35.yaml", ROOT / "tests/specs/cells/v1.yaml"], ids=called)
+def test_a_message_loaded_by_itself_is_that_of_the_whole_file(spec: Path) -> None:
+    outputs = [output for output in dbc.generate([specification(spec)], {}) if output.path.endswith("-reply.dbc")]
+    text = outputs[0].text
+    wholes, parts = load(text).messages, DbcMessages(text)
+    assert [message.name for message in wholes] == list(parts.names)
+    for whole in wholes:
+        assert all_of(parts.message(parts.names[whole.name])) == all_of(whole)

@@ -61,12 +61,17 @@ def units(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("standard", STANDARDS)
 @each_compiler
 def test_no_warning(compiler: Compiler, standard: str, units: Path, tmp_path: Path) -> None:
-    """Every function by itself at every level, and all of them inlined into a program."""
+    """Every function by itself at every level, and all of them inlined into a program.
+
+    What zig warns of does not depend on the level, nor the code it makes on the standard: one of them has all levels.
+    """
+    is_once = compiler is ZIG and standard != STANDARDS[0]
     language = ("-x", "c++") if standard.startswith("c++") else ()
     flags = (*WARNINGS, f"-I{units / 'include'}", *language, "-c", "-o", tmp_path / "unit.o")
-    for level in LEVELS:
+    for level in LEVELS[:1] if is_once else LEVELS:
         compiler.run(standard, *flags, "-Wswitch-enum", level, units / "everything.c")
-    compiler.run(standard, *flags, "-O3", units / "program.c")
+    if not is_once:
+        compiler.run(standard, *flags, "-O3", units / "program.c")
 
 
 @each_compiler

@@ -5,12 +5,13 @@ A compiler of the machine needs its sanitizer libraries, on Debian `libgcc-VERSI
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import pytest
 from canwright.project.loader import specification
 
-from ..compilers import ZIG, Compiler, build, each_compiler
+from ..compilers import SANITIZED, ZIG, Compiler, build, each_compiler
 from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.c_harness import harness
 from ..conformance.runner import Runner
@@ -18,10 +19,27 @@ from .test_c_compiles import MAIN, write
 
 
 @each_compiler
+def test_undefined_behaviour_stops_a_program(compiler: Compiler, tmp_path: Path) -> None:
+    source = tmp_path / "shift.c"
+    source.write_text(
+        "int main(int count, char **words)\n{\n    (void)words;\n    return 1 << (count + 40);\n}\n", "utf-8"
+    )
+    program = build([source], tmp_path, tmp_path / "shift", *_flags("-O2", compiler), compiler=compiler)
+    assert subprocess.run([program], capture_output=True, check=False).returncode != 0
+    if compiler is ZIG:
+        assert subprocess.run([build([source], tmp_path, program)], capture_output=True, check=False).returncode < 0
+
+
+def _flags(level: str, compiler: Compiler) -> tuple[str, ...]:
+    if compiler is ZIG:  # it has no library that checks memory, and builds that for the rest for half a minute
+        return (level, "-g0", *SANITIZED)
+    return (level, "-fsanitize=undefined,address", "-fno-sanitize-recover=all")
+
+
+@each_compiler
 @pytest.mark.parametrize("level", ["-O0", "-O2"])
 def test_golden_frames_leave_nothing_undefined(level: str, compiler: Compiler, tmp_path: Path) -> None:
-    checks = "undefined" if compiler is ZIG else "undefined,address"  # zig has no library that checks memory
-    flags = (level, f"-fsanitize={checks}", "-fno-sanitize-recover=all")
+    flags = _flags(level, compiler)
     item = specification(MAIN)
     assert item.frames is not None
     include = write([item], tmp_path) / "include"

@@ -55,6 +55,7 @@ class DbcAdapter(Adapter):
         self._described = specification
         self._decoder = Decoder(specification.edition)
         self._texts: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
+        self._paths: dict[tuple[str, tuple[tuple[str, str], ...]], list[list[str]]] = {}
         self._loaded: dict[str, DbcFile] = {}
         self._left_out = {m.name for m in self.edition.all_messages() if obstacle(m)}
         for direction in Direction:
@@ -152,13 +153,21 @@ class DbcAdapter(Adapter):
     def _files(self, name: str, fixed: Assignment) -> Iterator[list[DbcFile]]:
         """The files of a name: those of one node, which load fast, then those of all. The plain one is always last."""
         variant = tuple(fixed.items())
+        if (name, variant) not in self._paths:
+            self._paths[name, variant] = list(self._paths_of(name, variant))
+        for paths in self._paths[name, variant]:
+            yield [self._file(path, variant) for path in paths]
+
+    def _paths_of(self, name: str, variant: tuple[tuple[str, str], ...]) -> Iterator[list[str]]:
         if variant not in self._texts:
-            self._texts[variant] = {output.path: output.text for output in dbc.generate([self._described], fixed)}
+            self._texts[variant] = {
+                output.path: output.text for output in dbc.generate([self._described], dict(variant))
+            }
         paths = [path for path in self._texts[variant] if re.match(re.escape(name) + "[-.]", path)]
         for of_one_node in (True, False):
             some = [path for path in paths if ("-node" in path) is of_one_node]
             if some:
-                yield [self._file(path, variant) for path in sorted(some, key=len, reverse=True)]
+                yield sorted(some, key=len, reverse=True)
 
     def _file(self, path: str, variant: tuple[tuple[str, str], ...]) -> DbcFile:
         if path not in self._loaded:

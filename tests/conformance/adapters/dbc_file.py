@@ -21,25 +21,62 @@ from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters
 from .dbc_fields import Data, Number, cells, float_of, values_of
 
 KIND = {Direction.REQUEST: "command", Direction.REPLY: "reply"}
+EXTENDED = 1 << 31
+"""What a DBC adds to an id of 29 bits."""
+
 _NUMBER = re.compile(r"\d+(\.\d+)?")
+_ID = re.compile(r'(?:BO_|BO_TX_BU_|VAL_|SIG_VALTYPE_|CM_ (?:BO_|SG_)|BA_ "\w+" (?:BO_|SG_)) (\d+) ')
+
+
+def load(text: str) -> Database:
+    """What cantools makes of a file."""
+    database = cantools.database.load_string(text, "dbc", strict=True)
+    assert isinstance(database, Database)
+    return database
+
+
+class DbcMessages:
+    """The messages of a file by name, each loaded when it is asked for, since cantools takes long for a whole file."""
+
+    def __init__(self, text: str) -> None:
+        lines = text.splitlines(keepends=True)
+        owners: list[int | None] = []
+        for line in lines:
+            match = _ID.match(line)
+            owners.append(owners[-1] if line.startswith(" SG_ ") else int(match[1]) if match else None)
+        self._lines = list(zip(owners, lines, strict=True))
+        self.names = {
+            line.split()[2].rstrip(":"): owner
+            for owner, line in self._lines
+            if owner is not None and line.startswith("BO_ ")
+        }
+        self._loaded: dict[int, CanMessage] = {}
+
+    def message(self, number: int) -> CanMessage:
+        """The message with an id as it is in the file."""
+        if number not in self._loaded:
+            (self._loaded[number],) = load(self._text_of(number)).messages
+        return self._loaded[number]
+
+    def _text_of(self, number: int) -> str:
+        """The file without the lines of other messages."""
+        return "".join(line for owner, line in self._lines if owner in (None, number))
 
 
 class DbcFile:
     def __init__(self, edition: Edition, text: str) -> None:
         self._edition = edition
-        database = cantools.database.load_string(text, "dbc", strict=True)
-        assert isinstance(database, Database)
-        self._database = database
+        self._messages = DbcMessages(text)
+        self._numbers = {*self._messages.names.values()}
 
     def read(self, direction: Direction, frame: CanFrame) -> Decoded | Refused:
+        number = frame.id | (EXTENDED if frame.extended else 0)
+        if number not in self._numbers:
+            return Refused(Refusal.UNKNOWN_ID)
+        found = self._messages.message(number)
         try:
-            found = self._database.get_message_by_frame_id(frame.id, force_extended_id=frame.extended)
-            if found.is_extended_frame != frame.extended:
-                return Refused(Refusal.UNKNOWN_ID)
             numbers = _mapping(found.decode(frame.data, decode_choices=False, scaling=False, allow_excess=False))
             shown = _mapping(found.decode(frame.data))
-        except KeyError:
-            return Refused(Refusal.UNKNOWN_ID)
         except DecodeError as error:
             if "data size" not in str(error):
                 return Refused(Refusal.UNKNOWN_CODE)
@@ -82,11 +119,13 @@ class DbcFile:
     ) -> Encoded | Refused | None:
         """The frame, or why not; None when the file lacks the command."""
         owner = f"{_title(message.address)}{'' if node is None else node}_"
-        of_node = {m.name.removeprefix(owner): m for m in self._database.messages if m.name.startswith(owner)}
+        names = self._messages.names
+        of_node = {name.removeprefix(owner): number for name, number in names.items() if name.startswith(owner)}
         if not of_node:
             return Refused(Refusal.UNKNOWN_NODE)
         in_id = [f"{key.value:0{-(-key.width // 4)}X}" for key in message.keys if key.space is Space.ID]
-        found = of_node.get("_".join((KIND[message.direction], *in_id))) or of_node.get(message.command)
+        number = of_node.get("_".join((KIND[message.direction], *in_id)), of_node.get(message.command))
+        found = None if number is None else self._messages.message(number)
         selector = _selector(found) if found else None
         code = _code(message, selector) if selector else None
         if found is None or (selector and code is None):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import struct
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -37,6 +38,10 @@ class DocsAdapter(Adapter):
                 self._choices = {n: [plain(r[0]) for r in rows[1:]] for n, rows in tables(text)}
             elif "/commands/" in path:
                 self._read_command(Path(path).stem, text)
+        self._in_id: defaultdict[tuple[Direction, object], int] = defaultdict(int)
+        """The bits of the id that are fields or keys of any page with the same rule."""
+        for (direction, _), page in self._messages.items():
+            self._in_id[direction, page.rule] |= page.in_id
 
     @classmethod
     def create(cls, specification: Specification, workdir: Path) -> DocsAdapter:
@@ -62,7 +67,7 @@ class DocsAdapter(Adapter):
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
         pages = [(n, m) for (d, n), m in self._messages.items() if d is direction]
-        ours = [(n, m, self._node(m, frame, [p for _, p in pages])) for n, m in pages]
+        ours = [(n, m, self._node(m, frame, self._in_id[direction, m.rule])) for n, m in pages]
         ours = [(name, page, node) for name, page, node in ours if node != ()]
         if not ours:
             return Refused(Refusal.UNKNOWN_ID)
@@ -79,7 +84,7 @@ class DocsAdapter(Adapter):
         if not fits:
             return Refused(Refusal.UNKNOWN_CODE)
         name, page, node = ours[min(fits)[-1]]
-        if self._node(page, frame) == ():
+        if self._node(page, frame, page.in_id) == ():
             return Refused(Refusal.UNKNOWN_ID)
         if len(frame.data) != page.dlc and not frame.remote:
             return Refused(Refusal.WRONG_LENGTH)
@@ -148,14 +153,11 @@ class DocsAdapter(Adapter):
         return [row for row in page.rows if not row.only[0] or str(parameters[row.only[0]]) in row.only[1]]
 
     @staticmethod
-    def _node(page: MessagePage, frame: CanFrame, others: Sequence[MessagePage] = ()) -> tuple[int | None, ...]:
-        """The node of a frame, in a tuple; an empty one when the id is not of this page, nor of others with its rule."""
+    def _node(page: MessagePage, frame: CanFrame, in_id: int) -> tuple[int | None, ...]:
+        """The node of a frame, in a tuple; an empty one when the id is of no page with these bits of fields and keys."""
         if (page.extended, page.remote) != (frame.extended, frame.remote):
             return ()
-        alike = [page, *(other for other in others if other.rule == page.rule)]
-        places = [place for p in alike for place in (*(k.bits for k in p.keys), *(row.bits for row in p.rows))]
-        free = sum(1 << bit for bit in {bit for place in places if place.in_id for bit in place.numbers})
-        rest = (frame.id & ~free) - page.base
+        rest = (frame.id & ~in_id) - page.base
         if page.nodes is None:
             return (None,) if rest == 0 else ()
         node, beside = divmod(rest, page.step)
@@ -253,7 +255,7 @@ class DocsAdapter(Adapter):
         page = self._messages.get((Direction.REPLY, name))
         if page is None:
             return Refused(Refusal.NOT_ANSWER)
-        from_node = self._node(page, reply)
+        from_node = self._node(page, reply, page.in_id)
         if from_node == () or not _fit(page, reply) or len(reply.data) != page.dlc:
             return Refused(Refusal.NOT_ANSWER)
         asked, told = _held(self._messages[Direction.REQUEST, name], request), _held(page, reply)
@@ -269,7 +271,11 @@ class DocsAdapter(Adapter):
     def _sent(self, frame: CanFrame) -> tuple[str, int | None] | Refused:
         pages = sorted(self._messages.items(), key=lambda entry: -len(entry[1].keys))
         for (direction, name), page in pages:
-            if direction is Direction.REQUEST and (node := self._node(page, frame)) != () and _fit(page, frame):
+            if (
+                direction is Direction.REQUEST
+                and (node := self._node(page, frame, page.in_id)) != ()
+                and _fit(page, frame)
+            ):
                 return name, node[0]
         return Refused(Refusal.UNKNOWN_CODE)
 

@@ -181,6 +181,12 @@ class MessagePage:
         """What tells the node from the id; pages with the same rule share their ids."""
         return self.base, self.step, self.nodes, self.extended, self.remote
 
+    @property
+    def in_id(self) -> int:
+        """The bits of the id that are fields or keys."""
+        places = [*(key.bits for key in self.keys), *(row.bits for row in self.rows)]
+        return sum(1 << bit for bit in {bit for place in places if place.in_id for bit in place.numbers})
+
 
 def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> MessagePage:
     """A direction of a command page from its two tables."""
