@@ -12,7 +12,7 @@ from canwright.cli import main
 from canwright.diagnostics.diagnostic import MOST_FINDINGS, SpecError
 from canwright.document.document import MAX_BYTES, read_document
 from canwright.language import notation
-from canwright.rules import too_large
+from canwright.resolve.limits import MOST_COMMANDS
 from click.testing import CliRunner
 
 from ..spec_texts import MINIMAL, findings, marked, places
@@ -161,4 +161,4 @@ def test_limits_leave_room() -> None:
     assert len(notation.indices("0..63")) == notation.MOST_ELEMENTS
     assert notation.at("id.28").bit == notation.LAST_ID_BIT
     assert notation.number("1" * notation.DIGITS) > 0
-    assert too_large.MOST_COMMANDS >= 100 * 28
+    assert MOST_COMMANDS >= 100 * 28

@@ -46,6 +46,11 @@ class Diagnostic:
     position: Position
     hint: str = ""
 
+    @property
+    def place(self) -> tuple[str, int, int]:
+        """File, line and column, for sorting."""
+        return self.position.file, self.position.line, self.position.column
+
     def __str__(self) -> str:
         """`file:line:col: severity: message [rule]`, the source line, a caret, and the hint."""
         at = self.position

@@ -6,6 +6,7 @@ import functools
 import re
 import types
 import typing
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -36,19 +37,19 @@ class Location(NamedTuple):
         return str(self.path[-1]) if self.path else ""
 
 
-class Form:
+class Form(ABC):
     """The form of a value."""
 
     example: Any = None
     """A value with a concept in this form; None for a form without a concept."""
 
+    @abstractmethod
     def decode(self, report: Findings, data: Any, location: Location) -> Any:
         """The decoded value; INVALID after a finding."""
-        raise NotImplementedError
 
+    @abstractmethod
     def schema(self, definitions: dict[str, JsonSchema]) -> JsonSchema:
         """The JSON Schema; concepts are added to `definitions`."""
-        raise NotImplementedError
 
     def describe(self, location: Location) -> str:
         """The description of the nearest key, and an example."""

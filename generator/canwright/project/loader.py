@@ -8,15 +8,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from .. import rules
-from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, Severity, SpecError
+from ..diagnostics.diagnostic import Diagnostic, SpecError
 from ..document.document import Document, read_document
 from ..language.decoder import decode
 from ..language.edition import EditionSpec
-from ..resolve.affected import Affected, decides_code
 from ..resolve.edition import resolve
-from ..rules import Finding, Phase, Rule, Subject
-from ..rules.too_large import commands
+from ..rules.checker import check
+from ..rules.rule import Subject
 from ..targets.base import Specification
 from ..targets.registry import targets
 from .golden_file import GoldenFile, read_golden_file
@@ -53,60 +51,19 @@ def _load(file: Path, name: str | None, golden_file: GoldenFile) -> Loaded:
     if decoded.value is None:
         raise SpecError(decoded.findings)
     spec = decoded.value
-    too_many = [document.finding(f.path, "too-large", f.message, f.hint, key=f.key) for f in commands(spec)]
-    if too_many:
-        raise SpecError([*decoded.findings, *too_many])
     digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
-    edition, unresolved = resolve(document, spec, digest, decoded.invalid)
+    try:
+        edition, unresolved = resolve(document, spec, digest, decoded.invalid)
+    except SpecError as error:
+        raise SpecError([*decoded.findings, *error.diagnostics]) from None
     names = {"family": edition.family, "edition": edition.name}
     others = golden_file.other_edition({key: text for key, text in names.items() if (key,) not in decoded.invalid})
     errors = [*decoded.findings, *unresolved.findings, *golden_file.findings, *others]
-    checker = _Checker(document, golden_file, Subject(edition, spec, golden_file.golden), errors)
-    checker.check(Phase.PARTS, [*decoded.invalid, *unresolved.references])
-    checker.check(Phase.CODES, filter(decides_code, [*decoded.invalid, *unresolved.paths]))
-    checker.check(Phase.WHOLE, [*decoded.invalid, *unresolved.paths, *checker.invalid])
-    for phase in (Phase.FRAMES, Phase.COVERAGE):
-        if not checker.errors:
-            checker.check(phase, [])
-    if checker.errors:
-        raise SpecError([*checker.errors, *checker.warnings])
-    return Loaded(Specification(edition, golden_file.golden), document, tuple(sorted(checker.warnings, key=_position)))
-
-
-class _Checker:
-    """Checks the rules of each phase, and collects their findings."""
-
-    def __init__(
-        self, document: Document, golden_file: GoldenFile, subject: Subject, errors: Sequence[Diagnostic]
-    ) -> None:
-        self._document = document
-        self._golden_file = golden_file
-        self._subject = subject
-        self._rules = {_position(error): error.rule for error in errors}
-        self.errors = list(errors)
-        self.warnings: list[Diagnostic] = []
-        self.invalid: list[DocumentPath] = []
-
-    def check(self, phase: Phase, invalid: Iterable[DocumentPath]) -> None:
-        """Checks the definitions that are unaffected by errors at the `invalid` paths."""
-        affected = Affected(self._document.data, invalid)
-        edition = affected.others(self._subject.edition)
-        subject = self._subject._replace(edition=edition, partial=edition is not self._subject.edition)
-        for rule, finding in itertools.islice(rules.check(subject, phase), MOST_FINDINGS):
-            if finding.path not in affected or finding.in_frames:
-                self._add(rule, finding)
-
-    def _add(self, rule: Rule, finding: Finding) -> None:
-        document = self._golden_file.document if finding.in_frames else self._document
-        is_warning = rule.severity is Severity.WARNING
-        diagnostic = (document or self._document).finding(
-            finding.path, rule.id, finding.message, finding.hint, key=finding.key, warning=is_warning
-        )
-        if self._rules.setdefault(_position(diagnostic), rule.id) != rule.id and finding.key:
-            return
-        (self.warnings if is_warning else self.errors).append(diagnostic)
-        if not is_warning:
-            self.invalid.append(finding.path)
+    subject = Subject(edition, spec, golden_file.golden)
+    errors, warnings = check(subject, document, golden_file.document, errors, decoded.invalid, unresolved)
+    if errors:
+        raise SpecError([*errors, *warnings])
+    return Loaded(Specification(edition, golden_file.golden), document, tuple(sorted(warnings, key=lambda d: d.place)))
 
 
 def specification(file: Path) -> Specification:
@@ -165,7 +122,3 @@ def frames_file(file: Path) -> Path:
 def spec_files(folder: Path) -> list[Path]:
     """The specs below a folder: `FAMILY/EDITION.yaml`, without golden frames."""
     return sorted(f for f in folder.glob("*/*.yaml") if not f.name.endswith(FRAMES_SUFFIX))
-
-
-def _position(finding: Diagnostic) -> tuple[str, int, int]:
-    return (finding.position.file, finding.position.line, finding.position.column)

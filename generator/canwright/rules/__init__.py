@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from ..diagnostics.diagnostic import Severity
 from . import (
     ambiguous_message,
@@ -34,7 +32,7 @@ from . import (
     zero_scale,
 )
 from .reading_catalogue import READING
-from .rule import Finding as Finding, Phase as Phase, Rule as Rule, Subject as Subject
+from .rule import Phase, Rule
 
 WARNING = Severity.WARNING
 
@@ -148,10 +146,3 @@ RULES: tuple[Rule, ...] = (
 
 EVERY: dict[str, Rule] = {rule.id: rule for rule in (*READING, *RULES)}
 """All rules by id, those of reading first."""
-
-
-def check(subject: Subject, phase: Phase) -> Iterator[tuple[Rule, Finding]]:
-    """All findings of the rules of a phase."""
-    for rule in RULES:
-        if rule.check and rule.phase is phase:
-            yield from ((rule, finding) for finding in rule.check(subject))

@@ -1,29 +1,17 @@
-"""The number of commands, combinations of choices and generated lines is limited."""
+"""The number of combinations of choices and of generated lines is limited; `resolve` limits the commands."""
 
 from __future__ import annotations
 
 import math
 
-from ..language.edition import EditionSpec
 from ..model.edition import Edition
 from ..model.message import Message
 from .rule import Finding, Findings, Subject
 
-MOST_COMMANDS = 5000
-"""The maximum number of commands; a command with a table counts once for each entry."""
 MOST_COMBINATIONS = 64
 """The maximum number of combinations of choices among names; each has its own files."""
 MOST_LINES = 2_500_000
 """The maximum number of messages and fields, once for each node and each combination of choices."""
-
-
-def commands(spec: EditionSpec) -> Findings:
-    """The finding about too many commands, before they are resolved."""
-    entries = {name: len(table.entries) for name, table in spec.tables.items()}
-    count = sum(entries.get(command.table or "", 1) for command in spec.commands.values())
-    if count > MOST_COMMANDS:
-        text = f"{count} commands, with one for each table entry, exceed the maximum of {MOST_COMMANDS}"
-        yield Finding(("commands",), text, "split the protocol", key=True)
 
 
 def check(subject: Subject) -> Findings:

@@ -1,0 +1,78 @@
+"""The rules of a spec, phase by phase, as diagnostics with positions."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+
+from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, Severity
+from ..document.document import Document
+from ..resolve.affected import Affected, decides_code
+from ..resolve.edition import Unresolved
+from . import RULES
+from .rule import Finding, Phase, Rule, Subject
+
+
+def check(
+    subject: Subject,
+    document: Document,
+    frames: Document | None,
+    errors: Sequence[Diagnostic],
+    invalid: Iterable[DocumentPath],
+    unresolved: Unresolved,
+) -> tuple[list[Diagnostic], list[Diagnostic]]:
+    """All errors, those of loading included, and all warnings.
+
+    `document` and `frames` give the positions. Definitions at the paths of `invalid` and `unresolved` values, and those
+    that mention them, are left out, so that no finding only follows from another. Golden frames are compared with a
+    spec without errors.
+    """
+    checker = _Checker(subject, document, frames, errors)
+    invalid = list(invalid)
+    checker.check(Phase.PARTS, [*invalid, *unresolved.references])
+    checker.check(Phase.CODES, filter(decides_code, [*invalid, *unresolved.paths]))
+    checker.check(Phase.WHOLE, [*invalid, *unresolved.paths, *checker.invalid])
+    for phase in (Phase.FRAMES, Phase.COVERAGE):
+        if not checker.errors:
+            checker.check(phase, [])
+    return checker.errors, checker.warnings
+
+
+class _Checker:
+    """Collects the findings of one phase after the other."""
+
+    def __init__(
+        self, subject: Subject, document: Document, frames: Document | None, errors: Sequence[Diagnostic]
+    ) -> None:
+        self._subject = subject
+        self._document = document
+        self._frames = frames or document
+        self._rules = {error.place: error.rule for error in errors}
+        self.errors = list(errors)
+        self.warnings: list[Diagnostic] = []
+        self.invalid: list[DocumentPath] = []
+
+    def check(self, phase: Phase, invalid: Iterable[DocumentPath]) -> None:
+        """Checks the definitions that errors at some paths do not affect."""
+        affected = Affected(self._document.data, invalid)
+        edition = affected.others(self._subject.edition)
+        subject = self._subject._replace(edition=edition, partial=edition is not self._subject.edition)
+        found = (
+            (rule, finding) for rule in RULES if rule.check and rule.phase is phase for finding in rule.check(subject)
+        )
+        for rule, finding in itertools.islice(found, MOST_FINDINGS):
+            if finding.path not in affected or finding.in_frames:
+                self._add(rule, finding)
+
+    def _add(self, rule: Rule, finding: Finding) -> None:
+        """Adds a finding, unless it is about a key that another rule has reported."""
+        document = self._frames if finding.in_frames else self._document
+        is_warning = rule.severity is Severity.WARNING
+        diagnostic = document.finding(
+            finding.path, rule.id, finding.message, finding.hint, key=finding.key, warning=is_warning
+        )
+        if self._rules.setdefault(diagnostic.place, rule.id) != rule.id and finding.key:
+            return
+        (self.warnings if is_warning else self.errors).append(diagnostic)
+        if not is_warning:
+            self.invalid.append(finding.path)
