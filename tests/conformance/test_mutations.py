@@ -27,11 +27,14 @@ from .adapters import ADAPTERS
 from .mutants import Change, mutants
 from .runner import Runner
 
+COMPLETE = 120
+"""So many mutants of one spec, evenly spread over it, are replayed by `pytest -m exhaustive`."""
+
 MOST = 40
-"""So many mutants of one spec are replayed through the reference decoder, evenly spread over it, and one of each kind."""
+"""So many of them are always replayed through the reference decoder, and one of each kind."""
 
 GENERATED = 12
-"""So many of them are replayed through generated code as well; `pytest -m exhaustive` replays all through both."""
+"""So many of them are always replayed through generated code as well."""
 
 EVERYWHERE = {
     "mwd_motor/v2.35": (
@@ -79,14 +82,16 @@ def _cases() -> Iterator[object]:
     seen: set[tuple[str, ...]] = set()
     for spec, found in MUTANTS.items():
         names = list(found)
+        complete = {*_spread(names, COMPLETE)}
         quick = {"reference": {*_spread(names, MOST)}, "python": {*_spread(names, GENERATED)}}
         for mutant in names:
             if _kind(mutant) not in seen:
                 seen.add(_kind(mutant))
                 quick["reference"].add(mutant)
             for target, some in quick.items():
-                marks = () if mutant in some else pytest.mark.exhaustive
-                yield pytest.param(spec, mutant, target, marks=marks)
+                if mutant in complete | some:
+                    marks = () if mutant in some else pytest.mark.exhaustive
+                    yield pytest.param(spec, mutant, target, marks=marks)
 
 
 def _changed(spec: str, change: Change, folder: Path) -> Specification | None:
