@@ -41,11 +41,9 @@ def is_safe(path: str) -> bool:
 def content_of(file: Path) -> bytes | None:
     """The content of a file; None if it is not a regular file."""
     try:
-        if not stat.S_ISREG(file.stat().st_mode):
-            return None
-    except (FileNotFoundError, NotADirectoryError):
+        return file.read_bytes() if stat.S_ISREG(file.stat().st_mode) else None
+    except (FileNotFoundError, NotADirectoryError):  # also where another run removes its lock in between
         return None
-    return file.read_bytes()
 
 
 def digest(data: bytes) -> str:
