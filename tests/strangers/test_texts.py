@@ -46,7 +46,7 @@ def harmless(tmp_path_factory: pytest.TempPathFactory) -> Files:
 
 def test_every_text_of_the_language_is_filled() -> None:
     assert filled_fields() == text_fields()
-    assert {"Command.notes", "Type.differs", "Address.title", "Frame.note"} <= filled_fields()
+    assert {"CommandSpec.notes", "TypeSpec.differs", "AddressSpec.title", "GoldenFrame.note"} <= filled_fields()
 
 
 @pytest.mark.parametrize("text", HOSTILE)
