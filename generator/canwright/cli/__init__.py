@@ -1,4 +1,7 @@
-"""The command line: one module for each command, listed here."""
+"""The command line: one module for each command, listed here.
+
+Belongs here: arguments, exit statuses, and how results are printed. Imports every other package.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Two editions compared: every change, its category, and who is affected.
 
 Belongs here: matching the items of two editions, the catalogue of changes, and their impact. What names a target
-exports is passed in. Imports `diagnostics`, `model` and `semantics`.
+exports is passed in. Imports `diagnostics` and `model`.
 """
 
 from __future__ import annotations

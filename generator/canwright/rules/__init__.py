@@ -1,4 +1,9 @@
-"""Rules about a spec, one in each module, listed in one table with the rules that loading and resolving check."""
+"""Rules about a spec, one in each module, listed in one table with the rules that loading and resolving check.
+
+Belongs here: what makes a valid spec wrong or unclear, as findings; `checker` runs the rules phase by phase. Each has an
+incorrect and a correct example in `examples/`. Imports `diagnostics`, `document`, `model`, `language`, `semantics`,
+`resolve` and the registry of `targets`.
+"""
 
 from __future__ import annotations
 

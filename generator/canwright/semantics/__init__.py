@@ -4,5 +4,5 @@
 `exchange` checks whether a frame answers a request, `candidates` lists the messages that a recorded frame can be.
 
 Belongs here: the reference behaviour that every target has to match, and the reasons for which frames and values are
-rejected. Imports `diagnostics`, `model` and the notation of `language`.
+rejected. Imports `model`, and of `language` the notation of numbers.
 """
