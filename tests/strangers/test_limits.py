@@ -17,8 +17,8 @@ from click.testing import CliRunner
 
 from ..spec_texts import MINIMAL, findings, marked, places
 
-AT_ONCE = 20.0
-"""Seconds, for a machine that is busy; what is unbounded takes minutes, or does not end."""
+AT_ONCE = 8.0
+"""CPU seconds, for a slow machine; what is unbounded takes minutes, or does not end."""
 
 
 def many(count: int, text: str) -> str:

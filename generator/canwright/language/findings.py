@@ -19,12 +19,17 @@ class Findings:
         self.invalid = set(document.unreadable)
         self._most = len(self.findings) + MOST_FINDINGS
 
+    @property
+    def is_full(self) -> bool:
+        """Whether further findings are counted as invalid paths only."""
+        return len(self.findings) >= self._most
+
     def finding(
         self, path: DocumentPath, rule: str, message: str, hint: str = "", *, key: bool = False, about: str = ""
     ) -> None:
         """Adds a finding at a path; `about` is a missing key of the mapping at this path."""
         self.invalid.add((*path, about) if about else path)
-        if len(self.findings) < self._most:
+        if not self.is_full:
             message = message[:1].lower() + message[1:]
             self.findings.append(self._document.finding(path, rule, message, hint, key=key))
 

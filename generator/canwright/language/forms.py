@@ -321,6 +321,9 @@ class ConceptForm(Form):
             if report.is_unreadable(here.path):
                 suggested |= {key for key in known if name.startswith(key)}
                 continue
+            if report.is_full:  # hints take long, and are not shown
+                report.invalid.add(here.path)
+                continue
             corrected = suggestions.corrected_key(name, known, data)
             hint = suggestions.unknown_key(self.concept, name, value, data)
             report.finding(here.path, "unknown-key", f"unknown key `{name}`", hint, key=True)

@@ -37,6 +37,11 @@ class Context:
         self._unlisted: set[str] = set()
         """Languages of texts that are not in `languages`."""
 
+    @property
+    def is_full(self) -> bool:
+        """Whether further findings are counted as invalid paths only."""
+        return len(self.diagnostics) >= MOST_FINDINGS
+
     def report(
         self,
         path: DocumentPath,
@@ -53,7 +58,7 @@ class Context:
 
     def _report(self, path: DocumentPath, rule: str, message: str, hint: str, key: bool = False) -> None:
         is_hidden = path in self.affected if rule not in _INDEPENDENT_RULES else self.affected.has_error(path)
-        if not is_hidden and len(self.diagnostics) < MOST_FINDINGS:
+        if not is_hidden and not self.is_full:
             self.diagnostics.append(self.document.finding(path, rule, message, hint, key=key))
 
     def find(
@@ -66,7 +71,8 @@ class Context:
             if section in (self.affected.sections if " " in kind else self.affected.incomplete):
                 self.invalid.append(path)
             else:
-                hint = hint or self._other_kind(name) or nearest(name, known) or _defined(kind, len(known))
+                if not self.is_full:
+                    hint = hint or self._other_kind(name) or nearest(name, known) or _defined(kind, len(known))
                 self.report(path, "unknown-reference", f"there is no {kind} `{name}`", hint, key=key)
         return known.get(name)
 

@@ -11,12 +11,15 @@ from .rule import Finding, Findings, Subject
 
 def check(subject: Subject) -> Findings:
     for path, values in _lists(subject.spec):
+        seen: set[object] = set()
         for i, value in enumerate(values):
-            if value in values[:i]:
+            if value in seen:
                 yield Finding((*path, i), f"duplicate value {value}", "remove one")
+            seen.add(value)
     for name, command in subject.spec.commands.items():
+        limited_by = {*command.limited_by}
         for i, setting in enumerate(command.not_limited_by):
-            if setting in command.limited_by:
+            if setting in limited_by:
                 at: DocumentPath = ("commands", name, "not_limited_by", i)
                 yield Finding(at, f"`{setting}` is also in `limited_by`", "remove one of them")
     for message in subject.edition.all_messages():
