@@ -91,10 +91,14 @@ def _cases() -> Iterator[object]:
         generated = {*_spread([mutant for mutant in names if mutant in always], GENERATED)}
         for mutant in names:
             if mutant in always:
-                yield pytest.param(spec, mutant, ("reference", "python") if mutant in generated else ("reference",))
+                yield _case(spec, mutant, ("reference", "python") if mutant in generated else ("reference",))
             if mutant in complete - generated:
                 targets = ("python",) if mutant in always else ("reference", "python")
-                yield pytest.param(spec, mutant, targets, marks=pytest.mark.exhaustive)
+                yield _case(spec, mutant, targets, pytest.mark.exhaustive)
+
+
+def _case(spec: str, mutant: str, targets: tuple[str, ...], *marks: pytest.MarkDecorator) -> object:
+    return pytest.param(spec, mutant, targets, id=f"{spec}-{mutant}-{'-'.join(targets)}", marks=marks)
 
 
 def _changed(spec: str, change: Change, folder: Path) -> Specification | None:
@@ -104,7 +108,7 @@ def _changed(spec: str, change: Change, folder: Path) -> Specification | None:
     for erratum in data.get("errata", ()):
         erratum["where"] = ["commands"]
     file = folder / "changed.yaml"
-    file.write_text(yaml.dump(data, Dumper=yaml.CSafeDumper, allow_unicode=True, sort_keys=False), "utf-8")
+    file.write_text(json.dumps(data, ensure_ascii=False, indent=1), "utf-8")  # YAML as well, and written fast
     try:
         return Specification(specification(file).edition, ORIGINALS[spec].frames)
     except SpecError:

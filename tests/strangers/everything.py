@@ -95,7 +95,7 @@ def filled(say: Say, folder: Path, languages: tuple[str, ...] = ("en", "zh")) ->
     """The edition with what `say` says in every text."""
     folder.mkdir(exist_ok=True)
     for name, written, concept in (("lamp.yaml", SPEC, EditionSpec), ("lamp.frames.yaml", FRAMES, GoldenFrames)):
-        data = yaml.safe_load(written)
+        data = yaml.load(written, yaml.CSafeLoader)
         if concept is EditionSpec:
             data["languages"] = list(languages)
         found = _Filler(_schema(concept), say, languages).all(data)
@@ -119,7 +119,7 @@ def filled_fields() -> set[str]:
     found: set[str] = set()
     for written, concept in ((SPEC, EditionSpec), (FRAMES, GoldenFrames)):
         filler = _Filler(_schema(concept), str, ("en",))
-        filler.all(yaml.safe_load(written))
+        filler.all(yaml.load(written, yaml.CSafeLoader))
         found |= filler.found
     return found
 

@@ -40,8 +40,21 @@ def made(say: Sequence[str], folder: Path, languages: tuple[str, ...] = ("en", "
 
 
 @pytest.fixture(scope="module")
-def harmless(tmp_path_factory: pytest.TempPathFactory) -> Files:
-    return made([HARMLESS], tmp_path_factory.mktemp("harmless"), ("en",))
+def harmless_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("harmless")
+
+
+@pytest.fixture(scope="module")
+def harmless(harmless_folder: Path) -> Files:
+    return made([HARMLESS], harmless_folder, ("en",))
+
+
+@pytest.fixture(scope="module")
+def shown(harmless_folder: Path, harmless: Files) -> str:
+    """What the terminal shows of a command with harmless texts."""
+    text = _shown(harmless_folder)
+    assert text.count(HARMLESS) > 8
+    return text
 
 
 def test_every_text_of_the_language_is_filled() -> None:
@@ -50,8 +63,10 @@ def test_every_text_of_the_language_is_filled() -> None:
 
 
 @pytest.mark.parametrize("text", HOSTILE)
-def test_a_text_is_only_text(text: str, harmless: Files, tmp_path: Path) -> None:
+def test_a_text_is_only_text(text: str, harmless: Files, shown: str, tmp_path: Path) -> None:
+    """In generated files, on pages and in a terminal."""
     hostile = made([text], tmp_path, ("en",))
+    assert _shown(tmp_path) == shown.replace(HARMLESS, " ".join(text.split()))
     assert list(hostile) == list(harmless)
     assert [path for path, content in hostile.items() if not _same_file(path, content, harmless[path])] == []
     assert _same_pages(hostile, harmless, text)
@@ -143,14 +158,16 @@ def _same_pages(hostile: Files, harmless: Files, text: str) -> bool:
     """Whether the pages have the same elements, and show the text wherever the others show the harmless one."""
     shown = " ".join(text.split())
     for renderer in (_by_site, _by_every_extension, _by_commonmark):
-        one, other = (_page(renderer("\n\n".join(_pages(files)))) for files in (hostile, harmless))
+        one, other = (_page(renderer("\n\n".join(_blocks(files)))) for files in (hostile, harmless))
         if one.elements != other.elements or one.text.split() != other.text.replace(HARMLESS, shown).split():
             return False
     return True
 
 
-def _pages(files: Files) -> list[str]:
-    return [content for path, content in files.items() if path.endswith(".md")]
+def _blocks(files: Files) -> list[str]:
+    """The blocks of all pages, each once, as rendering takes most of the time."""
+    pages = (content for path, content in files.items() if path.endswith(".md"))
+    return list(dict.fromkeys(block for page in pages for block in page.split("\n\n")))
 
 
 @functools.cache
@@ -223,21 +240,8 @@ def _object(say: Sequence[str], compiler: Compiler, folder: Path) -> bytes:
     return (folder / "all.o").read_bytes()
 
 
-@pytest.fixture(scope="module")
-def shown(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """What the terminal shows of a command with harmless texts."""
-    text = _shown(HARMLESS, tmp_path_factory.mktemp("shown"))
-    assert text.count(HARMLESS) > 8
-    return text
-
-
-@pytest.mark.parametrize("text", HOSTILE)
-def test_the_terminal_shows_a_text_as_it_is(text: str, shown: str, tmp_path: Path) -> None:
-    assert _shown(text, tmp_path) == shown.replace(HARMLESS, " ".join(text.split()))
-
-
-def _shown(text: str, folder: Path) -> str:
-    filled(lambda: text, folder, ("en",))
+def _shown(folder: Path) -> str:
+    """What the terminal shows of a command."""
     arguments = ["show", "dim", "--spec", str(folder / "lamp.yaml")]
     result = CliRunner(env={"COLUMNS": "2000"}).invoke(main, arguments, catch_exceptions=False)
     assert result.exit_code == 0
