@@ -39,3 +39,8 @@ def test_one_run_reports_all_findings_in_file_order(tmp_path: Path) -> None:
 
 def test_the_minimal_spec_is_valid(tmp_path: Path) -> None:
     assert findings(tmp_path, MINIMAL) == []
+
+
+def test_a_mapping_for_a_raw_type_is_reported(tmp_path: Path) -> None:
+    (found,) = findings(tmp_path, MINIMAL.replace("raw: u16", "raw: {x: u16}"))
+    assert (found.rule, found.message) == ("value", "expected a number or a short text here, for example u8")

@@ -45,7 +45,7 @@ class Findings:
         """Whether the document defines a type of this name."""
         data = self._document.data
         types = data.get("types") if isinstance(data, dict) else None
-        return isinstance(types, dict) and name in types
+        return isinstance(types, dict) and isinstance(name, str) and name in types
 
     def written(self, path: DocumentPath, value: object, *, key: bool = False) -> str:
         """A number in the notation of the file: 0x80, not 128."""
