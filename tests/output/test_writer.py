@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,32 @@ def test_removes_files_of_former_runs_and_nothing_else(tmp_path: Path) -> None:
     assert write(tmp_path, content({"c/a.h": "a\n"})) == FileChanges((), ("c/x/b.h",), 1)
     assert tree(tmp_path) == {"c/a.h": "a\n", "c/mine.h": "mine\n"}
     assert not (tmp_path / "c/x").exists()
+
+
+def test_a_replaced_file_is_never_absent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A compiler that reads a header meanwhile finds the old one or the new one."""
+    write(tmp_path, content({"c/a.h": "a\n"}))
+    present = []
+    replace = Path.replace
+
+    def spied(self: Path, target: Path) -> Path:
+        present.append((tmp_path / "c/a.h").exists())
+        return replace(self, target)
+
+    monkeypatch.setattr(Path, "replace", spied)
+    write(tmp_path, content({"c/a.h": "b\n"}))
+    assert present and all(present)
+    assert tree(tmp_path) == {"c/a.h": "b\n"}
+
+
+def test_files_are_replaced_where_there_are_no_hard_links(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_links(file: Path, to: Path) -> None:
+        raise PermissionError("no hard links")
+
+    write(tmp_path, content({"c/a.h": "a\n"}))
+    monkeypatch.setattr(os, "link", no_links)
+    write(tmp_path, content({"c/a.h": "b\n"}))
+    assert tree(tmp_path) == {"c/a.h": "b\n"}
 
 
 def test_leaves_other_targets_alone(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ undone.
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -56,7 +57,7 @@ def complete(out: Path, *, force: bool) -> None:
                 raise conflict(out, path, generated=True)
         try:
             for path in written:
-                _move(out / path, out / _OLD / path)
+                _keep(out / path, out / _OLD / path)
                 _move(out / _NEW / path, out / path)
             for path in removed:
                 _move(out / path, out / _OLD / path)
@@ -99,6 +100,16 @@ def _move(file: Path, to: Path) -> None:
     if file.is_file():
         _make_folder(to.parent)
         file.replace(to)
+
+
+def _keep(file: Path, to: Path) -> None:
+    """Gives a file a second name, so that it is never absent; moves it where the file system has no hard links."""
+    if file.is_file() and not to.exists():
+        _make_folder(to.parent)
+        try:
+            os.link(file, to)
+        except OSError:
+            file.replace(to)
 
 
 def _save(file: Path, data: bytes) -> None:
