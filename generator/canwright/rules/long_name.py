@@ -1,14 +1,11 @@
-"""A name does not exceed the maximum length of a target."""
+"""No target has to change a name."""
 
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import Severity
-from ..targets.registry import targets
-from .rule import Finding, Findings, Subject
+from .name_collision import findings
+from .rule import Findings, Subject
 
 
 def check(subject: Subject) -> Findings:
-    for target in targets():
-        for problem in target.problems(subject.edition):
-            if problem.severity is Severity.WARNING:
-                yield Finding(problem.path, problem.message, problem.hint, key=True)
+    return findings(subject, Severity.WARNING)

@@ -1,14 +1,29 @@
-"""Different items have different names in every target, none of them reserved there."""
+"""No two names become one in a target, nor a word that its language reserves."""
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Sequence
+
 from ..diagnostics.diagnostic import Severity
+from ..model.edition import Edition
+from ..targets.base import NameProblem
 from ..targets.registry import targets
 from .rule import Finding, Findings, Subject
 
 
 def check(subject: Subject) -> Findings:
-    for target in targets():
-        for problem in target.problems(subject.edition):
-            if problem.severity is Severity.ERROR:
-                yield Finding(problem.path, problem.message, problem.hint, key=True)
+    return findings(subject, Severity.ERROR)
+
+
+def findings(subject: Subject, severity: Severity) -> Findings:
+    """The problems of one severity that any target has with names."""
+    for problem in _problems(subject.edition):
+        if problem.severity is severity:
+            yield Finding(problem.path, problem.message, problem.hint, key=True)
+
+
+@functools.lru_cache(maxsize=1)
+def _problems(edition: Edition) -> Sequence[NameProblem]:
+    """All problems with names, which two rules report."""
+    return tuple(problem for target in targets() for problem in target.problems(edition))
