@@ -5,12 +5,16 @@ Belongs here: arguments, exit statuses, and how results are printed. Imports eve
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from typing import Any
 
 import click
 
 from .. import __version__
 from ..diagnostics.diagnostic import nearest
+
+COULD_NOT_RUN = 2
 
 COMMANDS = {
     **{name: name for name in ("generate", "copy", "diff", "identify", "explain", "show", "site", "schema")},
@@ -21,6 +25,18 @@ COMMANDS = {
 
 
 class _Commands(click.Group):
+    def main(self, *args: Any, **extra: Any) -> Any:
+        """Runs a command; a target of another package that cannot be used is an error line, not a traceback."""
+        try:
+            return super().main(*args, **extra)
+        except Exception as error:
+            from ..targets.registry import TargetError  # only after an error, since it imports the model
+
+            if not isinstance(error, TargetError):
+                raise
+            click.echo(f"canwright: {error}", err=True)
+            sys.exit(COULD_NOT_RUN)
+
     def list_commands(self, ctx: click.Context) -> list[str]:
         return sorted(COMMANDS)
 

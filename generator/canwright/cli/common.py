@@ -15,13 +15,13 @@ from ..model.formatting import counted
 from ..project.loader import Loaded, all_loaded, spec_files
 from ..targets.base import Specification
 from ..targets.registry import target_names
+from . import COULD_NOT_RUN
 from .printers import PRINTERS
 
 SPEC_FOLDER = Path("spec")
 OUT_FOLDER = Path("generated")
 
 FINDINGS = 1
-COULD_NOT_RUN = 2
 
 
 class FilePath(click.Path):

@@ -12,7 +12,8 @@ from ..compare import Category, Impact
 from ..diagnostics.diagnostic import SpecError
 from ..project.loader import Loaded
 from ..project.references import UnknownEditionError, find
-from .common import COULD_NOT_RUN, FINDINGS, SPEC_FOLDER, load, show_findings, spec_option, stop
+from . import COULD_NOT_RUN
+from .common import FINDINGS, SPEC_FOLDER, load, show_findings, spec_option, stop
 from .diff_report import REPORTS, Comparison
 
 FAILS = (*(c.value for c in Category), Impact.SILENT.value, Impact.LOUD.value)

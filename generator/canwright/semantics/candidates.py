@@ -40,7 +40,9 @@ class Candidates:
         return self._known[known]
 
     def _candidates(self, frame: CanFrame) -> Sequence[Message]:
-        reply, request = (self._decoder.identify(direction, frame) for direction in (Direction.REPLY, Direction.REQUEST))
+        reply, request = (
+            self._decoder.identify(direction, frame) for direction in (Direction.REPLY, Direction.REQUEST)
+        )
         replies = [reply.message] if isinstance(reply, Identified) else []
         replies += [answer for answer in self._answers if answer not in replies and is_message(answer, frame)]
         return [*replies, request.message] if isinstance(request, Identified) else replies
