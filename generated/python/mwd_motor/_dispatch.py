@@ -5,12 +5,31 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Generic, NamedTuple, TypeVar, Union, cast
+from itertools import takewhile
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, Union, cast
 
-from ._codec import CodecError, Message, Refusal, Request
+from ._codec import MAX_DATA, CodecError, Message, Refusal, Request
+
+if TYPE_CHECKING:
+    from typing_extensions import Buffer
 
 Reader = Callable[[int, bytes], int]
 """Reads a number from id and data."""
+
+
+class DataByte:
+    """Reads one data byte; 0 where the data is shorter."""
+
+    def __init__(self, position: int) -> None:
+        self.position = position
+
+    def __call__(self, can_id: int, data: bytes) -> int:
+        return data[self.position] if self.position < len(data) else 0
+
+
+def data_length(can_id: int, data: bytes) -> int:
+    """The number of data bytes."""
+    return len(data)
 
 
 class Select(NamedTuple):
@@ -24,10 +43,18 @@ class Select(NamedTuple):
 Node = Union[Select, type[Message], Refusal]  # noqa: UP007 - `Node` in `Select` is a forward reference
 """A decision, the message that a frame is, or the reason for its rejection."""
 
+LookUp = Any
+"""A `DataLookUp`, or `unpack` of the message that is found."""
 
-def data_length(can_id: int, data: bytes) -> int:
-    """The number of data bytes."""
-    return len(data)
+
+class DataLookUp:
+    """The next look-up for each value of one data byte."""
+
+    __slots__ = ("cases", "position")
+
+    def __init__(self, position: int, cases: dict[int, LookUp]) -> None:
+        self.position = position
+        self.cases = cases
 
 
 class Route:
@@ -57,7 +84,6 @@ class Route:
         self.extended = extended
         self.remote = remote
         self.classes = frozenset((*_classes(then), *answers))
-        self.length, self.selector, self.by_code = _direct(then)
 
     def node(self, can_id: int) -> tuple[bool, int | None]:
         """Whether an id belongs to this route, and its node."""
@@ -67,18 +93,24 @@ class Route:
         node = rest // self.step
         return rest == node * self.step and node in self.nodes, node
 
+    def ids(self) -> Iterator[tuple[int, int | None]]:
+        """Every id of this route, without the bits of `mask`, and its node."""
+        for node in [None] if self.nodes is None else self.nodes:
+            yield self.base + (node or 0) * self.step, node
+
     def message(self, can_id: int, data: bytes) -> type[Message]:
         """The message that a frame is. Raises CodecError (unknown_id, unknown_code, wrong_length)."""
-        if len(data) == self.length:
-            found = self.by_code.get(self.selector(can_id, data))
-            if found is not None:
-                return found
         node = self.then
         while isinstance(node, Select):
             node = node.cases.get(node.read(can_id, data), node.otherwise)
         if isinstance(node, Refusal):
             raise CodecError(node, self._refusal_text(node, can_id, data))
         return node
+
+    def look_ups(self) -> dict[int, LookUp]:
+        """The look-up of each data length for which the decisions are look-ups of data bytes."""
+        found = ((length, _look_up(self.then, length)) for length in range(MAX_DATA + 1))
+        return {length: look_up for length, look_up in found if look_up is not None}
 
     def _refusal_text(self, refusal: Refusal, can_id: int, data: bytes) -> str:
         path = [self.then]
@@ -94,17 +126,18 @@ class Route:
         return f"0x{can_id:X} has the unknown code {codes}"
 
 
-def _direct(then: Node) -> tuple[int, Reader, dict[int, type[Message]]]:
-    """The most common length, its selector, and the messages identified by both; length -1 without any."""
-    if isinstance(then, Select) and then.read is data_length and len(then.cases) == 1:
-        ((length, by_code),) = then.cases.items()
-        if isinstance(by_code, Select):
-            return (
-                length,
-                by_code.read,
-                {c: m for c, m in by_code.cases.items() if not isinstance(m, (Select, Refusal))},
-            )
-    return -1, data_length, {}
+def _look_up(node: Node, length: int) -> LookUp | None:
+    """The decisions below a node, for data of one length; None where they end in a refusal or read anything else."""
+    while isinstance(node, Select) and node.read is data_length:
+        node = node.cases.get(length, node.otherwise)
+    if isinstance(node, Refusal):
+        return None
+    if not isinstance(node, Select):
+        return node.unpack
+    if not isinstance(node.read, DataByte) or node.read.position >= length:
+        return None
+    below = ((value, _look_up(then, length)) for value, then in node.cases.items())
+    return DataLookUp(node.read.position, {value: then for value, then in below if then is not None})
 
 
 def _classes(node: Node) -> Iterator[type[Message]]:
@@ -116,24 +149,69 @@ def _classes(node: Node) -> Iterator[type[Message]]:
         yield node
 
 
-class Router:
-    """All routes of one direction."""
+P = TypeVar("P")
+M = TypeVar("M", bound=Message)
 
-    def __init__(self, direction: str, routes: tuple[Route, ...]) -> None:
+MAX_IDS = 1 << 11
+"""The most ids of a route that are listed; each 11-bit id fits in."""
+
+
+ById = dict[int, tuple[int | None, dict[int, LookUp], Route]]
+"""The node of each id, the look-up for each data length, and the route."""
+
+
+class Router(Generic[P, M]):
+    """All routes of one direction; `P` is the `Parameters` of the edition, `M` the messages that can be decoded.
+
+    The decisions of the routes are made once more as look-ups: the id leads to the node and to a look-up for each
+    length, which leads to `unpack` of the message. A frame that is not found in this way is decided by the routes.
+    """
+
+    def __init__(self, direction: str, routes: Iterable[Route], unknown: P) -> None:
         self.direction = direction
-        self.routes = routes
-        self.direct: dict[int, tuple[Route, int | None]] = {}
-        for route in reversed(routes):
-            if not route.mask and not route.extended and not route.remote:
-                for node in [None] if route.nodes is None else route.nodes:
-                    self.direct[route.base + (node or 0) * route.step] = (route, node)
+        self.routes = tuple(routes)
+        self._unknown = unknown
+        kinds = [(extended, remote) for extended in (False, True) for remote in (False, True)]
+        self._listed: dict[tuple[bool, bool], ById] = {kind: {} for kind in kinds}
+        for route in takewhile(_can_be_listed, self.routes):
+            look_ups = route.look_ups()
+            by_id = self._listed[route.extended, route.remote]
+            for can_id, node in route.ids():
+                by_id.setdefault(can_id, (node, look_ups, route))
+        self._by_id = self._listed[False, False]
+
+    def decode(
+        self, can_id: int, data: Buffer, parameters: P | None = None, *, extended: bool = False, remote: bool = False
+    ) -> M:
+        """Decodes a frame of this direction by itself; a reply is decoded without knowledge of its request.
+
+        Raises CodecError when the frame is rejected, TypeError when `data` is not bytes-like.
+        """
+        if type(data) is not bytes:
+            data = bytes(memoryview(data))
+        if parameters is None:
+            parameters = self._unknown
+        node: int | None
+        try:
+            by_id = self._listed[extended, remote] if extended or remote else self._by_id
+            node, look_ups, _ = by_id[can_id]
+            found: LookUp = look_ups[len(data)]
+            while type(found) is DataLookUp:
+                found = found.cases[data[found.position]]
+        except KeyError:
+            node = found = None
+        if found is None:
+            route, node = self.find(can_id, extended, remote)
+            found = route.message(can_id, data).unpack
+        message: M = found(node, can_id, data, parameters)
+        return message
 
     def find(self, can_id: int, extended: bool, remote: bool) -> tuple[Route, int | None]:
         """The route and the node of an id. Raises CodecError (unknown_id)."""
-        if not extended and not remote:
-            found = self.direct.get(can_id)
-            if found is not None:
-                return found
+        listed = self._listed.get((extended, remote), {}).get(can_id)
+        if listed is not None:
+            node, _, route = listed
+            return route, node
         for route in self.routes:
             if (route.extended, route.remote) == (extended, remote):
                 ours, node = route.node(can_id)
@@ -155,6 +233,11 @@ class Router:
                 yield route.base + node * route.step, route.mask, route.extended, route.remote
 
 
+def _can_be_listed(route: Route) -> bool:
+    """Whether all ids of a route are few enough to be listed."""
+    return not route.mask and (route.nodes is None or len(route.nodes) <= MAX_IDS)
+
+
 @dataclass(frozen=True)
 class Answer:
     """The reply to a request: its class and its selectors, each with the accepted values.
@@ -166,19 +249,37 @@ class Answer:
 
     reply: type[Message]
     selectors: tuple[tuple[Reader, tuple[int, ...]], ...]
-    nodes: tuple[int, ...]
-    echo: bool
+    nodes: tuple[int, ...] = ()
+    echo: bool = False
     unused: int = 0
     request_node: tuple[Reader, int] | None = None
     reply_node: tuple[Reader, int] | None = None
 
+    def check_source(
+        self, request: type[Message], to: int | None, mask: int, node: int | None, can_id: int, data: bytes
+    ) -> None:
+        """Checks that a reply comes from the right node. Raises CodecError (not_answer).
 
-P = TypeVar("P")
+        `node` is that of the id of the reply. The request went to node `to`, of which the bits of `mask` are known; None
+        when its node is unknown.
+        """
+        expected, known = (self.nodes, -1) if self.nodes else (() if to is None else (to,), mask)
+        sources = [(node, known)]
+        if self.reply_node:
+            read, bits = self.reply_node
+            sources.append((read(can_id, data), known & bits))
+        for source, bits in sources:
+            if source is not None and expected and all((source ^ one) & bits for one in expected):
+                listed = " or ".join(map(str, expected))
+                raise not_answer(f"{request.__name__} went to node {listed}, this came from node {source}")
+
+
+Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 
 
-class Dispatcher(Generic[P]):
-    """Finds the message of a frame in one edition; `P` is the `Parameters` of the edition."""
+class Dispatcher(Generic[P, Q, M]):
+    """Decodes the requests `Q` and the replies `M` of one edition; `P` is its `Parameters`."""
 
     def __init__(
         self,
@@ -188,65 +289,51 @@ class Dispatcher(Generic[P]):
         answers: Mapping[type[Message], Answer],
         unknown: P,
     ) -> None:
-        self._requests = Router("request", tuple(requests))
-        self._replies = Router("reply", tuple(replies))
+        self.requests: Router[P, Q] = Router("request", requests, unknown)
+        self.replies: Router[P, M] = Router("reply", replies, unknown)
         self._answers = answers
         self._unknown = unknown
 
     def node_of(self, direction: str, can_id: int, *, extended: bool = False, remote: bool = False) -> int | None:
         """The node of the id of a `request` or a `reply`; None without one. Raises CodecError (unknown_id)."""
-        return self._router(direction).find(can_id, extended, remote)[1]
+        router = self.requests if direction == "request" else self.replies
+        return router.find(can_id, extended, remote)[1]
 
     def ids_of(self, direction: str, node: int) -> tuple[tuple[int, int, bool, bool], ...]:
         """The ids of a node, as a `request` or a `reply`, each with a mask of the bits that messages fill in.
 
         The last two items are True for a 29-bit id, and for remote frames.
         """
-        return tuple(self._router(direction).ids(node))
-
-    def _router(self, direction: str) -> Router:
-        return self._requests if direction == "request" else self._replies
-
-    def decode_request(
-        self, can_id: int, data: bytes, parameters: P | None = None, *, extended: bool = False, remote: bool = False
-    ) -> Message:
-        """Decodes a request. Raises CodecError."""
-        route, node = self._requests.find(can_id, extended, remote)
-        known = self._unknown if parameters is None else parameters
-        return route.message(can_id, data).unpack(node, can_id, data, known)
-
-    def decode_reply(
-        self, can_id: int, data: bytes, parameters: P | None = None, *, extended: bool = False, remote: bool = False
-    ) -> Message:
-        """Decodes a reply without knowing its request. Raises CodecError."""
-        route, node = self._replies.find(can_id, extended, remote)
-        known = self._unknown if parameters is None else parameters
-        return route.message(can_id, data).unpack(node, can_id, data, known)
+        return tuple((self.requests if direction == "request" else self.replies).ids(node))
 
     def decode_answer(
         self,
         request: type[Request[R]],
         can_id: int,
-        data: bytes,
+        data: Buffer,
         parameters: P | None = None,
         *,
         extended: bool = False,
         remote: bool = False,
     ) -> R:
-        """Decodes the reply to a request of that class. Raises CodecError, unknown_code when it answers another."""
-        answer = self._answers.get(request)
-        if answer is None:
-            raise not_answer(f"{request.__name__} has no reply")
+        """Decodes the reply to a request of that class.
+
+        Raises CodecError: unknown_code when the frame answers another request, not_answer when the class has no reply or
+        its replies come from other nodes; TypeError when `data` is not bytes-like.
+        """
+        data = bytes(memoryview(data))
+        answer = self._answer(request)
         node = self._node_of_answer(answer, can_id, data, extended, remote)
+        answer.check_source(request, None, -1, node, can_id, data)
         known = self._unknown if parameters is None else parameters
         return cast(R, answer.reply.unpack(node, can_id, data, known))
 
     def check_reply(
         self,
         request_id: int,
-        request: bytes,
+        request: Buffer,
         reply_id: int,
-        reply: bytes,
+        reply: Buffer,
         *,
         extended: bool = False,
         remote: bool = False,
@@ -257,33 +344,33 @@ class Dispatcher(Generic[P]):
 
         `extended` and `remote` describe the request; `reply_extended` is needed where the reply has another kind of id.
         """
-        route, node = self._requests.find(request_id, extended, remote)
+        request, reply = bytes(memoryview(request)), bytes(memoryview(reply))
+        route, to = self.requests.find(request_id, extended, remote)
         sent = route.message(request_id, request)
-        answer = self._answers.get(sent)
-        if answer is None:
-            raise not_answer(f"{sent.__name__} has no reply")
+        answer = self._answer(sent)
         reply_extended = extended if reply_extended is None else reply_extended
         try:
-            from_node = self._node_of_answer(answer, reply_id, reply, reply_extended, reply_remote)
+            node = self._node_of_answer(answer, reply_id, reply, reply_extended, reply_remote)
         except CodecError as error:
             raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
-        to, mask = (node, -1)
-        if answer.request_node and not answer.nodes:
+        mask = -1
+        if answer.request_node:
             to, mask = answer.request_node[0](request_id, request), answer.request_node[1]
-        expected = answer.nodes or (() if to is None else (to,))
-        sources = [(from_node, mask)]
-        if answer.reply_node:
-            sources.append((answer.reply_node[0](reply_id, reply), mask & answer.reply_node[1]))
-        for source, bits in sources:
-            if source is not None and expected and all((source ^ one) & bits for one in expected):
-                raise not_answer(f"{sent.__name__} went to node {to}, this came from node {source}")
+        answer.check_source(sent, to, mask, node, reply_id, reply)
         if answer.echo and reply != request:
             raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")
+
+    def _answer(self, request: type[Message]) -> Answer:
+        """The reply to a request. Raises CodecError (not_answer) when it has none."""
+        answer = self._answers.get(request)
+        if answer is None:
+            raise not_answer(f"{request.__name__} has no reply")
+        return answer
 
     def _node_of_answer(self, answer: Answer, can_id: int, data: bytes, extended: bool, remote: bool) -> int | None:
         """The node that sent the reply of an answer. Raises CodecError when the frame is not this reply."""
         reply = answer.reply
-        route, node = self._replies.find(can_id, extended, remote)
+        route, node = self.replies.find(can_id, extended, remote)
         if reply not in route.classes:
             raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} is no id of {reply.__name__}")
         if can_id & answer.unused:
