@@ -35,6 +35,25 @@ def v2_35(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
     return load(write(tmp_path_factory.mktemp("python"), SPEC), specification(SPEC).edition)
 
 
+MATCH = """\
+from typing_extensions import assert_never
+from mwd_motor import v2_35
+from mwd_motor.nodes import Node, Nodes
+
+def dispatch(data: bytes, bus: Nodes[v2_35.AnyRequest, v2_35.AnyReply]) -> float:
+    reply = v2_35.decode_reply(0x141, data)
+    match reply:
+        case v2_35.MotionFeedback():
+            return reply.speed
+        CASES
+        case _:
+            assert_never(reply)
+
+def of_node(data: bytes) -> v2_35.AnyReply:
+    return Node(v2_35, 1).decode_reply(0x141, data)
+"""
+
+
 def test_mypy_strict_and_pyright_find_a_missing_case_and_nothing_else(tmp_path: Path) -> None:
     write(tmp_path, SPEC)
     use = tmp_path / "use.py"
@@ -71,25 +90,6 @@ def test_mypy_strict_and_pyright_find_a_missing_case_and_nothing_else(tmp_path: 
         errors = [line for line in result.stdout.splitlines() if " error: " in line]
         assert len(errors) == 1, result.stdout + result.stderr
         assert "incomplete.py:12" in errors[0] and "assert_never" in errors[0] and others[0] in result.stdout
-
-
-MATCH = """\
-from typing_extensions import assert_never
-from mwd_motor import v2_35
-from mwd_motor.nodes import Node, Nodes
-
-def dispatch(data: bytes, bus: Nodes[v2_35.AnyRequest, v2_35.AnyReply]) -> float:
-    reply = v2_35.decode_reply(0x141, data)
-    match reply:
-        case v2_35.MotionFeedback():
-            return reply.speed
-        CASES
-        case _:
-            assert_never(reply)
-
-def of_node(data: bytes) -> v2_35.AnyReply:
-    return Node(v2_35, 1).decode_reply(0x141, data)
-"""
 
 
 def test_a_constructor_says_field_value_and_range(v2_35: ModuleType) -> None:

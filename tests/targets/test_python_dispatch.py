@@ -94,6 +94,12 @@ def plain_decode(module: ModuleType, direction: Direction, frame: CanFrame) -> A
 
 
 @pytest.fixture(scope="module")
+def v2_35(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
+    spec = ROOT / "spec/mwd_motor/v2.35.yaml"
+    return load(write(tmp_path_factory.mktemp("python"), spec), specification(spec).edition)
+
+
+@pytest.fixture(scope="module")
 def v2_36(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
     spec = ROOT / "spec/mwd_motor/v2.36-2024-11.yaml"
     return load(write(tmp_path_factory.mktemp("python"), spec), specification(spec).edition)
@@ -105,6 +111,26 @@ def test_look_ups_find_what_has_data_bytes_as_keys(v2_36: ModuleType, monkeypatc
     assert type(v2_36.decode_request(0x141, bytes.fromhex("9A 00 00 00 00 00 00 00"))) is v2_36.ReadStatus1Request
     read = v2_36.decode_reply(0x181, bytes.fromhex("C0 0A 01 00 02 00 03 00"))
     assert type(read) is v2_36.ReadControlParameterAnglePidReply
+
+
+def test_the_answers_to_a_broadcast_come_from_its_nodes(v2_35: ModuleType) -> None:
+    """Whether the request is known as a class or as a frame."""
+    known = v2_35.Parameters(series=v2_35.Series.MG, encoder_bits=18)
+    data = bytes.fromhex("A1 32 9B 00 F4 01 00 80")
+    for node in range(1, 33):
+        answers = (
+            lambda can_id=0x140 + node: v2_35.decode_answer(v2_35.BroadcastTorqueRequest, can_id, data, known),
+            lambda can_id=0x140 + node: v2_35.check_reply(0x280, bytes(8), can_id, data),
+        )
+        for answer in answers:
+            if node <= 4:
+                answer()
+            else:
+                with pytest.raises(
+                    v2_35.CodecError, match=f"to node 1 or 2 or 3 or 4, this came from node {node}$"
+                ) as caught:
+                    answer()
+                assert caught.value.refusal is v2_35.Refusal.NOT_ANSWER
 
 
 DATA = bytes.fromhex("9A 19 60 09 96 00 00 00")

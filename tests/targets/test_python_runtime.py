@@ -432,9 +432,10 @@ def test_messages_of_one_code_differ_by_length_further_selectors_or_bits_of_the_
 # Nodes and python-can
 
 
-def test_a_bus_finds_the_node_of_a_frame() -> None:
-    edition: Any = SimpleNamespace(
-        EDITION="v1",
+def speaking(name: str) -> Any:
+    """An edition with the messages above."""
+    return SimpleNamespace(
+        EDITION=name,
         UNKNOWN=UNKNOWN,
         __name__=__name__,
         decode_request=DISPATCHER.requests.decode,
@@ -442,6 +443,10 @@ def test_a_bus_finds_the_node_of_a_frame() -> None:
         node_of=DISPATCHER.node_of,
         ids_of=DISPATCHER.ids_of,
     )
+
+
+def test_a_bus_finds_the_node_of_a_frame() -> None:
+    edition, other = speaking("v1"), speaking("v2")
     first = Node(edition, 1, Parameters(size=3))
     bus = Nodes([first, Node(edition, 2)])
     assert first.make(DimRequest, level=1) == DimRequest(node=1, level=1)
@@ -449,8 +454,12 @@ def test_a_bus_finds_the_node_of_a_frame() -> None:
     assert bus.decode_reply(0x201, b"\x11\x01\x00").parameters == Parameters(size=3)
     assert bus.decode_reply(0x202, b"\x11\x01\x00").parameters == UNKNOWN
     rejected(Refusal.UNKNOWN_ID, bus.decode_reply, 0x203, b"\x11\x01\x00")
+    assert type(bus.decode_request(0x80, b"\x01")) is type(first.make(SyncRequest)) is SyncRequest
     with pytest.raises(ValueError, match="both reply with the id 0x201"):
         Nodes([first, Node(edition, 1)])
+    mixed = Nodes([first, Node(other, 5)])
+    said = rejected(Refusal.UNKNOWN_NODE, mixed.decode_request, 0x80, b"\x01")
+    assert said == "0x80 is a request of Node(v1, 1) and of Node(v2, 5); decode it with one of these nodes"
     edition.ids_of = lambda direction, node: ((0x200 + node, 0x0F, False, False),)
     with pytest.raises(ValueError, match="both reply with the id 0x202"):
         Nodes([first, Node(edition, 2)])
