@@ -5,6 +5,7 @@ from __future__ import annotations
 import array
 from collections import Counter
 from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -117,19 +118,21 @@ def test_the_answers_to_a_broadcast_come_from_its_nodes(v2_35: ModuleType) -> No
     """Whether the request is known as a class or as a frame."""
     known = v2_35.Parameters(series=v2_35.Series.MG, encoder_bits=18)
     data = bytes.fromhex("A1 32 9B 00 F4 01 00 80")
+    request = v2_35.BroadcastTorqueRequest
     for node in range(1, 33):
-        answers = (
-            lambda can_id=0x140 + node: v2_35.decode_answer(v2_35.BroadcastTorqueRequest, can_id, data, known),
-            lambda can_id=0x140 + node: v2_35.check_reply(0x280, bytes(8), can_id, data),
-        )
-        for answer in answers:
+        answer = (0x140 + node, data)
+        calls: list[Callable[[], object]] = [
+            partial(v2_35.decode_answer, request, *answer, known),
+            partial(v2_35.check_reply, request.ID, bytes(8), *answer),
+        ]
+        for call in calls:
             if node <= 4:
-                answer()
+                call()
             else:
                 with pytest.raises(
                     v2_35.CodecError, match=f"to node 1 or 2 or 3 or 4, this came from node {node}$"
                 ) as caught:
-                    answer()
+                    call()
                 assert caught.value.refusal is v2_35.Refusal.NOT_ANSWER
 
 
