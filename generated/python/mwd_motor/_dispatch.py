@@ -43,18 +43,11 @@ class Select(NamedTuple):
 Node = Union[Select, type[Message], Refusal]  # noqa: UP007 - `Node` in `Select` is a forward reference
 """A decision, the message that a frame is, or the reason for its rejection."""
 
-LookUp = Any
-"""A `DataLookUp`, or `unpack` of the message that is found."""
+Unpack = Callable[[int | None, int, bytes, Any], Any]
+"""`unpack` of a message, or a function that finds the message and calls its `unpack`."""
 
-
-class DataLookUp:
-    """The next look-up for each value of one data byte."""
-
-    __slots__ = ("cases", "position")
-
-    def __init__(self, position: int, cases: dict[int, LookUp]) -> None:
-        self.position = position
-        self.cases = cases
+Table = tuple[int, Mapping[int, Unpack]]
+"""The position of a data byte, and `unpack` of the message for each value of that byte."""
 
 
 class Route:
@@ -107,10 +100,33 @@ class Route:
             raise CodecError(node, self._refusal_text(node, can_id, data))
         return node
 
-    def look_ups(self) -> dict[int, LookUp]:
-        """The look-up of each data length for which the decisions are look-ups of data bytes."""
-        found = ((length, _look_up(self.then, length)) for length in range(MAX_DATA + 1))
-        return {length: look_up for length, look_up in found if look_up is not None}
+    def unpack(self, node: int | None, can_id: int, data: bytes, parameters: Any) -> Any:
+        """The message of a frame. Raises CodecError."""
+        return self.message(can_id, data).unpack(node, can_id, data, parameters)
+
+    def tables(self) -> dict[int, Table]:
+        """The table of each data length for which a data byte decides."""
+        found = ((length, self._table(self.then, length)) for length in range(1, MAX_DATA + 1))
+        return {length: table for length, table in found if table is not None}
+
+    def _table(self, node: Node, length: int) -> Table | None:
+        """The decision of a node for data of one length; None if it is none by a data byte."""
+        while isinstance(node, Select) and node.read is data_length:
+            node = node.cases.get(length, node.otherwise)
+        if isinstance(node, Refusal):
+            return None
+        if not isinstance(node, Select):
+            return 0, dict.fromkeys(range(256), node.unpack)
+        if not isinstance(node.read, DataByte) or node.read.position >= length:
+            return None
+        return node.read.position, {value: self._unpack_below(then, length) for value, then in node.cases.items()}
+
+    def _unpack_below(self, node: Node, length: int) -> Unpack:
+        """What unpacks the frames that belong to a node."""
+        if not isinstance(node, (Select, Refusal)):
+            return node.unpack
+        table = self._table(node, length)
+        return self.unpack if table is None else _unpack_by(*table, self.unpack)
 
     def _refusal_text(self, refusal: Refusal, can_id: int, data: bytes) -> str:
         path = [self.then]
@@ -126,18 +142,13 @@ class Route:
         return f"0x{can_id:X} has the unknown code {codes}"
 
 
-def _look_up(node: Node, length: int) -> LookUp | None:
-    """The decisions below a node, for data of one length; None where they end in a refusal or read anything else."""
-    while isinstance(node, Select) and node.read is data_length:
-        node = node.cases.get(length, node.otherwise)
-    if isinstance(node, Refusal):
-        return None
-    if not isinstance(node, Select):
-        return node.unpack
-    if not isinstance(node.read, DataByte) or node.read.position >= length:
-        return None
-    below = ((value, _look_up(then, length)) for value, then in node.cases.items())
-    return DataLookUp(node.read.position, {value: then for value, then in below if then is not None})
+def _unpack_by(position: int, cases: Mapping[int, Unpack], otherwise: Unpack) -> Unpack:
+    """The function that decides by a data byte."""
+
+    def unpack(node: int | None, can_id: int, data: bytes, parameters: Any) -> Any:
+        return cases.get(data[position], otherwise)(node, can_id, data, parameters)
+
+    return unpack
 
 
 def _classes(node: Node) -> Iterator[type[Message]]:
@@ -156,15 +167,15 @@ MAX_IDS = 1 << 11
 """The most ids of a route that are listed; each 11-bit id fits in."""
 
 
-ById = dict[int, tuple[int | None, dict[int, LookUp], Route]]
-"""The node of each id, the look-up for each data length, and the route."""
+ById = dict[int, tuple[int | None, dict[int, Table], Route]]
+"""The node of each id, the table for each data length, and the route."""
 
 
 class Router(Generic[P, M]):
     """All routes of one direction; `P` is the `Parameters` of the edition, `M` the messages that can be decoded.
 
-    The decisions of the routes are made once more as look-ups: the id leads to the node and to a look-up for each
-    length, which leads to `unpack` of the message. A frame that is not found in this way is decided by the routes.
+    Most frames are found by look-ups that are made from the routes: the id leads to the node and to a table for each
+    data length, a data byte leads to the message. All other frames are decided by the routes.
     """
 
     def __init__(self, direction: str, routes: Iterable[Route], unknown: P) -> None:
@@ -174,10 +185,10 @@ class Router(Generic[P, M]):
         kinds = [(extended, remote) for extended in (False, True) for remote in (False, True)]
         self._listed: dict[tuple[bool, bool], ById] = {kind: {} for kind in kinds}
         for route in takewhile(_can_be_listed, self.routes):
-            look_ups = route.look_ups()
+            tables = {} if route.remote else route.tables()
             by_id = self._listed[route.extended, route.remote]
             for can_id, node in route.ids():
-                by_id.setdefault(can_id, (node, look_ups, route))
+                by_id.setdefault(can_id, (node, tables, route))
         self._by_id = self._listed[False, False]
 
     def decode(
@@ -192,18 +203,18 @@ class Router(Generic[P, M]):
         if parameters is None:
             parameters = self._unknown
         node: int | None
+        unpack: Unpack | None
         try:
             by_id = self._listed[extended, remote] if extended or remote else self._by_id
-            node, look_ups, _ = by_id[can_id]
-            found: LookUp = look_ups[len(data)]
-            while type(found) is DataLookUp:
-                found = found.cases[data[found.position]]
+            node, tables, _ = by_id[can_id]
+            position, cases = tables[len(data)]
+            unpack = cases[data[position]]
         except KeyError:
-            node = found = None
-        if found is None:
+            node = unpack = None
+        if unpack is None:
             route, node = self.find(can_id, extended, remote)
-            found = route.message(can_id, data).unpack
-        message: M = found(node, can_id, data, parameters)
+            unpack = route.unpack
+        message: M = unpack(node, can_id, data, parameters)
         return message
 
     def find(self, can_id: int, extended: bool, remote: bool) -> tuple[Route, int | None]:
