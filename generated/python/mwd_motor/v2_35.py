@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
 from struct import Struct, pack
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, Union
 
 from ._codec import (
     Bound,
@@ -38,6 +38,7 @@ from ._codec import (
 )
 from ._dispatch import (
     Answer,
+    DataByte,
     Dispatcher,
     Route,
     Select,
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 __all__ = [
+    "AnyReply",
+    "AnyRequest",
     "BroadcastTorqueRequest",
     "ClearAngleReply",
     "ClearAngleRequest",
@@ -2294,109 +2297,360 @@ class ReadStatus3Reply(Reply):
         return pack("<Bbhhh", 0x9D, self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw)
 
 
-def _key_1(can_id: int, data: bytes) -> int:
-    return data[0]
+AnyRequest: TypeAlias = Union[
+    MotorOffRequest,
+    MotorOnRequest,
+    MotorStopRequest,
+    SetPowerRequest,
+    SetTorqueRequest,
+    SetSpeedRequest,
+    MoveToAngleRequest,
+    MoveToAngleAtSpeedRequest,
+    TurnToAngleRequest,
+    TurnToAngleAtSpeedRequest,
+    MoveByAngleRequest,
+    MoveByAngleAtSpeedRequest,
+    ReadPidRequest,
+    WritePidRamRequest,
+    WritePidRomRequest,
+    ReadAccelerationRequest,
+    WriteAccelerationRamRequest,
+    ReadEncoderRequest,
+    WriteEncoderOffsetRomRequest,
+    WritePositionAsZeroRomRequest,
+    ReadMultiTurnAngleRequest,
+    ReadSingleTurnAngleRequest,
+    ClearAngleRequest,
+    ReadStatus1Request,
+    ClearErrorsRequest,
+    ReadStatus2Request,
+    ReadStatus3Request,
+    BroadcastTorqueRequest,
+]
+"""Every request that `decode_request` returns."""
+AnyReply: TypeAlias = Union[
+    MotorOffReply,
+    MotorOnReply,
+    MotorStopReply,
+    SetPowerReply,
+    SetTorqueReply,
+    SetSpeedReply,
+    MoveToAngleReply,
+    MoveToAngleAtSpeedReply,
+    TurnToAngleReply,
+    TurnToAngleAtSpeedReply,
+    MoveByAngleReply,
+    MoveByAngleAtSpeedReply,
+    ReadPidReply,
+    WritePidRamReply,
+    WritePidRomReply,
+    ReadAccelerationReply,
+    WriteAccelerationRamReply,
+    ReadEncoderReply,
+    WriteEncoderOffsetRomReply,
+    WritePositionAsZeroRomReply,
+    ReadMultiTurnAngleReply,
+    ReadSingleTurnAngleReply,
+    ClearAngleReply,
+    ReadStatus1Reply,
+    ClearErrorsReply,
+    ReadStatus2Reply,
+    ReadStatus3Reply,
+]
+"""Every reply that `decode_reply` returns."""
+
+_data_0 = DataByte(0)
 
 
-_dispatcher = Dispatcher(
+_dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     requests=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffRequest,
-            0x88: MotorOnRequest,
-            0x81: MotorStopRequest,
-            0xA0: SetPowerRequest,
-            0xA1: SetTorqueRequest,
-            0xA2: SetSpeedRequest,
-            0xA3: MoveToAngleRequest,
-            0xA4: MoveToAngleAtSpeedRequest,
-            0xA5: TurnToAngleRequest,
-            0xA6: TurnToAngleAtSpeedRequest,
-            0xA7: MoveByAngleRequest,
-            0xA8: MoveByAngleAtSpeedRequest,
-            0x30: ReadPidRequest,
-            0x31: WritePidRamRequest,
-            0x32: WritePidRomRequest,
-            0x33: ReadAccelerationRequest,
-            0x34: WriteAccelerationRamRequest,
-            0x90: ReadEncoderRequest,
-            0x91: WriteEncoderOffsetRomRequest,
-            0x19: WritePositionAsZeroRomRequest,
-            0x92: ReadMultiTurnAngleRequest,
-            0x94: ReadSingleTurnAngleRequest,
-            0x95: ClearAngleRequest,
-            0x9A: ReadStatus1Request,
-            0x9B: ClearErrorsRequest,
-            0x9C: ReadStatus2Request,
-            0x9D: ReadStatus3Request,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
-        Route(0x280, 1, None, Select(data_length, {8: BroadcastTorqueRequest}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffRequest,
+                            0x88: MotorOnRequest,
+                            0x81: MotorStopRequest,
+                            0xA0: SetPowerRequest,
+                            0xA1: SetTorqueRequest,
+                            0xA2: SetSpeedRequest,
+                            0xA3: MoveToAngleRequest,
+                            0xA4: MoveToAngleAtSpeedRequest,
+                            0xA5: TurnToAngleRequest,
+                            0xA6: TurnToAngleAtSpeedRequest,
+                            0xA7: MoveByAngleRequest,
+                            0xA8: MoveByAngleAtSpeedRequest,
+                            0x30: ReadPidRequest,
+                            0x31: WritePidRamRequest,
+                            0x32: WritePidRomRequest,
+                            0x33: ReadAccelerationRequest,
+                            0x34: WriteAccelerationRamRequest,
+                            0x90: ReadEncoderRequest,
+                            0x91: WriteEncoderOffsetRomRequest,
+                            0x19: WritePositionAsZeroRomRequest,
+                            0x92: ReadMultiTurnAngleRequest,
+                            0x94: ReadSingleTurnAngleRequest,
+                            0x95: ClearAngleRequest,
+                            0x9A: ReadStatus1Request,
+                            0x9B: ClearErrorsRequest,
+                            0x9C: ReadStatus2Request,
+                            0x9D: ReadStatus3Request,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
+        Route(
+            0x280,
+            1,
+            None,
+            Select(
+                data_length,
+                {
+                    8: BroadcastTorqueRequest,
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     replies=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffReply,
-            0x88: MotorOnReply,
-            0x81: MotorStopReply,
-            0xA0: SetPowerReply,
-            0xA1: SetTorqueReply,
-            0xA2: SetSpeedReply,
-            0xA3: MoveToAngleReply,
-            0xA4: MoveToAngleAtSpeedReply,
-            0xA5: TurnToAngleReply,
-            0xA6: TurnToAngleAtSpeedReply,
-            0xA7: MoveByAngleReply,
-            0xA8: MoveByAngleAtSpeedReply,
-            0x30: ReadPidReply,
-            0x31: WritePidRamReply,
-            0x32: WritePidRomReply,
-            0x33: ReadAccelerationReply,
-            0x34: WriteAccelerationRamReply,
-            0x90: ReadEncoderReply,
-            0x91: WriteEncoderOffsetRomReply,
-            0x19: WritePositionAsZeroRomReply,
-            0x92: ReadMultiTurnAngleReply,
-            0x94: ReadSingleTurnAngleReply,
-            0x95: ClearAngleReply,
-            0x9A: ReadStatus1Reply,
-            0x9B: ClearErrorsReply,
-            0x9C: ReadStatus2Reply,
-            0x9D: ReadStatus3Reply,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffReply,
+                            0x88: MotorOnReply,
+                            0x81: MotorStopReply,
+                            0xA0: SetPowerReply,
+                            0xA1: SetTorqueReply,
+                            0xA2: SetSpeedReply,
+                            0xA3: MoveToAngleReply,
+                            0xA4: MoveToAngleAtSpeedReply,
+                            0xA5: TurnToAngleReply,
+                            0xA6: TurnToAngleAtSpeedReply,
+                            0xA7: MoveByAngleReply,
+                            0xA8: MoveByAngleAtSpeedReply,
+                            0x30: ReadPidReply,
+                            0x31: WritePidRamReply,
+                            0x32: WritePidRomReply,
+                            0x33: ReadAccelerationReply,
+                            0x34: WriteAccelerationRamReply,
+                            0x90: ReadEncoderReply,
+                            0x91: WriteEncoderOffsetRomReply,
+                            0x19: WritePositionAsZeroRomReply,
+                            0x92: ReadMultiTurnAngleReply,
+                            0x94: ReadSingleTurnAngleReply,
+                            0x95: ClearAngleReply,
+                            0x9A: ReadStatus1Reply,
+                            0x9B: ClearErrorsReply,
+                            0x9C: ReadStatus2Reply,
+                            0x9D: ReadStatus3Reply,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     answers={
-        MotorOffRequest: Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
-        MotorOnRequest: Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
-        MotorStopRequest: Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
-        SetPowerRequest: Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
-        SetTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
-        SetSpeedRequest: Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
-        MoveToAngleRequest: Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
-        MoveToAngleAtSpeedRequest: Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
-        TurnToAngleRequest: Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
-        TurnToAngleAtSpeedRequest: Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
-        MoveByAngleRequest: Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
-        MoveByAngleAtSpeedRequest: Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
-        ReadPidRequest: Answer(ReadPidReply, ((_key_1, (0x30,)),), (), False),
-        WritePidRamRequest: Answer(WritePidRamReply, ((_key_1, (0x31,)),), (), True),
-        WritePidRomRequest: Answer(WritePidRomReply, ((_key_1, (0x32,)),), (), True),
-        ReadAccelerationRequest: Answer(ReadAccelerationReply, ((_key_1, (0x33,)),), (), False),
-        WriteAccelerationRamRequest: Answer(WriteAccelerationRamReply, ((_key_1, (0x34,)),), (), True),
-        ReadEncoderRequest: Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
-        WriteEncoderOffsetRomRequest: Answer(WriteEncoderOffsetRomReply, ((_key_1, (0x91,)),), (), True),
-        WritePositionAsZeroRomRequest: Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
-        ReadMultiTurnAngleRequest: Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
-        ReadSingleTurnAngleRequest: Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
-        ClearAngleRequest: Answer(ClearAngleReply, ((_key_1, (0x95,)),), (), True),
-        ReadStatus1Request: Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
-        ClearErrorsRequest: Answer(ClearErrorsReply, ((_key_1, (0x9A, 0x9B)),), (), False),
-        ReadStatus2Request: Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
-        ReadStatus3Request: Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
-        BroadcastTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (1, 2, 3, 4), False),
+        MotorOffRequest: Answer(
+            MotorOffReply,
+            (
+                (_data_0, (0x80,)),
+            ),
+            echo=True,
+        ),
+        MotorOnRequest: Answer(
+            MotorOnReply,
+            (
+                (_data_0, (0x88,)),
+            ),
+            echo=True,
+        ),
+        MotorStopRequest: Answer(
+            MotorStopReply,
+            (
+                (_data_0, (0x81,)),
+            ),
+            echo=True,
+        ),
+        SetPowerRequest: Answer(
+            SetPowerReply,
+            (
+                (_data_0, (0xA0,)),
+            ),
+        ),
+        SetTorqueRequest: Answer(
+            SetTorqueReply,
+            (
+                (_data_0, (0xA1,)),
+            ),
+        ),
+        SetSpeedRequest: Answer(
+            SetSpeedReply,
+            (
+                (_data_0, (0xA2,)),
+            ),
+        ),
+        MoveToAngleRequest: Answer(
+            MoveToAngleReply,
+            (
+                (_data_0, (0xA3,)),
+            ),
+        ),
+        MoveToAngleAtSpeedRequest: Answer(
+            MoveToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA4,)),
+            ),
+        ),
+        TurnToAngleRequest: Answer(
+            TurnToAngleReply,
+            (
+                (_data_0, (0xA5,)),
+            ),
+        ),
+        TurnToAngleAtSpeedRequest: Answer(
+            TurnToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA6,)),
+            ),
+        ),
+        MoveByAngleRequest: Answer(
+            MoveByAngleReply,
+            (
+                (_data_0, (0xA7,)),
+            ),
+        ),
+        MoveByAngleAtSpeedRequest: Answer(
+            MoveByAngleAtSpeedReply,
+            (
+                (_data_0, (0xA8,)),
+            ),
+        ),
+        ReadPidRequest: Answer(
+            ReadPidReply,
+            (
+                (_data_0, (0x30,)),
+            ),
+        ),
+        WritePidRamRequest: Answer(
+            WritePidRamReply,
+            (
+                (_data_0, (0x31,)),
+            ),
+            echo=True,
+        ),
+        WritePidRomRequest: Answer(
+            WritePidRomReply,
+            (
+                (_data_0, (0x32,)),
+            ),
+            echo=True,
+        ),
+        ReadAccelerationRequest: Answer(
+            ReadAccelerationReply,
+            (
+                (_data_0, (0x33,)),
+            ),
+        ),
+        WriteAccelerationRamRequest: Answer(
+            WriteAccelerationRamReply,
+            (
+                (_data_0, (0x34,)),
+            ),
+            echo=True,
+        ),
+        ReadEncoderRequest: Answer(
+            ReadEncoderReply,
+            (
+                (_data_0, (0x90,)),
+            ),
+        ),
+        WriteEncoderOffsetRomRequest: Answer(
+            WriteEncoderOffsetRomReply,
+            (
+                (_data_0, (0x91,)),
+            ),
+            echo=True,
+        ),
+        WritePositionAsZeroRomRequest: Answer(
+            WritePositionAsZeroRomReply,
+            (
+                (_data_0, (0x19,)),
+            ),
+        ),
+        ReadMultiTurnAngleRequest: Answer(
+            ReadMultiTurnAngleReply,
+            (
+                (_data_0, (0x92,)),
+            ),
+        ),
+        ReadSingleTurnAngleRequest: Answer(
+            ReadSingleTurnAngleReply,
+            (
+                (_data_0, (0x94,)),
+            ),
+        ),
+        ClearAngleRequest: Answer(
+            ClearAngleReply,
+            (
+                (_data_0, (0x95,)),
+            ),
+            echo=True,
+        ),
+        ReadStatus1Request: Answer(
+            ReadStatus1Reply,
+            (
+                (_data_0, (0x9A,)),
+            ),
+        ),
+        ClearErrorsRequest: Answer(
+            ClearErrorsReply,
+            (
+                (_data_0, (0x9A, 0x9B)),
+            ),
+        ),
+        ReadStatus2Request: Answer(
+            ReadStatus2Reply,
+            (
+                (_data_0, (0x9C,)),
+            ),
+        ),
+        ReadStatus3Request: Answer(
+            ReadStatus3Reply,
+            (
+                (_data_0, (0x9D,)),
+            ),
+        ),
+        BroadcastTorqueRequest: Answer(
+            SetTorqueReply,
+            (
+                (_data_0, (0xA1,)),
+            ),
+            nodes=(1, 2, 3, 4),
+        ),
     },
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
 ids_of = _dispatcher.ids_of
-decode_request = _dispatcher.decode_request
-decode_reply = _dispatcher.decode_reply
+decode_request = _dispatcher.requests.decode
+decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
 from struct import Struct, pack
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, Union
 
 from ._codec import (
     Bound,
@@ -35,6 +35,7 @@ from ._codec import (
 )
 from ._dispatch import (
     Answer,
+    DataByte,
     Dispatcher,
     Route,
     Select,
@@ -45,6 +46,8 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 __all__ = [
+    "AnyReply",
+    "AnyRequest",
     "BrakeAction",
     "BrakeReply",
     "BrakeRequest",
@@ -2549,128 +2552,398 @@ class ReadStatus3Reply(Reply):
         return pack("<Bbhhh", 0x9D, self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw)
 
 
-def _key_1(can_id: int, data: bytes) -> int:
-    return data[0]
+AnyRequest: TypeAlias = Union[
+    MotorOffRequest,
+    MotorOnRequest,
+    MotorStopRequest,
+    BrakeRequest,
+    SetPowerRequest,
+    SetTorqueRequest,
+    SetSpeedRequest,
+    SetSpeedLimitedRequest,
+    MoveToAngleRequest,
+    MoveToAngleAtSpeedRequest,
+    TurnToAngleRequest,
+    TurnToAngleAtSpeedRequest,
+    MoveByAngleRequest,
+    MoveByAngleAtSpeedRequest,
+    ReadControlParameterTorqueLimitRequest,
+    ReadControlParameterAccelerationLimitRequest,
+    ReadControlParameterSpeedLimitRequest,
+    WriteControlParameterRamTorqueLimitRequest,
+    WriteControlParameterRamAccelerationLimitRequest,
+    WriteControlParameterRamSpeedLimitRequest,
+    ReadEncoderRequest,
+    WriteEncoderOffsetRomRequest,
+    WritePositionAsZeroRomRequest,
+    ReadMultiTurnAngleRequest,
+    ReadSingleTurnAngleRequest,
+    SetAngleRequest,
+    ReadStatus1Request,
+    ClearErrorsRequest,
+    ReadStatus2Request,
+    ReadStatus3Request,
+]
+"""Every request that `decode_request` returns."""
+AnyReply: TypeAlias = Union[
+    MotorOffReply,
+    MotorOnReply,
+    MotorStopReply,
+    BrakeReply,
+    SetPowerReply,
+    SetTorqueReply,
+    SetSpeedReply,
+    SetSpeedLimitedReply,
+    MoveToAngleReply,
+    MoveToAngleAtSpeedReply,
+    TurnToAngleReply,
+    TurnToAngleAtSpeedReply,
+    MoveByAngleReply,
+    MoveByAngleAtSpeedReply,
+    ReadControlParameterTorqueLimitReply,
+    ReadControlParameterAccelerationLimitReply,
+    ReadControlParameterSpeedLimitReply,
+    WriteControlParameterRamTorqueLimitReply,
+    WriteControlParameterRamAccelerationLimitReply,
+    WriteControlParameterRamSpeedLimitReply,
+    ReadEncoderReply,
+    WriteEncoderOffsetRomReply,
+    WritePositionAsZeroRomReply,
+    ReadMultiTurnAngleReply,
+    ReadSingleTurnAngleReply,
+    SetAngleReply,
+    ReadStatus1Reply,
+    ClearErrorsReply,
+    ReadStatus2Reply,
+    ReadStatus3Reply,
+]
+"""Every reply that `decode_reply` returns."""
+
+_data_0 = DataByte(0)
+_data_1 = DataByte(1)
 
 
-def _key_2(can_id: int, data: bytes) -> int:
-    return data[1]
-
-
-_dispatcher = Dispatcher(
+_dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     requests=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffRequest,
-            0x88: MotorOnRequest,
-            0x81: MotorStopRequest,
-            0x8C: BrakeRequest,
-            0xA0: SetPowerRequest,
-            0xA1: SetTorqueRequest,
-            0xA2: SetSpeedRequest,
-            0xAD: SetSpeedLimitedRequest,
-            0xA3: MoveToAngleRequest,
-            0xA4: MoveToAngleAtSpeedRequest,
-            0xA5: TurnToAngleRequest,
-            0xA6: TurnToAngleAtSpeedRequest,
-            0xA7: MoveByAngleRequest,
-            0xA8: MoveByAngleAtSpeedRequest,
-            0xB0: Select(_key_2, {
-                0x0A: ReadControlParameterTorqueLimitRequest,
-                0x0C: ReadControlParameterAccelerationLimitRequest,
-                0x0E: ReadControlParameterSpeedLimitRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0xB1: Select(_key_2, {
-                0x0A: WriteControlParameterRamTorqueLimitRequest,
-                0x0C: WriteControlParameterRamAccelerationLimitRequest,
-                0x0E: WriteControlParameterRamSpeedLimitRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0x90: ReadEncoderRequest,
-            0x91: WriteEncoderOffsetRomRequest,
-            0x19: WritePositionAsZeroRomRequest,
-            0x92: ReadMultiTurnAngleRequest,
-            0x94: ReadSingleTurnAngleRequest,
-            0x95: SetAngleRequest,
-            0x9A: ReadStatus1Request,
-            0x9B: ClearErrorsRequest,
-            0x9C: ReadStatus2Request,
-            0x9D: ReadStatus3Request,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffRequest,
+                            0x88: MotorOnRequest,
+                            0x81: MotorStopRequest,
+                            0x8C: BrakeRequest,
+                            0xA0: SetPowerRequest,
+                            0xA1: SetTorqueRequest,
+                            0xA2: SetSpeedRequest,
+                            0xAD: SetSpeedLimitedRequest,
+                            0xA3: MoveToAngleRequest,
+                            0xA4: MoveToAngleAtSpeedRequest,
+                            0xA5: TurnToAngleRequest,
+                            0xA6: TurnToAngleAtSpeedRequest,
+                            0xA7: MoveByAngleRequest,
+                            0xA8: MoveByAngleAtSpeedRequest,
+                            0xB0: Select(
+                                _data_1,
+                                {
+                                    0x0A: ReadControlParameterTorqueLimitRequest,
+                                    0x0C: ReadControlParameterAccelerationLimitRequest,
+                                    0x0E: ReadControlParameterSpeedLimitRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0xB1: Select(
+                                _data_1,
+                                {
+                                    0x0A: WriteControlParameterRamTorqueLimitRequest,
+                                    0x0C: WriteControlParameterRamAccelerationLimitRequest,
+                                    0x0E: WriteControlParameterRamSpeedLimitRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x90: ReadEncoderRequest,
+                            0x91: WriteEncoderOffsetRomRequest,
+                            0x19: WritePositionAsZeroRomRequest,
+                            0x92: ReadMultiTurnAngleRequest,
+                            0x94: ReadSingleTurnAngleRequest,
+                            0x95: SetAngleRequest,
+                            0x9A: ReadStatus1Request,
+                            0x9B: ClearErrorsRequest,
+                            0x9C: ReadStatus2Request,
+                            0x9D: ReadStatus3Request,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     replies=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffReply,
-            0x88: MotorOnReply,
-            0x81: MotorStopReply,
-            0x8C: BrakeReply,
-            0xA0: SetPowerReply,
-            0xA1: SetTorqueReply,
-            0xA2: SetSpeedReply,
-            0xAD: SetSpeedLimitedReply,
-            0xA3: MoveToAngleReply,
-            0xA4: MoveToAngleAtSpeedReply,
-            0xA5: TurnToAngleReply,
-            0xA6: TurnToAngleAtSpeedReply,
-            0xA7: MoveByAngleReply,
-            0xA8: MoveByAngleAtSpeedReply,
-            0xB0: Select(_key_2, {
-                0x0A: ReadControlParameterTorqueLimitReply,
-                0x0C: ReadControlParameterAccelerationLimitReply,
-                0x0E: ReadControlParameterSpeedLimitReply,
-            }, Refusal.UNKNOWN_CODE),
-            0xB1: Select(_key_2, {
-                0x0A: WriteControlParameterRamTorqueLimitReply,
-                0x0C: WriteControlParameterRamAccelerationLimitReply,
-                0x0E: WriteControlParameterRamSpeedLimitReply,
-            }, Refusal.UNKNOWN_CODE),
-            0x90: ReadEncoderReply,
-            0x91: WriteEncoderOffsetRomReply,
-            0x19: WritePositionAsZeroRomReply,
-            0x92: ReadMultiTurnAngleReply,
-            0x94: ReadSingleTurnAngleReply,
-            0x95: SetAngleReply,
-            0x9A: ReadStatus1Reply,
-            0x9B: ClearErrorsReply,
-            0x9C: ReadStatus2Reply,
-            0x9D: ReadStatus3Reply,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffReply,
+                            0x88: MotorOnReply,
+                            0x81: MotorStopReply,
+                            0x8C: BrakeReply,
+                            0xA0: SetPowerReply,
+                            0xA1: SetTorqueReply,
+                            0xA2: SetSpeedReply,
+                            0xAD: SetSpeedLimitedReply,
+                            0xA3: MoveToAngleReply,
+                            0xA4: MoveToAngleAtSpeedReply,
+                            0xA5: TurnToAngleReply,
+                            0xA6: TurnToAngleAtSpeedReply,
+                            0xA7: MoveByAngleReply,
+                            0xA8: MoveByAngleAtSpeedReply,
+                            0xB0: Select(
+                                _data_1,
+                                {
+                                    0x0A: ReadControlParameterTorqueLimitReply,
+                                    0x0C: ReadControlParameterAccelerationLimitReply,
+                                    0x0E: ReadControlParameterSpeedLimitReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0xB1: Select(
+                                _data_1,
+                                {
+                                    0x0A: WriteControlParameterRamTorqueLimitReply,
+                                    0x0C: WriteControlParameterRamAccelerationLimitReply,
+                                    0x0E: WriteControlParameterRamSpeedLimitReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x90: ReadEncoderReply,
+                            0x91: WriteEncoderOffsetRomReply,
+                            0x19: WritePositionAsZeroRomReply,
+                            0x92: ReadMultiTurnAngleReply,
+                            0x94: ReadSingleTurnAngleReply,
+                            0x95: SetAngleReply,
+                            0x9A: ReadStatus1Reply,
+                            0x9B: ClearErrorsReply,
+                            0x9C: ReadStatus2Reply,
+                            0x9D: ReadStatus3Reply,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     answers={
-        MotorOffRequest: Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
-        MotorOnRequest: Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
-        MotorStopRequest: Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
-        BrakeRequest: Answer(BrakeReply, ((_key_1, (0x8C,)),), (), False),
-        SetPowerRequest: Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
-        SetTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
-        SetSpeedRequest: Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
-        SetSpeedLimitedRequest: Answer(SetSpeedLimitedReply, ((_key_1, (0xAD,)),), (), False),
-        MoveToAngleRequest: Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
-        MoveToAngleAtSpeedRequest: Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
-        TurnToAngleRequest: Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
-        TurnToAngleAtSpeedRequest: Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
-        MoveByAngleRequest: Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
-        MoveByAngleAtSpeedRequest: Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
-        ReadControlParameterTorqueLimitRequest: Answer(ReadControlParameterTorqueLimitReply, ((_key_1, (0xB0,)), (_key_2, (0x0A,))), (), False),
-        ReadControlParameterAccelerationLimitRequest: Answer(ReadControlParameterAccelerationLimitReply, ((_key_1, (0xB0,)), (_key_2, (0x0C,))), (), False),
-        ReadControlParameterSpeedLimitRequest: Answer(ReadControlParameterSpeedLimitReply, ((_key_1, (0xB0,)), (_key_2, (0x0E,))), (), False),
-        WriteControlParameterRamTorqueLimitRequest: Answer(WriteControlParameterRamTorqueLimitReply, ((_key_1, (0xB1,)), (_key_2, (0x0A,))), (), False),
-        WriteControlParameterRamAccelerationLimitRequest: Answer(WriteControlParameterRamAccelerationLimitReply, ((_key_1, (0xB1,)), (_key_2, (0x0C,))), (), False),
-        WriteControlParameterRamSpeedLimitRequest: Answer(WriteControlParameterRamSpeedLimitReply, ((_key_1, (0xB1,)), (_key_2, (0x0E,))), (), False),
-        ReadEncoderRequest: Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
-        WriteEncoderOffsetRomRequest: Answer(WriteEncoderOffsetRomReply, ((_key_1, (0x91,)),), (), True),
-        WritePositionAsZeroRomRequest: Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
-        ReadMultiTurnAngleRequest: Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
-        ReadSingleTurnAngleRequest: Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
-        SetAngleRequest: Answer(SetAngleReply, ((_key_1, (0x95,)),), (), True),
-        ReadStatus1Request: Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
-        ClearErrorsRequest: Answer(ClearErrorsReply, ((_key_1, (0x9B,)),), (), False),
-        ReadStatus2Request: Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
-        ReadStatus3Request: Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
+        MotorOffRequest: Answer(
+            MotorOffReply,
+            (
+                (_data_0, (0x80,)),
+            ),
+            echo=True,
+        ),
+        MotorOnRequest: Answer(
+            MotorOnReply,
+            (
+                (_data_0, (0x88,)),
+            ),
+            echo=True,
+        ),
+        MotorStopRequest: Answer(
+            MotorStopReply,
+            (
+                (_data_0, (0x81,)),
+            ),
+            echo=True,
+        ),
+        BrakeRequest: Answer(
+            BrakeReply,
+            (
+                (_data_0, (0x8C,)),
+            ),
+        ),
+        SetPowerRequest: Answer(
+            SetPowerReply,
+            (
+                (_data_0, (0xA0,)),
+            ),
+        ),
+        SetTorqueRequest: Answer(
+            SetTorqueReply,
+            (
+                (_data_0, (0xA1,)),
+            ),
+        ),
+        SetSpeedRequest: Answer(
+            SetSpeedReply,
+            (
+                (_data_0, (0xA2,)),
+            ),
+        ),
+        SetSpeedLimitedRequest: Answer(
+            SetSpeedLimitedReply,
+            (
+                (_data_0, (0xAD,)),
+            ),
+        ),
+        MoveToAngleRequest: Answer(
+            MoveToAngleReply,
+            (
+                (_data_0, (0xA3,)),
+            ),
+        ),
+        MoveToAngleAtSpeedRequest: Answer(
+            MoveToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA4,)),
+            ),
+        ),
+        TurnToAngleRequest: Answer(
+            TurnToAngleReply,
+            (
+                (_data_0, (0xA5,)),
+            ),
+        ),
+        TurnToAngleAtSpeedRequest: Answer(
+            TurnToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA6,)),
+            ),
+        ),
+        MoveByAngleRequest: Answer(
+            MoveByAngleReply,
+            (
+                (_data_0, (0xA7,)),
+            ),
+        ),
+        MoveByAngleAtSpeedRequest: Answer(
+            MoveByAngleAtSpeedReply,
+            (
+                (_data_0, (0xA8,)),
+            ),
+        ),
+        ReadControlParameterTorqueLimitRequest: Answer(
+            ReadControlParameterTorqueLimitReply,
+            (
+                (_data_0, (0xB0,)),
+                (_data_1, (0x0A,)),
+            ),
+        ),
+        ReadControlParameterAccelerationLimitRequest: Answer(
+            ReadControlParameterAccelerationLimitReply,
+            (
+                (_data_0, (0xB0,)),
+                (_data_1, (0x0C,)),
+            ),
+        ),
+        ReadControlParameterSpeedLimitRequest: Answer(
+            ReadControlParameterSpeedLimitReply,
+            (
+                (_data_0, (0xB0,)),
+                (_data_1, (0x0E,)),
+            ),
+        ),
+        WriteControlParameterRamTorqueLimitRequest: Answer(
+            WriteControlParameterRamTorqueLimitReply,
+            (
+                (_data_0, (0xB1,)),
+                (_data_1, (0x0A,)),
+            ),
+        ),
+        WriteControlParameterRamAccelerationLimitRequest: Answer(
+            WriteControlParameterRamAccelerationLimitReply,
+            (
+                (_data_0, (0xB1,)),
+                (_data_1, (0x0C,)),
+            ),
+        ),
+        WriteControlParameterRamSpeedLimitRequest: Answer(
+            WriteControlParameterRamSpeedLimitReply,
+            (
+                (_data_0, (0xB1,)),
+                (_data_1, (0x0E,)),
+            ),
+        ),
+        ReadEncoderRequest: Answer(
+            ReadEncoderReply,
+            (
+                (_data_0, (0x90,)),
+            ),
+        ),
+        WriteEncoderOffsetRomRequest: Answer(
+            WriteEncoderOffsetRomReply,
+            (
+                (_data_0, (0x91,)),
+            ),
+            echo=True,
+        ),
+        WritePositionAsZeroRomRequest: Answer(
+            WritePositionAsZeroRomReply,
+            (
+                (_data_0, (0x19,)),
+            ),
+        ),
+        ReadMultiTurnAngleRequest: Answer(
+            ReadMultiTurnAngleReply,
+            (
+                (_data_0, (0x92,)),
+            ),
+        ),
+        ReadSingleTurnAngleRequest: Answer(
+            ReadSingleTurnAngleReply,
+            (
+                (_data_0, (0x94,)),
+            ),
+        ),
+        SetAngleRequest: Answer(
+            SetAngleReply,
+            (
+                (_data_0, (0x95,)),
+            ),
+            echo=True,
+        ),
+        ReadStatus1Request: Answer(
+            ReadStatus1Reply,
+            (
+                (_data_0, (0x9A,)),
+            ),
+        ),
+        ClearErrorsRequest: Answer(
+            ClearErrorsReply,
+            (
+                (_data_0, (0x9B,)),
+            ),
+        ),
+        ReadStatus2Request: Answer(
+            ReadStatus2Reply,
+            (
+                (_data_0, (0x9C,)),
+            ),
+        ),
+        ReadStatus3Request: Answer(
+            ReadStatus3Reply,
+            (
+                (_data_0, (0x9D,)),
+            ),
+        ),
     },
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
 ids_of = _dispatcher.ids_of
-decode_request = _dispatcher.decode_request
-decode_reply = _dispatcher.decode_reply
+decode_request = _dispatcher.requests.decode
+decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply

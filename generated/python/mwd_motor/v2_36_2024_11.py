@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
 from struct import Struct, pack
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, Union
 
 from ._codec import (
     Bound,
@@ -35,6 +35,7 @@ from ._codec import (
 )
 from ._dispatch import (
     Answer,
+    DataByte,
     Dispatcher,
     Route,
     Select,
@@ -45,6 +46,8 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 __all__ = [
+    "AnyReply",
+    "AnyRequest",
     "BrakeAction",
     "BrakeReply",
     "BrakeRequest",
@@ -2967,152 +2970,487 @@ class ReadStatus3Reply(Reply):
         return pack("<Bbhhh", 0x9D, self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw)
 
 
-def _key_1(can_id: int, data: bytes) -> int:
-    return data[0]
+AnyRequest: TypeAlias = Union[
+    MotorOffRequest,
+    MotorOnRequest,
+    MotorStopRequest,
+    BrakeRequest,
+    SetPowerRequest,
+    SetTorqueRequest,
+    SetSpeedRequest,
+    MoveToAngleRequest,
+    MoveToAngleAtSpeedRequest,
+    TurnToAngleRequest,
+    TurnToAngleAtSpeedRequest,
+    MoveByAngleRequest,
+    MoveByAngleAtSpeedRequest,
+    ReadControlParameterAnglePidRequest,
+    ReadControlParameterSpeedPidRequest,
+    ReadControlParameterCurrentPidRequest,
+    ReadControlParameterMaxTorqueCurrentRequest,
+    ReadControlParameterMaxSpeedRequest,
+    ReadControlParameterMaxAngleRequest,
+    ReadControlParameterCurrentRampRequest,
+    ReadControlParameterSpeedRampRequest,
+    WriteControlParameterRamAnglePidRequest,
+    WriteControlParameterRamSpeedPidRequest,
+    WriteControlParameterRamCurrentPidRequest,
+    WriteControlParameterRamMaxTorqueCurrentRequest,
+    WriteControlParameterRamMaxSpeedRequest,
+    WriteControlParameterRamMaxAngleRequest,
+    WriteControlParameterRamCurrentRampRequest,
+    WriteControlParameterRamSpeedRampRequest,
+    ReadEncoderRequest,
+    WritePositionAsZeroRomRequest,
+    ReadMultiTurnAngleRequest,
+    ReadSingleTurnAngleRequest,
+    SetAngleRequest,
+    ReadStatus1Request,
+    ClearErrorsRequest,
+    ReadStatus2Request,
+    ReadStatus3Request,
+]
+"""Every request that `decode_request` returns."""
+AnyReply: TypeAlias = Union[
+    MotorOffReply,
+    MotorOnReply,
+    MotorStopReply,
+    BrakeReply,
+    SetPowerReply,
+    SetTorqueReply,
+    SetSpeedReply,
+    MoveToAngleReply,
+    MoveToAngleAtSpeedReply,
+    TurnToAngleReply,
+    TurnToAngleAtSpeedReply,
+    MoveByAngleReply,
+    MoveByAngleAtSpeedReply,
+    ReadControlParameterAnglePidReply,
+    ReadControlParameterSpeedPidReply,
+    ReadControlParameterCurrentPidReply,
+    ReadControlParameterMaxTorqueCurrentReply,
+    ReadControlParameterMaxSpeedReply,
+    ReadControlParameterMaxAngleReply,
+    ReadControlParameterCurrentRampReply,
+    ReadControlParameterSpeedRampReply,
+    WriteControlParameterRamAnglePidReply,
+    WriteControlParameterRamSpeedPidReply,
+    WriteControlParameterRamCurrentPidReply,
+    WriteControlParameterRamMaxTorqueCurrentReply,
+    WriteControlParameterRamMaxSpeedReply,
+    WriteControlParameterRamMaxAngleReply,
+    WriteControlParameterRamCurrentRampReply,
+    WriteControlParameterRamSpeedRampReply,
+    ReadEncoderReply,
+    WritePositionAsZeroRomReply,
+    ReadMultiTurnAngleReply,
+    ReadSingleTurnAngleReply,
+    SetAngleReply,
+    ReadStatus1Reply,
+    ClearErrorsReply,
+    ReadStatus2Reply,
+    ReadStatus3Reply,
+]
+"""Every reply that `decode_reply` returns."""
+
+_data_0 = DataByte(0)
+_data_1 = DataByte(1)
 
 
-def _key_2(can_id: int, data: bytes) -> int:
-    return data[1]
-
-
-_dispatcher = Dispatcher(
+_dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     requests=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffRequest,
-            0x88: MotorOnRequest,
-            0x81: MotorStopRequest,
-            0x8C: BrakeRequest,
-            0xA0: SetPowerRequest,
-            0xA1: SetTorqueRequest,
-            0xA2: SetSpeedRequest,
-            0xA3: MoveToAngleRequest,
-            0xA4: MoveToAngleAtSpeedRequest,
-            0xA5: TurnToAngleRequest,
-            0xA6: TurnToAngleAtSpeedRequest,
-            0xA7: MoveByAngleRequest,
-            0xA8: MoveByAngleAtSpeedRequest,
-            0xC0: Select(_key_2, {
-                0x0A: ReadControlParameterAnglePidRequest,
-                0x0B: ReadControlParameterSpeedPidRequest,
-                0x0C: ReadControlParameterCurrentPidRequest,
-                0x1E: ReadControlParameterMaxTorqueCurrentRequest,
-                0x20: ReadControlParameterMaxSpeedRequest,
-                0x22: ReadControlParameterMaxAngleRequest,
-                0x24: ReadControlParameterCurrentRampRequest,
-                0x26: ReadControlParameterSpeedRampRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0xC1: Select(_key_2, {
-                0x0A: WriteControlParameterRamAnglePidRequest,
-                0x0B: WriteControlParameterRamSpeedPidRequest,
-                0x0C: WriteControlParameterRamCurrentPidRequest,
-                0x1E: WriteControlParameterRamMaxTorqueCurrentRequest,
-                0x20: WriteControlParameterRamMaxSpeedRequest,
-                0x22: WriteControlParameterRamMaxAngleRequest,
-                0x24: WriteControlParameterRamCurrentRampRequest,
-                0x26: WriteControlParameterRamSpeedRampRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0x90: ReadEncoderRequest,
-            0x19: WritePositionAsZeroRomRequest,
-            0x92: ReadMultiTurnAngleRequest,
-            0x94: ReadSingleTurnAngleRequest,
-            0x95: SetAngleRequest,
-            0x9A: ReadStatus1Request,
-            0x9B: ClearErrorsRequest,
-            0x9C: ReadStatus2Request,
-            0x9D: ReadStatus3Request,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffRequest,
+                            0x88: MotorOnRequest,
+                            0x81: MotorStopRequest,
+                            0x8C: BrakeRequest,
+                            0xA0: SetPowerRequest,
+                            0xA1: SetTorqueRequest,
+                            0xA2: SetSpeedRequest,
+                            0xA3: MoveToAngleRequest,
+                            0xA4: MoveToAngleAtSpeedRequest,
+                            0xA5: TurnToAngleRequest,
+                            0xA6: TurnToAngleAtSpeedRequest,
+                            0xA7: MoveByAngleRequest,
+                            0xA8: MoveByAngleAtSpeedRequest,
+                            0xC0: Select(
+                                _data_1,
+                                {
+                                    0x0A: ReadControlParameterAnglePidRequest,
+                                    0x0B: ReadControlParameterSpeedPidRequest,
+                                    0x0C: ReadControlParameterCurrentPidRequest,
+                                    0x1E: ReadControlParameterMaxTorqueCurrentRequest,
+                                    0x20: ReadControlParameterMaxSpeedRequest,
+                                    0x22: ReadControlParameterMaxAngleRequest,
+                                    0x24: ReadControlParameterCurrentRampRequest,
+                                    0x26: ReadControlParameterSpeedRampRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0xC1: Select(
+                                _data_1,
+                                {
+                                    0x0A: WriteControlParameterRamAnglePidRequest,
+                                    0x0B: WriteControlParameterRamSpeedPidRequest,
+                                    0x0C: WriteControlParameterRamCurrentPidRequest,
+                                    0x1E: WriteControlParameterRamMaxTorqueCurrentRequest,
+                                    0x20: WriteControlParameterRamMaxSpeedRequest,
+                                    0x22: WriteControlParameterRamMaxAngleRequest,
+                                    0x24: WriteControlParameterRamCurrentRampRequest,
+                                    0x26: WriteControlParameterRamSpeedRampRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x90: ReadEncoderRequest,
+                            0x19: WritePositionAsZeroRomRequest,
+                            0x92: ReadMultiTurnAngleRequest,
+                            0x94: ReadSingleTurnAngleRequest,
+                            0x95: SetAngleRequest,
+                            0x9A: ReadStatus1Request,
+                            0x9B: ClearErrorsRequest,
+                            0x9C: ReadStatus2Request,
+                            0x9D: ReadStatus3Request,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     replies=(
-        Route(0x180, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffReply,
-            0x88: MotorOnReply,
-            0x81: MotorStopReply,
-            0x8C: BrakeReply,
-            0xA0: SetPowerReply,
-            0xA1: SetTorqueReply,
-            0xA2: SetSpeedReply,
-            0xA3: MoveToAngleReply,
-            0xA4: MoveToAngleAtSpeedReply,
-            0xA5: TurnToAngleReply,
-            0xA6: TurnToAngleAtSpeedReply,
-            0xA7: MoveByAngleReply,
-            0xA8: MoveByAngleAtSpeedReply,
-            0xC0: Select(_key_2, {
-                0x0A: ReadControlParameterAnglePidReply,
-                0x0B: ReadControlParameterSpeedPidReply,
-                0x0C: ReadControlParameterCurrentPidReply,
-                0x1E: ReadControlParameterMaxTorqueCurrentReply,
-                0x20: ReadControlParameterMaxSpeedReply,
-                0x22: ReadControlParameterMaxAngleReply,
-                0x24: ReadControlParameterCurrentRampReply,
-                0x26: ReadControlParameterSpeedRampReply,
-            }, Refusal.UNKNOWN_CODE),
-            0xC1: Select(_key_2, {
-                0x0A: WriteControlParameterRamAnglePidReply,
-                0x0B: WriteControlParameterRamSpeedPidReply,
-                0x0C: WriteControlParameterRamCurrentPidReply,
-                0x1E: WriteControlParameterRamMaxTorqueCurrentReply,
-                0x20: WriteControlParameterRamMaxSpeedReply,
-                0x22: WriteControlParameterRamMaxAngleReply,
-                0x24: WriteControlParameterRamCurrentRampReply,
-                0x26: WriteControlParameterRamSpeedRampReply,
-            }, Refusal.UNKNOWN_CODE),
-            0x90: ReadEncoderReply,
-            0x19: WritePositionAsZeroRomReply,
-            0x92: ReadMultiTurnAngleReply,
-            0x94: ReadSingleTurnAngleReply,
-            0x95: SetAngleReply,
-            0x9A: ReadStatus1Reply,
-            0x9B: ClearErrorsReply,
-            0x9C: ReadStatus2Reply,
-            0x9D: ReadStatus3Reply,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x180,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffReply,
+                            0x88: MotorOnReply,
+                            0x81: MotorStopReply,
+                            0x8C: BrakeReply,
+                            0xA0: SetPowerReply,
+                            0xA1: SetTorqueReply,
+                            0xA2: SetSpeedReply,
+                            0xA3: MoveToAngleReply,
+                            0xA4: MoveToAngleAtSpeedReply,
+                            0xA5: TurnToAngleReply,
+                            0xA6: TurnToAngleAtSpeedReply,
+                            0xA7: MoveByAngleReply,
+                            0xA8: MoveByAngleAtSpeedReply,
+                            0xC0: Select(
+                                _data_1,
+                                {
+                                    0x0A: ReadControlParameterAnglePidReply,
+                                    0x0B: ReadControlParameterSpeedPidReply,
+                                    0x0C: ReadControlParameterCurrentPidReply,
+                                    0x1E: ReadControlParameterMaxTorqueCurrentReply,
+                                    0x20: ReadControlParameterMaxSpeedReply,
+                                    0x22: ReadControlParameterMaxAngleReply,
+                                    0x24: ReadControlParameterCurrentRampReply,
+                                    0x26: ReadControlParameterSpeedRampReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0xC1: Select(
+                                _data_1,
+                                {
+                                    0x0A: WriteControlParameterRamAnglePidReply,
+                                    0x0B: WriteControlParameterRamSpeedPidReply,
+                                    0x0C: WriteControlParameterRamCurrentPidReply,
+                                    0x1E: WriteControlParameterRamMaxTorqueCurrentReply,
+                                    0x20: WriteControlParameterRamMaxSpeedReply,
+                                    0x22: WriteControlParameterRamMaxAngleReply,
+                                    0x24: WriteControlParameterRamCurrentRampReply,
+                                    0x26: WriteControlParameterRamSpeedRampReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x90: ReadEncoderReply,
+                            0x19: WritePositionAsZeroRomReply,
+                            0x92: ReadMultiTurnAngleReply,
+                            0x94: ReadSingleTurnAngleReply,
+                            0x95: SetAngleReply,
+                            0x9A: ReadStatus1Reply,
+                            0x9B: ClearErrorsReply,
+                            0x9C: ReadStatus2Reply,
+                            0x9D: ReadStatus3Reply,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     answers={
-        MotorOffRequest: Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
-        MotorOnRequest: Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
-        MotorStopRequest: Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
-        BrakeRequest: Answer(BrakeReply, ((_key_1, (0x8C,)),), (), False),
-        SetPowerRequest: Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
-        SetTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
-        SetSpeedRequest: Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
-        MoveToAngleRequest: Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
-        MoveToAngleAtSpeedRequest: Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
-        TurnToAngleRequest: Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
-        TurnToAngleAtSpeedRequest: Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
-        MoveByAngleRequest: Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
-        MoveByAngleAtSpeedRequest: Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
-        ReadControlParameterAnglePidRequest: Answer(ReadControlParameterAnglePidReply, ((_key_1, (0xC0,)), (_key_2, (0x0A,))), (), False),
-        ReadControlParameterSpeedPidRequest: Answer(ReadControlParameterSpeedPidReply, ((_key_1, (0xC0,)), (_key_2, (0x0B,))), (), False),
-        ReadControlParameterCurrentPidRequest: Answer(ReadControlParameterCurrentPidReply, ((_key_1, (0xC0,)), (_key_2, (0x0C,))), (), False),
-        ReadControlParameterMaxTorqueCurrentRequest: Answer(ReadControlParameterMaxTorqueCurrentReply, ((_key_1, (0xC0,)), (_key_2, (0x1E,))), (), False),
-        ReadControlParameterMaxSpeedRequest: Answer(ReadControlParameterMaxSpeedReply, ((_key_1, (0xC0,)), (_key_2, (0x20,))), (), False),
-        ReadControlParameterMaxAngleRequest: Answer(ReadControlParameterMaxAngleReply, ((_key_1, (0xC0,)), (_key_2, (0x22,))), (), False),
-        ReadControlParameterCurrentRampRequest: Answer(ReadControlParameterCurrentRampReply, ((_key_1, (0xC0,)), (_key_2, (0x24,))), (), False),
-        ReadControlParameterSpeedRampRequest: Answer(ReadControlParameterSpeedRampReply, ((_key_1, (0xC0,)), (_key_2, (0x26,))), (), False),
-        WriteControlParameterRamAnglePidRequest: Answer(WriteControlParameterRamAnglePidReply, ((_key_1, (0xC1,)), (_key_2, (0x0A,))), (), False),
-        WriteControlParameterRamSpeedPidRequest: Answer(WriteControlParameterRamSpeedPidReply, ((_key_1, (0xC1,)), (_key_2, (0x0B,))), (), False),
-        WriteControlParameterRamCurrentPidRequest: Answer(WriteControlParameterRamCurrentPidReply, ((_key_1, (0xC1,)), (_key_2, (0x0C,))), (), False),
-        WriteControlParameterRamMaxTorqueCurrentRequest: Answer(WriteControlParameterRamMaxTorqueCurrentReply, ((_key_1, (0xC1,)), (_key_2, (0x1E,))), (), False),
-        WriteControlParameterRamMaxSpeedRequest: Answer(WriteControlParameterRamMaxSpeedReply, ((_key_1, (0xC1,)), (_key_2, (0x20,))), (), False),
-        WriteControlParameterRamMaxAngleRequest: Answer(WriteControlParameterRamMaxAngleReply, ((_key_1, (0xC1,)), (_key_2, (0x22,))), (), False),
-        WriteControlParameterRamCurrentRampRequest: Answer(WriteControlParameterRamCurrentRampReply, ((_key_1, (0xC1,)), (_key_2, (0x24,))), (), False),
-        WriteControlParameterRamSpeedRampRequest: Answer(WriteControlParameterRamSpeedRampReply, ((_key_1, (0xC1,)), (_key_2, (0x26,))), (), False),
-        ReadEncoderRequest: Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
-        WritePositionAsZeroRomRequest: Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
-        ReadMultiTurnAngleRequest: Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
-        ReadSingleTurnAngleRequest: Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
-        SetAngleRequest: Answer(SetAngleReply, ((_key_1, (0x95,)),), (), True),
-        ReadStatus1Request: Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
-        ClearErrorsRequest: Answer(ClearErrorsReply, ((_key_1, (0x9B,)),), (), False),
-        ReadStatus2Request: Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
-        ReadStatus3Request: Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
+        MotorOffRequest: Answer(
+            MotorOffReply,
+            (
+                (_data_0, (0x80,)),
+            ),
+            echo=True,
+        ),
+        MotorOnRequest: Answer(
+            MotorOnReply,
+            (
+                (_data_0, (0x88,)),
+            ),
+            echo=True,
+        ),
+        MotorStopRequest: Answer(
+            MotorStopReply,
+            (
+                (_data_0, (0x81,)),
+            ),
+            echo=True,
+        ),
+        BrakeRequest: Answer(
+            BrakeReply,
+            (
+                (_data_0, (0x8C,)),
+            ),
+        ),
+        SetPowerRequest: Answer(
+            SetPowerReply,
+            (
+                (_data_0, (0xA0,)),
+            ),
+        ),
+        SetTorqueRequest: Answer(
+            SetTorqueReply,
+            (
+                (_data_0, (0xA1,)),
+            ),
+        ),
+        SetSpeedRequest: Answer(
+            SetSpeedReply,
+            (
+                (_data_0, (0xA2,)),
+            ),
+        ),
+        MoveToAngleRequest: Answer(
+            MoveToAngleReply,
+            (
+                (_data_0, (0xA3,)),
+            ),
+        ),
+        MoveToAngleAtSpeedRequest: Answer(
+            MoveToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA4,)),
+            ),
+        ),
+        TurnToAngleRequest: Answer(
+            TurnToAngleReply,
+            (
+                (_data_0, (0xA5,)),
+            ),
+        ),
+        TurnToAngleAtSpeedRequest: Answer(
+            TurnToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA6,)),
+            ),
+        ),
+        MoveByAngleRequest: Answer(
+            MoveByAngleReply,
+            (
+                (_data_0, (0xA7,)),
+            ),
+        ),
+        MoveByAngleAtSpeedRequest: Answer(
+            MoveByAngleAtSpeedReply,
+            (
+                (_data_0, (0xA8,)),
+            ),
+        ),
+        ReadControlParameterAnglePidRequest: Answer(
+            ReadControlParameterAnglePidReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x0A,)),
+            ),
+        ),
+        ReadControlParameterSpeedPidRequest: Answer(
+            ReadControlParameterSpeedPidReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x0B,)),
+            ),
+        ),
+        ReadControlParameterCurrentPidRequest: Answer(
+            ReadControlParameterCurrentPidReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x0C,)),
+            ),
+        ),
+        ReadControlParameterMaxTorqueCurrentRequest: Answer(
+            ReadControlParameterMaxTorqueCurrentReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x1E,)),
+            ),
+        ),
+        ReadControlParameterMaxSpeedRequest: Answer(
+            ReadControlParameterMaxSpeedReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x20,)),
+            ),
+        ),
+        ReadControlParameterMaxAngleRequest: Answer(
+            ReadControlParameterMaxAngleReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x22,)),
+            ),
+        ),
+        ReadControlParameterCurrentRampRequest: Answer(
+            ReadControlParameterCurrentRampReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x24,)),
+            ),
+        ),
+        ReadControlParameterSpeedRampRequest: Answer(
+            ReadControlParameterSpeedRampReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x26,)),
+            ),
+        ),
+        WriteControlParameterRamAnglePidRequest: Answer(
+            WriteControlParameterRamAnglePidReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x0A,)),
+            ),
+        ),
+        WriteControlParameterRamSpeedPidRequest: Answer(
+            WriteControlParameterRamSpeedPidReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x0B,)),
+            ),
+        ),
+        WriteControlParameterRamCurrentPidRequest: Answer(
+            WriteControlParameterRamCurrentPidReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x0C,)),
+            ),
+        ),
+        WriteControlParameterRamMaxTorqueCurrentRequest: Answer(
+            WriteControlParameterRamMaxTorqueCurrentReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x1E,)),
+            ),
+        ),
+        WriteControlParameterRamMaxSpeedRequest: Answer(
+            WriteControlParameterRamMaxSpeedReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x20,)),
+            ),
+        ),
+        WriteControlParameterRamMaxAngleRequest: Answer(
+            WriteControlParameterRamMaxAngleReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x22,)),
+            ),
+        ),
+        WriteControlParameterRamCurrentRampRequest: Answer(
+            WriteControlParameterRamCurrentRampReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x24,)),
+            ),
+        ),
+        WriteControlParameterRamSpeedRampRequest: Answer(
+            WriteControlParameterRamSpeedRampReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x26,)),
+            ),
+        ),
+        ReadEncoderRequest: Answer(
+            ReadEncoderReply,
+            (
+                (_data_0, (0x90,)),
+            ),
+        ),
+        WritePositionAsZeroRomRequest: Answer(
+            WritePositionAsZeroRomReply,
+            (
+                (_data_0, (0x19,)),
+            ),
+        ),
+        ReadMultiTurnAngleRequest: Answer(
+            ReadMultiTurnAngleReply,
+            (
+                (_data_0, (0x92,)),
+            ),
+        ),
+        ReadSingleTurnAngleRequest: Answer(
+            ReadSingleTurnAngleReply,
+            (
+                (_data_0, (0x94,)),
+            ),
+        ),
+        SetAngleRequest: Answer(
+            SetAngleReply,
+            (
+                (_data_0, (0x95,)),
+            ),
+            echo=True,
+        ),
+        ReadStatus1Request: Answer(
+            ReadStatus1Reply,
+            (
+                (_data_0, (0x9A,)),
+            ),
+        ),
+        ClearErrorsRequest: Answer(
+            ClearErrorsReply,
+            (
+                (_data_0, (0x9B,)),
+            ),
+        ),
+        ReadStatus2Request: Answer(
+            ReadStatus2Reply,
+            (
+                (_data_0, (0x9C,)),
+            ),
+        ),
+        ReadStatus3Request: Answer(
+            ReadStatus3Reply,
+            (
+                (_data_0, (0x9D,)),
+            ),
+        ),
     },
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
 ids_of = _dispatcher.ids_of
-decode_request = _dispatcher.decode_request
-decode_reply = _dispatcher.decode_reply
+decode_request = _dispatcher.requests.decode
+decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
 from struct import Struct, pack
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, Union
 
 from ._codec import (
     Bound,
@@ -37,6 +37,7 @@ from ._codec import (
 )
 from ._dispatch import (
     Answer,
+    DataByte,
     Dispatcher,
     Route,
     Select,
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AlignState",
+    "AnyReply",
+    "AnyRequest",
     "BrakeAction",
     "BrakeReply",
     "BrakeRequest",
@@ -4656,250 +4659,838 @@ class SaveStoredSettingsReply(Reply):
         return pack("<BBB5x", 0x44, 0x5, self.result_raw)
 
 
-def _key_1(can_id: int, data: bytes) -> int:
-    return data[0]
+AnyRequest: TypeAlias = Union[
+    MotorOffRequest,
+    MotorOnRequest,
+    MotorStopRequest,
+    BrakeRequest,
+    SetPowerRequest,
+    SetTorqueRequest,
+    SetSpeedRequest,
+    MoveToAngleRequest,
+    MoveToAngleAtSpeedRequest,
+    TurnToAngleRequest,
+    TurnToAngleAtSpeedRequest,
+    MoveByAngleRequest,
+    MoveByAngleAtSpeedRequest,
+    ReadControlParameterAnglePidRequest,
+    ReadControlParameterSpeedPidRequest,
+    ReadControlParameterCurrentPidRequest,
+    ReadControlParameterMaxTorqueCurrentRequest,
+    ReadControlParameterMaxSpeedRequest,
+    ReadControlParameterUpperAngleRequest,
+    ReadControlParameterLowerAngleRequest,
+    ReadControlParameterSpeedRampRequest,
+    WriteControlParameterRamAnglePidRequest,
+    WriteControlParameterRamSpeedPidRequest,
+    WriteControlParameterRamCurrentPidRequest,
+    WriteControlParameterRamMaxTorqueCurrentRequest,
+    WriteControlParameterRamMaxSpeedRequest,
+    WriteControlParameterRamUpperAngleRequest,
+    WriteControlParameterRamLowerAngleRequest,
+    WriteControlParameterRamSpeedRampRequest,
+    ReadEncoderRequest,
+    CalibrateEncoderRequest,
+    WritePositionAsZeroRomRequest,
+    ReadMultiTurnAngleRequest,
+    ReadSingleTurnAngleRequest,
+    SetZeroRamRequest,
+    ReadStatus1Request,
+    ClearErrorsRequest,
+    ReadStatus2Request,
+    ReadStatus3Request,
+    ReadStoredSettingDriverIdRequest,
+    ReadStoredSettingBusTypeRequest,
+    ReadStoredSettingRs485BaudRateRequest,
+    ReadStoredSettingCanBaudRateRequest,
+    ReadStoredSettingMaxPowerRequest,
+    ReadStoredSettingMaxSpeedRequest,
+    ReadStoredSettingMaxAngleRequest,
+    ReadStoredSettingCurrentRampRequest,
+    ReadStoredSettingSpeedRampRequest,
+    ReadStoredSettingAnglePidRequest,
+    ReadStoredSettingSpeedPidRequest,
+    ReadStoredSettingCurrentPidRequest,
+    StageStoredSettingDriverIdRequest,
+    StageStoredSettingBusTypeRequest,
+    StageStoredSettingRs485BaudRateRequest,
+    StageStoredSettingCanBaudRateRequest,
+    StageStoredSettingMaxPowerRequest,
+    StageStoredSettingMaxSpeedRequest,
+    StageStoredSettingMaxAngleRequest,
+    StageStoredSettingCurrentRampRequest,
+    StageStoredSettingSpeedRampRequest,
+    StageStoredSettingAnglePidRequest,
+    StageStoredSettingSpeedPidRequest,
+    StageStoredSettingCurrentPidRequest,
+    SaveStoredSettingsRequest,
+]
+"""Every request that `decode_request` returns."""
+AnyReply: TypeAlias = Union[
+    MotorOffReply,
+    MotorOnReply,
+    MotorStopReply,
+    BrakeReply,
+    SetPowerReply,
+    SetTorqueReply,
+    SetSpeedReply,
+    MoveToAngleReply,
+    MoveToAngleAtSpeedReply,
+    TurnToAngleReply,
+    TurnToAngleAtSpeedReply,
+    MoveByAngleReply,
+    MoveByAngleAtSpeedReply,
+    ReadControlParameterAnglePidReply,
+    ReadControlParameterSpeedPidReply,
+    ReadControlParameterCurrentPidReply,
+    ReadControlParameterMaxTorqueCurrentReply,
+    ReadControlParameterMaxSpeedReply,
+    ReadControlParameterUpperAngleReply,
+    ReadControlParameterLowerAngleReply,
+    ReadControlParameterSpeedRampReply,
+    WriteControlParameterRamAnglePidReply,
+    WriteControlParameterRamSpeedPidReply,
+    WriteControlParameterRamCurrentPidReply,
+    WriteControlParameterRamMaxTorqueCurrentReply,
+    WriteControlParameterRamMaxSpeedReply,
+    WriteControlParameterRamUpperAngleReply,
+    WriteControlParameterRamLowerAngleReply,
+    WriteControlParameterRamSpeedRampReply,
+    ReadEncoderReply,
+    CalibrateEncoderReply,
+    WritePositionAsZeroRomReply,
+    ReadMultiTurnAngleReply,
+    ReadSingleTurnAngleReply,
+    SetZeroRamReply,
+    ReadStatus1Reply,
+    ClearErrorsReply,
+    ReadStatus2Reply,
+    ReadStatus3Reply,
+    ReadStoredSettingDriverIdReply,
+    ReadStoredSettingBusTypeReply,
+    ReadStoredSettingRs485BaudRateReply,
+    ReadStoredSettingCanBaudRateReply,
+    ReadStoredSettingMaxPowerReply,
+    ReadStoredSettingMaxSpeedReply,
+    ReadStoredSettingMaxAngleReply,
+    ReadStoredSettingCurrentRampReply,
+    ReadStoredSettingSpeedRampReply,
+    ReadStoredSettingAnglePidReply,
+    ReadStoredSettingSpeedPidReply,
+    ReadStoredSettingCurrentPidReply,
+    StageStoredSettingDriverIdReply,
+    StageStoredSettingBusTypeReply,
+    StageStoredSettingRs485BaudRateReply,
+    StageStoredSettingCanBaudRateReply,
+    StageStoredSettingMaxPowerReply,
+    StageStoredSettingMaxSpeedReply,
+    StageStoredSettingMaxAngleReply,
+    StageStoredSettingCurrentRampReply,
+    StageStoredSettingSpeedRampReply,
+    StageStoredSettingAnglePidReply,
+    StageStoredSettingSpeedPidReply,
+    StageStoredSettingCurrentPidReply,
+    SaveStoredSettingsReply,
+]
+"""Every reply that `decode_reply` returns."""
+
+_data_0 = DataByte(0)
+_data_1 = DataByte(1)
+_data_2 = DataByte(2)
 
 
-def _key_2(can_id: int, data: bytes) -> int:
-    return data[1]
-
-
-def _key_3(can_id: int, data: bytes) -> int:
-    return data[2]
-
-
-_dispatcher = Dispatcher(
+_dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     requests=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffRequest,
-            0x88: MotorOnRequest,
-            0x81: MotorStopRequest,
-            0x8C: BrakeRequest,
-            0xA0: SetPowerRequest,
-            0xA1: SetTorqueRequest,
-            0xA2: SetSpeedRequest,
-            0xA3: MoveToAngleRequest,
-            0xA4: MoveToAngleAtSpeedRequest,
-            0xA5: TurnToAngleRequest,
-            0xA6: TurnToAngleAtSpeedRequest,
-            0xA7: MoveByAngleRequest,
-            0xA8: MoveByAngleAtSpeedRequest,
-            0xC0: Select(_key_2, {
-                0x0A: ReadControlParameterAnglePidRequest,
-                0x0B: ReadControlParameterSpeedPidRequest,
-                0x0C: ReadControlParameterCurrentPidRequest,
-                0x1E: ReadControlParameterMaxTorqueCurrentRequest,
-                0x20: ReadControlParameterMaxSpeedRequest,
-                0x22: ReadControlParameterUpperAngleRequest,
-                0x23: ReadControlParameterLowerAngleRequest,
-                0x26: ReadControlParameterSpeedRampRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0xC1: Select(_key_2, {
-                0x0A: WriteControlParameterRamAnglePidRequest,
-                0x0B: WriteControlParameterRamSpeedPidRequest,
-                0x0C: WriteControlParameterRamCurrentPidRequest,
-                0x1E: WriteControlParameterRamMaxTorqueCurrentRequest,
-                0x20: WriteControlParameterRamMaxSpeedRequest,
-                0x22: WriteControlParameterRamUpperAngleRequest,
-                0x23: WriteControlParameterRamLowerAngleRequest,
-                0x26: WriteControlParameterRamSpeedRampRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0x90: ReadEncoderRequest,
-            0x18: CalibrateEncoderRequest,
-            0x19: WritePositionAsZeroRomRequest,
-            0x92: ReadMultiTurnAngleRequest,
-            0x94: ReadSingleTurnAngleRequest,
-            0x95: SetZeroRamRequest,
-            0x9A: ReadStatus1Request,
-            0x9B: ClearErrorsRequest,
-            0x9C: ReadStatus2Request,
-            0x9D: ReadStatus3Request,
-            0x40: Select(_key_2, {
-                0x05: Select(_key_3, {
-                    0x0A: ReadStoredSettingDriverIdRequest,
-                    0x0B: ReadStoredSettingBusTypeRequest,
-                    0x0C: ReadStoredSettingRs485BaudRateRequest,
-                    0x0D: ReadStoredSettingCanBaudRateRequest,
-                    0xB0: ReadStoredSettingMaxPowerRequest,
-                    0xB2: ReadStoredSettingMaxSpeedRequest,
-                    0xB4: ReadStoredSettingMaxAngleRequest,
-                    0xBA: ReadStoredSettingCurrentRampRequest,
-                    0xBC: ReadStoredSettingSpeedRampRequest,
-                }, Refusal.UNKNOWN_CODE),
-                0xA0: ReadStoredSettingAnglePidRequest,
-                0xA4: ReadStoredSettingSpeedPidRequest,
-                0xA8: ReadStoredSettingCurrentPidRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0x42: Select(_key_2, {
-                0x05: Select(_key_3, {
-                    0x0A: StageStoredSettingDriverIdRequest,
-                    0x0B: StageStoredSettingBusTypeRequest,
-                    0x0C: StageStoredSettingRs485BaudRateRequest,
-                    0x0D: StageStoredSettingCanBaudRateRequest,
-                    0xB0: StageStoredSettingMaxPowerRequest,
-                    0xB2: StageStoredSettingMaxSpeedRequest,
-                    0xB4: StageStoredSettingMaxAngleRequest,
-                    0xBA: StageStoredSettingCurrentRampRequest,
-                    0xBC: StageStoredSettingSpeedRampRequest,
-                }, Refusal.UNKNOWN_CODE),
-                0xA0: StageStoredSettingAnglePidRequest,
-                0xA4: StageStoredSettingSpeedPidRequest,
-                0xA8: StageStoredSettingCurrentPidRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0x44: SaveStoredSettingsRequest,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffRequest,
+                            0x88: MotorOnRequest,
+                            0x81: MotorStopRequest,
+                            0x8C: BrakeRequest,
+                            0xA0: SetPowerRequest,
+                            0xA1: SetTorqueRequest,
+                            0xA2: SetSpeedRequest,
+                            0xA3: MoveToAngleRequest,
+                            0xA4: MoveToAngleAtSpeedRequest,
+                            0xA5: TurnToAngleRequest,
+                            0xA6: TurnToAngleAtSpeedRequest,
+                            0xA7: MoveByAngleRequest,
+                            0xA8: MoveByAngleAtSpeedRequest,
+                            0xC0: Select(
+                                _data_1,
+                                {
+                                    0x0A: ReadControlParameterAnglePidRequest,
+                                    0x0B: ReadControlParameterSpeedPidRequest,
+                                    0x0C: ReadControlParameterCurrentPidRequest,
+                                    0x1E: ReadControlParameterMaxTorqueCurrentRequest,
+                                    0x20: ReadControlParameterMaxSpeedRequest,
+                                    0x22: ReadControlParameterUpperAngleRequest,
+                                    0x23: ReadControlParameterLowerAngleRequest,
+                                    0x26: ReadControlParameterSpeedRampRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0xC1: Select(
+                                _data_1,
+                                {
+                                    0x0A: WriteControlParameterRamAnglePidRequest,
+                                    0x0B: WriteControlParameterRamSpeedPidRequest,
+                                    0x0C: WriteControlParameterRamCurrentPidRequest,
+                                    0x1E: WriteControlParameterRamMaxTorqueCurrentRequest,
+                                    0x20: WriteControlParameterRamMaxSpeedRequest,
+                                    0x22: WriteControlParameterRamUpperAngleRequest,
+                                    0x23: WriteControlParameterRamLowerAngleRequest,
+                                    0x26: WriteControlParameterRamSpeedRampRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x90: ReadEncoderRequest,
+                            0x18: CalibrateEncoderRequest,
+                            0x19: WritePositionAsZeroRomRequest,
+                            0x92: ReadMultiTurnAngleRequest,
+                            0x94: ReadSingleTurnAngleRequest,
+                            0x95: SetZeroRamRequest,
+                            0x9A: ReadStatus1Request,
+                            0x9B: ClearErrorsRequest,
+                            0x9C: ReadStatus2Request,
+                            0x9D: ReadStatus3Request,
+                            0x40: Select(
+                                _data_1,
+                                {
+                                    0x05: Select(
+                                        _data_2,
+                                        {
+                                            0x0A: ReadStoredSettingDriverIdRequest,
+                                            0x0B: ReadStoredSettingBusTypeRequest,
+                                            0x0C: ReadStoredSettingRs485BaudRateRequest,
+                                            0x0D: ReadStoredSettingCanBaudRateRequest,
+                                            0xB0: ReadStoredSettingMaxPowerRequest,
+                                            0xB2: ReadStoredSettingMaxSpeedRequest,
+                                            0xB4: ReadStoredSettingMaxAngleRequest,
+                                            0xBA: ReadStoredSettingCurrentRampRequest,
+                                            0xBC: ReadStoredSettingSpeedRampRequest,
+                                        },
+                                        Refusal.UNKNOWN_CODE,
+                                    ),
+                                    0xA0: ReadStoredSettingAnglePidRequest,
+                                    0xA4: ReadStoredSettingSpeedPidRequest,
+                                    0xA8: ReadStoredSettingCurrentPidRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x42: Select(
+                                _data_1,
+                                {
+                                    0x05: Select(
+                                        _data_2,
+                                        {
+                                            0x0A: StageStoredSettingDriverIdRequest,
+                                            0x0B: StageStoredSettingBusTypeRequest,
+                                            0x0C: StageStoredSettingRs485BaudRateRequest,
+                                            0x0D: StageStoredSettingCanBaudRateRequest,
+                                            0xB0: StageStoredSettingMaxPowerRequest,
+                                            0xB2: StageStoredSettingMaxSpeedRequest,
+                                            0xB4: StageStoredSettingMaxAngleRequest,
+                                            0xBA: StageStoredSettingCurrentRampRequest,
+                                            0xBC: StageStoredSettingSpeedRampRequest,
+                                        },
+                                        Refusal.UNKNOWN_CODE,
+                                    ),
+                                    0xA0: StageStoredSettingAnglePidRequest,
+                                    0xA4: StageStoredSettingSpeedPidRequest,
+                                    0xA8: StageStoredSettingCurrentPidRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x44: SaveStoredSettingsRequest,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     replies=(
-        Route(0x180, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffReply,
-            0x88: MotorOnReply,
-            0x81: MotorStopReply,
-            0x8C: BrakeReply,
-            0xA0: SetPowerReply,
-            0xA1: SetTorqueReply,
-            0xA2: SetSpeedReply,
-            0xA3: MoveToAngleReply,
-            0xA4: MoveToAngleAtSpeedReply,
-            0xA5: TurnToAngleReply,
-            0xA6: TurnToAngleAtSpeedReply,
-            0xA7: MoveByAngleReply,
-            0xA8: MoveByAngleAtSpeedReply,
-            0xC0: Select(_key_2, {
-                0x0A: ReadControlParameterAnglePidReply,
-                0x0B: ReadControlParameterSpeedPidReply,
-                0x0C: ReadControlParameterCurrentPidReply,
-                0x1E: ReadControlParameterMaxTorqueCurrentReply,
-                0x20: ReadControlParameterMaxSpeedReply,
-                0x22: ReadControlParameterUpperAngleReply,
-                0x23: ReadControlParameterLowerAngleReply,
-                0x26: ReadControlParameterSpeedRampReply,
-            }, Refusal.UNKNOWN_CODE),
-            0xC1: Select(_key_2, {
-                0x0A: WriteControlParameterRamAnglePidReply,
-                0x0B: WriteControlParameterRamSpeedPidReply,
-                0x0C: WriteControlParameterRamCurrentPidReply,
-                0x1E: WriteControlParameterRamMaxTorqueCurrentReply,
-                0x20: WriteControlParameterRamMaxSpeedReply,
-                0x22: WriteControlParameterRamUpperAngleReply,
-                0x23: WriteControlParameterRamLowerAngleReply,
-                0x26: WriteControlParameterRamSpeedRampReply,
-            }, Refusal.UNKNOWN_CODE),
-            0x90: ReadEncoderReply,
-            0x18: CalibrateEncoderReply,
-            0x19: WritePositionAsZeroRomReply,
-            0x92: ReadMultiTurnAngleReply,
-            0x94: ReadSingleTurnAngleReply,
-            0x95: SetZeroRamReply,
-            0x9A: ReadStatus1Reply,
-            0x9B: ClearErrorsReply,
-            0x9C: ReadStatus2Reply,
-            0x9D: ReadStatus3Reply,
-            0x40: Select(_key_2, {
-                0x05: Select(_key_3, {
-                    0x0A: ReadStoredSettingDriverIdReply,
-                    0x0B: ReadStoredSettingBusTypeReply,
-                    0x0C: ReadStoredSettingRs485BaudRateReply,
-                    0x0D: ReadStoredSettingCanBaudRateReply,
-                    0xB0: ReadStoredSettingMaxPowerReply,
-                    0xB2: ReadStoredSettingMaxSpeedReply,
-                    0xB4: ReadStoredSettingMaxAngleReply,
-                    0xBA: ReadStoredSettingCurrentRampReply,
-                    0xBC: ReadStoredSettingSpeedRampReply,
-                }, Refusal.UNKNOWN_CODE),
-                0xA0: ReadStoredSettingAnglePidReply,
-                0xA4: ReadStoredSettingSpeedPidReply,
-                0xA8: ReadStoredSettingCurrentPidReply,
-            }, Refusal.UNKNOWN_CODE),
-            0x42: Select(_key_2, {
-                0x05: Select(_key_3, {
-                    0x0A: StageStoredSettingDriverIdReply,
-                    0x0B: StageStoredSettingBusTypeReply,
-                    0x0C: StageStoredSettingRs485BaudRateReply,
-                    0x0D: StageStoredSettingCanBaudRateReply,
-                    0xB0: StageStoredSettingMaxPowerReply,
-                    0xB2: StageStoredSettingMaxSpeedReply,
-                    0xB4: StageStoredSettingMaxAngleReply,
-                    0xBA: StageStoredSettingCurrentRampReply,
-                    0xBC: StageStoredSettingSpeedRampReply,
-                }, Refusal.UNKNOWN_CODE),
-                0xA0: StageStoredSettingAnglePidReply,
-                0xA4: StageStoredSettingSpeedPidReply,
-                0xA8: StageStoredSettingCurrentPidReply,
-            }, Refusal.UNKNOWN_CODE),
-            0x44: SaveStoredSettingsReply,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x180,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffReply,
+                            0x88: MotorOnReply,
+                            0x81: MotorStopReply,
+                            0x8C: BrakeReply,
+                            0xA0: SetPowerReply,
+                            0xA1: SetTorqueReply,
+                            0xA2: SetSpeedReply,
+                            0xA3: MoveToAngleReply,
+                            0xA4: MoveToAngleAtSpeedReply,
+                            0xA5: TurnToAngleReply,
+                            0xA6: TurnToAngleAtSpeedReply,
+                            0xA7: MoveByAngleReply,
+                            0xA8: MoveByAngleAtSpeedReply,
+                            0xC0: Select(
+                                _data_1,
+                                {
+                                    0x0A: ReadControlParameterAnglePidReply,
+                                    0x0B: ReadControlParameterSpeedPidReply,
+                                    0x0C: ReadControlParameterCurrentPidReply,
+                                    0x1E: ReadControlParameterMaxTorqueCurrentReply,
+                                    0x20: ReadControlParameterMaxSpeedReply,
+                                    0x22: ReadControlParameterUpperAngleReply,
+                                    0x23: ReadControlParameterLowerAngleReply,
+                                    0x26: ReadControlParameterSpeedRampReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0xC1: Select(
+                                _data_1,
+                                {
+                                    0x0A: WriteControlParameterRamAnglePidReply,
+                                    0x0B: WriteControlParameterRamSpeedPidReply,
+                                    0x0C: WriteControlParameterRamCurrentPidReply,
+                                    0x1E: WriteControlParameterRamMaxTorqueCurrentReply,
+                                    0x20: WriteControlParameterRamMaxSpeedReply,
+                                    0x22: WriteControlParameterRamUpperAngleReply,
+                                    0x23: WriteControlParameterRamLowerAngleReply,
+                                    0x26: WriteControlParameterRamSpeedRampReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x90: ReadEncoderReply,
+                            0x18: CalibrateEncoderReply,
+                            0x19: WritePositionAsZeroRomReply,
+                            0x92: ReadMultiTurnAngleReply,
+                            0x94: ReadSingleTurnAngleReply,
+                            0x95: SetZeroRamReply,
+                            0x9A: ReadStatus1Reply,
+                            0x9B: ClearErrorsReply,
+                            0x9C: ReadStatus2Reply,
+                            0x9D: ReadStatus3Reply,
+                            0x40: Select(
+                                _data_1,
+                                {
+                                    0x05: Select(
+                                        _data_2,
+                                        {
+                                            0x0A: ReadStoredSettingDriverIdReply,
+                                            0x0B: ReadStoredSettingBusTypeReply,
+                                            0x0C: ReadStoredSettingRs485BaudRateReply,
+                                            0x0D: ReadStoredSettingCanBaudRateReply,
+                                            0xB0: ReadStoredSettingMaxPowerReply,
+                                            0xB2: ReadStoredSettingMaxSpeedReply,
+                                            0xB4: ReadStoredSettingMaxAngleReply,
+                                            0xBA: ReadStoredSettingCurrentRampReply,
+                                            0xBC: ReadStoredSettingSpeedRampReply,
+                                        },
+                                        Refusal.UNKNOWN_CODE,
+                                    ),
+                                    0xA0: ReadStoredSettingAnglePidReply,
+                                    0xA4: ReadStoredSettingSpeedPidReply,
+                                    0xA8: ReadStoredSettingCurrentPidReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x42: Select(
+                                _data_1,
+                                {
+                                    0x05: Select(
+                                        _data_2,
+                                        {
+                                            0x0A: StageStoredSettingDriverIdReply,
+                                            0x0B: StageStoredSettingBusTypeReply,
+                                            0x0C: StageStoredSettingRs485BaudRateReply,
+                                            0x0D: StageStoredSettingCanBaudRateReply,
+                                            0xB0: StageStoredSettingMaxPowerReply,
+                                            0xB2: StageStoredSettingMaxSpeedReply,
+                                            0xB4: StageStoredSettingMaxAngleReply,
+                                            0xBA: StageStoredSettingCurrentRampReply,
+                                            0xBC: StageStoredSettingSpeedRampReply,
+                                        },
+                                        Refusal.UNKNOWN_CODE,
+                                    ),
+                                    0xA0: StageStoredSettingAnglePidReply,
+                                    0xA4: StageStoredSettingSpeedPidReply,
+                                    0xA8: StageStoredSettingCurrentPidReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x44: SaveStoredSettingsReply,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     answers={
-        MotorOffRequest: Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
-        MotorOnRequest: Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
-        MotorStopRequest: Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
-        BrakeRequest: Answer(BrakeReply, ((_key_1, (0x8C,)),), (), False),
-        SetPowerRequest: Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
-        SetTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
-        SetSpeedRequest: Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
-        MoveToAngleRequest: Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
-        MoveToAngleAtSpeedRequest: Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
-        TurnToAngleRequest: Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
-        TurnToAngleAtSpeedRequest: Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
-        MoveByAngleRequest: Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
-        MoveByAngleAtSpeedRequest: Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
-        ReadControlParameterAnglePidRequest: Answer(ReadControlParameterAnglePidReply, ((_key_1, (0xC0,)), (_key_2, (0x0A,))), (), False),
-        ReadControlParameterSpeedPidRequest: Answer(ReadControlParameterSpeedPidReply, ((_key_1, (0xC0,)), (_key_2, (0x0B,))), (), False),
-        ReadControlParameterCurrentPidRequest: Answer(ReadControlParameterCurrentPidReply, ((_key_1, (0xC0,)), (_key_2, (0x0C,))), (), False),
-        ReadControlParameterMaxTorqueCurrentRequest: Answer(ReadControlParameterMaxTorqueCurrentReply, ((_key_1, (0xC0,)), (_key_2, (0x1E,))), (), False),
-        ReadControlParameterMaxSpeedRequest: Answer(ReadControlParameterMaxSpeedReply, ((_key_1, (0xC0,)), (_key_2, (0x20,))), (), False),
-        ReadControlParameterUpperAngleRequest: Answer(ReadControlParameterUpperAngleReply, ((_key_1, (0xC0,)), (_key_2, (0x22,))), (), False),
-        ReadControlParameterLowerAngleRequest: Answer(ReadControlParameterLowerAngleReply, ((_key_1, (0xC0,)), (_key_2, (0x23,))), (), False),
-        ReadControlParameterSpeedRampRequest: Answer(ReadControlParameterSpeedRampReply, ((_key_1, (0xC0,)), (_key_2, (0x26,))), (), False),
-        WriteControlParameterRamAnglePidRequest: Answer(WriteControlParameterRamAnglePidReply, ((_key_1, (0xC1,)), (_key_2, (0x0A,))), (), False),
-        WriteControlParameterRamSpeedPidRequest: Answer(WriteControlParameterRamSpeedPidReply, ((_key_1, (0xC1,)), (_key_2, (0x0B,))), (), False),
-        WriteControlParameterRamCurrentPidRequest: Answer(WriteControlParameterRamCurrentPidReply, ((_key_1, (0xC1,)), (_key_2, (0x0C,))), (), False),
-        WriteControlParameterRamMaxTorqueCurrentRequest: Answer(WriteControlParameterRamMaxTorqueCurrentReply, ((_key_1, (0xC1,)), (_key_2, (0x1E,))), (), False),
-        WriteControlParameterRamMaxSpeedRequest: Answer(WriteControlParameterRamMaxSpeedReply, ((_key_1, (0xC1,)), (_key_2, (0x20,))), (), False),
-        WriteControlParameterRamUpperAngleRequest: Answer(WriteControlParameterRamUpperAngleReply, ((_key_1, (0xC1,)), (_key_2, (0x22,))), (), False),
-        WriteControlParameterRamLowerAngleRequest: Answer(WriteControlParameterRamLowerAngleReply, ((_key_1, (0xC1,)), (_key_2, (0x23,))), (), False),
-        WriteControlParameterRamSpeedRampRequest: Answer(WriteControlParameterRamSpeedRampReply, ((_key_1, (0xC1,)), (_key_2, (0x26,))), (), False),
-        ReadEncoderRequest: Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
-        CalibrateEncoderRequest: Answer(CalibrateEncoderReply, ((_key_1, (0x18,)),), (), False),
-        WritePositionAsZeroRomRequest: Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
-        ReadMultiTurnAngleRequest: Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
-        ReadSingleTurnAngleRequest: Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
-        SetZeroRamRequest: Answer(SetZeroRamReply, ((_key_1, (0x95,)),), (), True),
-        ReadStatus1Request: Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
-        ClearErrorsRequest: Answer(ClearErrorsReply, ((_key_1, (0x9B,)),), (), False),
-        ReadStatus2Request: Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
-        ReadStatus3Request: Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
-        ReadStoredSettingDriverIdRequest: Answer(ReadStoredSettingDriverIdReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0x0A,))), (), False),
-        ReadStoredSettingBusTypeRequest: Answer(ReadStoredSettingBusTypeReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0x0B,))), (), False),
-        ReadStoredSettingRs485BaudRateRequest: Answer(ReadStoredSettingRs485BaudRateReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0x0C,))), (), False),
-        ReadStoredSettingCanBaudRateRequest: Answer(ReadStoredSettingCanBaudRateReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0x0D,))), (), False),
-        ReadStoredSettingMaxPowerRequest: Answer(ReadStoredSettingMaxPowerReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xB0,))), (), False),
-        ReadStoredSettingMaxSpeedRequest: Answer(ReadStoredSettingMaxSpeedReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xB2,))), (), False),
-        ReadStoredSettingMaxAngleRequest: Answer(ReadStoredSettingMaxAngleReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xB4,))), (), False),
-        ReadStoredSettingCurrentRampRequest: Answer(ReadStoredSettingCurrentRampReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xBA,))), (), False),
-        ReadStoredSettingSpeedRampRequest: Answer(ReadStoredSettingSpeedRampReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xBC,))), (), False),
-        ReadStoredSettingAnglePidRequest: Answer(ReadStoredSettingAnglePidReply, ((_key_1, (0x40,)), (_key_2, (0xA0,))), (), False),
-        ReadStoredSettingSpeedPidRequest: Answer(ReadStoredSettingSpeedPidReply, ((_key_1, (0x40,)), (_key_2, (0xA4,))), (), False),
-        ReadStoredSettingCurrentPidRequest: Answer(ReadStoredSettingCurrentPidReply, ((_key_1, (0x40,)), (_key_2, (0xA8,))), (), False),
-        StageStoredSettingDriverIdRequest: Answer(StageStoredSettingDriverIdReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0x0A,))), (), False),
-        StageStoredSettingBusTypeRequest: Answer(StageStoredSettingBusTypeReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0x0B,))), (), False),
-        StageStoredSettingRs485BaudRateRequest: Answer(StageStoredSettingRs485BaudRateReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0x0C,))), (), False),
-        StageStoredSettingCanBaudRateRequest: Answer(StageStoredSettingCanBaudRateReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0x0D,))), (), False),
-        StageStoredSettingMaxPowerRequest: Answer(StageStoredSettingMaxPowerReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xB0,))), (), False),
-        StageStoredSettingMaxSpeedRequest: Answer(StageStoredSettingMaxSpeedReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xB2,))), (), False),
-        StageStoredSettingMaxAngleRequest: Answer(StageStoredSettingMaxAngleReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xB4,))), (), False),
-        StageStoredSettingCurrentRampRequest: Answer(StageStoredSettingCurrentRampReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xBA,))), (), False),
-        StageStoredSettingSpeedRampRequest: Answer(StageStoredSettingSpeedRampReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xBC,))), (), False),
-        StageStoredSettingAnglePidRequest: Answer(StageStoredSettingAnglePidReply, ((_key_1, (0x42,)), (_key_2, (0xA0,))), (), False),
-        StageStoredSettingSpeedPidRequest: Answer(StageStoredSettingSpeedPidReply, ((_key_1, (0x42,)), (_key_2, (0xA4,))), (), False),
-        StageStoredSettingCurrentPidRequest: Answer(StageStoredSettingCurrentPidReply, ((_key_1, (0x42,)), (_key_2, (0xA8,))), (), False),
-        SaveStoredSettingsRequest: Answer(SaveStoredSettingsReply, ((_key_1, (0x44,)),), (), False),
+        MotorOffRequest: Answer(
+            MotorOffReply,
+            (
+                (_data_0, (0x80,)),
+            ),
+            echo=True,
+        ),
+        MotorOnRequest: Answer(
+            MotorOnReply,
+            (
+                (_data_0, (0x88,)),
+            ),
+            echo=True,
+        ),
+        MotorStopRequest: Answer(
+            MotorStopReply,
+            (
+                (_data_0, (0x81,)),
+            ),
+            echo=True,
+        ),
+        BrakeRequest: Answer(
+            BrakeReply,
+            (
+                (_data_0, (0x8C,)),
+            ),
+        ),
+        SetPowerRequest: Answer(
+            SetPowerReply,
+            (
+                (_data_0, (0xA0,)),
+            ),
+        ),
+        SetTorqueRequest: Answer(
+            SetTorqueReply,
+            (
+                (_data_0, (0xA1,)),
+            ),
+        ),
+        SetSpeedRequest: Answer(
+            SetSpeedReply,
+            (
+                (_data_0, (0xA2,)),
+            ),
+        ),
+        MoveToAngleRequest: Answer(
+            MoveToAngleReply,
+            (
+                (_data_0, (0xA3,)),
+            ),
+        ),
+        MoveToAngleAtSpeedRequest: Answer(
+            MoveToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA4,)),
+            ),
+        ),
+        TurnToAngleRequest: Answer(
+            TurnToAngleReply,
+            (
+                (_data_0, (0xA5,)),
+            ),
+        ),
+        TurnToAngleAtSpeedRequest: Answer(
+            TurnToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA6,)),
+            ),
+        ),
+        MoveByAngleRequest: Answer(
+            MoveByAngleReply,
+            (
+                (_data_0, (0xA7,)),
+            ),
+        ),
+        MoveByAngleAtSpeedRequest: Answer(
+            MoveByAngleAtSpeedReply,
+            (
+                (_data_0, (0xA8,)),
+            ),
+        ),
+        ReadControlParameterAnglePidRequest: Answer(
+            ReadControlParameterAnglePidReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x0A,)),
+            ),
+        ),
+        ReadControlParameterSpeedPidRequest: Answer(
+            ReadControlParameterSpeedPidReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x0B,)),
+            ),
+        ),
+        ReadControlParameterCurrentPidRequest: Answer(
+            ReadControlParameterCurrentPidReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x0C,)),
+            ),
+        ),
+        ReadControlParameterMaxTorqueCurrentRequest: Answer(
+            ReadControlParameterMaxTorqueCurrentReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x1E,)),
+            ),
+        ),
+        ReadControlParameterMaxSpeedRequest: Answer(
+            ReadControlParameterMaxSpeedReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x20,)),
+            ),
+        ),
+        ReadControlParameterUpperAngleRequest: Answer(
+            ReadControlParameterUpperAngleReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x22,)),
+            ),
+        ),
+        ReadControlParameterLowerAngleRequest: Answer(
+            ReadControlParameterLowerAngleReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x23,)),
+            ),
+        ),
+        ReadControlParameterSpeedRampRequest: Answer(
+            ReadControlParameterSpeedRampReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x26,)),
+            ),
+        ),
+        WriteControlParameterRamAnglePidRequest: Answer(
+            WriteControlParameterRamAnglePidReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x0A,)),
+            ),
+        ),
+        WriteControlParameterRamSpeedPidRequest: Answer(
+            WriteControlParameterRamSpeedPidReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x0B,)),
+            ),
+        ),
+        WriteControlParameterRamCurrentPidRequest: Answer(
+            WriteControlParameterRamCurrentPidReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x0C,)),
+            ),
+        ),
+        WriteControlParameterRamMaxTorqueCurrentRequest: Answer(
+            WriteControlParameterRamMaxTorqueCurrentReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x1E,)),
+            ),
+        ),
+        WriteControlParameterRamMaxSpeedRequest: Answer(
+            WriteControlParameterRamMaxSpeedReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x20,)),
+            ),
+        ),
+        WriteControlParameterRamUpperAngleRequest: Answer(
+            WriteControlParameterRamUpperAngleReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x22,)),
+            ),
+        ),
+        WriteControlParameterRamLowerAngleRequest: Answer(
+            WriteControlParameterRamLowerAngleReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x23,)),
+            ),
+        ),
+        WriteControlParameterRamSpeedRampRequest: Answer(
+            WriteControlParameterRamSpeedRampReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x26,)),
+            ),
+        ),
+        ReadEncoderRequest: Answer(
+            ReadEncoderReply,
+            (
+                (_data_0, (0x90,)),
+            ),
+        ),
+        CalibrateEncoderRequest: Answer(
+            CalibrateEncoderReply,
+            (
+                (_data_0, (0x18,)),
+            ),
+        ),
+        WritePositionAsZeroRomRequest: Answer(
+            WritePositionAsZeroRomReply,
+            (
+                (_data_0, (0x19,)),
+            ),
+        ),
+        ReadMultiTurnAngleRequest: Answer(
+            ReadMultiTurnAngleReply,
+            (
+                (_data_0, (0x92,)),
+            ),
+        ),
+        ReadSingleTurnAngleRequest: Answer(
+            ReadSingleTurnAngleReply,
+            (
+                (_data_0, (0x94,)),
+            ),
+        ),
+        SetZeroRamRequest: Answer(
+            SetZeroRamReply,
+            (
+                (_data_0, (0x95,)),
+            ),
+            echo=True,
+        ),
+        ReadStatus1Request: Answer(
+            ReadStatus1Reply,
+            (
+                (_data_0, (0x9A,)),
+            ),
+        ),
+        ClearErrorsRequest: Answer(
+            ClearErrorsReply,
+            (
+                (_data_0, (0x9B,)),
+            ),
+        ),
+        ReadStatus2Request: Answer(
+            ReadStatus2Reply,
+            (
+                (_data_0, (0x9C,)),
+            ),
+        ),
+        ReadStatus3Request: Answer(
+            ReadStatus3Reply,
+            (
+                (_data_0, (0x9D,)),
+            ),
+        ),
+        ReadStoredSettingDriverIdRequest: Answer(
+            ReadStoredSettingDriverIdReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0A,)),
+            ),
+        ),
+        ReadStoredSettingBusTypeRequest: Answer(
+            ReadStoredSettingBusTypeReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0B,)),
+            ),
+        ),
+        ReadStoredSettingRs485BaudRateRequest: Answer(
+            ReadStoredSettingRs485BaudRateReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0C,)),
+            ),
+        ),
+        ReadStoredSettingCanBaudRateRequest: Answer(
+            ReadStoredSettingCanBaudRateReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0D,)),
+            ),
+        ),
+        ReadStoredSettingMaxPowerRequest: Answer(
+            ReadStoredSettingMaxPowerReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xB0,)),
+            ),
+        ),
+        ReadStoredSettingMaxSpeedRequest: Answer(
+            ReadStoredSettingMaxSpeedReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xB2,)),
+            ),
+        ),
+        ReadStoredSettingMaxAngleRequest: Answer(
+            ReadStoredSettingMaxAngleReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xB4,)),
+            ),
+        ),
+        ReadStoredSettingCurrentRampRequest: Answer(
+            ReadStoredSettingCurrentRampReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xBA,)),
+            ),
+        ),
+        ReadStoredSettingSpeedRampRequest: Answer(
+            ReadStoredSettingSpeedRampReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xBC,)),
+            ),
+        ),
+        ReadStoredSettingAnglePidRequest: Answer(
+            ReadStoredSettingAnglePidReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0xA0,)),
+            ),
+        ),
+        ReadStoredSettingSpeedPidRequest: Answer(
+            ReadStoredSettingSpeedPidReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0xA4,)),
+            ),
+        ),
+        ReadStoredSettingCurrentPidRequest: Answer(
+            ReadStoredSettingCurrentPidReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0xA8,)),
+            ),
+        ),
+        StageStoredSettingDriverIdRequest: Answer(
+            StageStoredSettingDriverIdReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0A,)),
+            ),
+        ),
+        StageStoredSettingBusTypeRequest: Answer(
+            StageStoredSettingBusTypeReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0B,)),
+            ),
+        ),
+        StageStoredSettingRs485BaudRateRequest: Answer(
+            StageStoredSettingRs485BaudRateReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0C,)),
+            ),
+        ),
+        StageStoredSettingCanBaudRateRequest: Answer(
+            StageStoredSettingCanBaudRateReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0D,)),
+            ),
+        ),
+        StageStoredSettingMaxPowerRequest: Answer(
+            StageStoredSettingMaxPowerReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xB0,)),
+            ),
+        ),
+        StageStoredSettingMaxSpeedRequest: Answer(
+            StageStoredSettingMaxSpeedReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xB2,)),
+            ),
+        ),
+        StageStoredSettingMaxAngleRequest: Answer(
+            StageStoredSettingMaxAngleReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xB4,)),
+            ),
+        ),
+        StageStoredSettingCurrentRampRequest: Answer(
+            StageStoredSettingCurrentRampReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xBA,)),
+            ),
+        ),
+        StageStoredSettingSpeedRampRequest: Answer(
+            StageStoredSettingSpeedRampReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xBC,)),
+            ),
+        ),
+        StageStoredSettingAnglePidRequest: Answer(
+            StageStoredSettingAnglePidReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0xA0,)),
+            ),
+        ),
+        StageStoredSettingSpeedPidRequest: Answer(
+            StageStoredSettingSpeedPidReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0xA4,)),
+            ),
+        ),
+        StageStoredSettingCurrentPidRequest: Answer(
+            StageStoredSettingCurrentPidReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0xA8,)),
+            ),
+        ),
+        SaveStoredSettingsRequest: Answer(
+            SaveStoredSettingsReply,
+            (
+                (_data_0, (0x44,)),
+            ),
+        ),
     },
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
 ids_of = _dispatcher.ids_of
-decode_request = _dispatcher.decode_request
-decode_reply = _dispatcher.decode_reply
+decode_request = _dispatcher.requests.decode
+decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply

@@ -13,7 +13,7 @@ _RUNTIME = {
         *("Bound", "Float", "Number", "Real", "ToAll", "ToNode", "check_choice", "check_number", "constant"),
         *("each", "flags", "known", "member", "merge", "missing", "named", "node_in", "require"),
     ),
-    "_dispatch": ("Answer", "Dispatcher", "Route", "Select", "data_length"),
+    "_dispatch": ("Answer", "DataByte", "Dispatcher", "Route", "Select", "data_length"),
 }
 _STANDARD_LIBRARY = {
     "collections.abc": ("Iterable",),
@@ -21,7 +21,7 @@ _STANDARD_LIBRARY = {
     "enum": ("Enum", "IntEnum", "IntFlag"),
     "fractions": ("Fraction",),
     "struct": ("Struct", "pack"),
-    "typing": ("TYPE_CHECKING", "Any", "ClassVar"),
+    "typing": ("TYPE_CHECKING", "Any", "ClassVar", "NoReturn", "TypeAlias", "Union"),
 }
 _TYPE_CHECKING = {"typing_extensions": ("Self",)}
 
