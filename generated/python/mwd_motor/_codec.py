@@ -10,6 +10,7 @@ from decimal import Decimal
 from enum import Enum, IntEnum, IntFlag
 from fractions import Fraction
 from functools import lru_cache
+from math import floor
 from operator import index
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
@@ -207,18 +208,16 @@ class FieldType:
         return (low, high) if low <= high else (high, low)
 
 
-CERTAIN = 0.499
-"""A float this close to an integer has that nearest integer, although it was computed with rounding errors."""
+Fast = tuple[float, float, int, int]
+"""A conversion by floats: raw integers per unit, raw integer of the value 0 plus a half, smallest and largest raw."""
 
 FAST_LIMIT = 1 << 32
-"""The largest raw integers and offsets that are converted as floats.
+"""The largest raw integers and offsets that are converted by floats.
 
-The quotient `value * steps + zero` is computed with four roundings: of `steps`, `zero`, product and sum. Each is at
-most 2**-53 of a number below 2**34, together less than 2**-17. That is less than 0.5 - CERTAIN.
+`floor(value * steps + zero)` is the nearest raw integer unless rounding errors move the sum across an integer. There
+are five roundings: of an integer value, `steps`, `zero`, product and sum. Each is at most 2**-53 of a number below
+2**34, so all of them are less than 0.001. A sum that is closer to an integer than that is not used.
 """
-
-Fast = tuple[float, float, int, int]
-"""Raw integers per unit, raw integer of the value 0, smallest and largest raw integer."""
 
 
 class Number(FieldType):
@@ -230,7 +229,7 @@ class Number(FieldType):
     it is a table of ranges.
     """
 
-    __slots__ = ("_by", "_fast", "_lines", "_span", "high", "limits", "limits_by", "low", "scale_by", "times")
+    __slots__ = ("_by", "_fast", "_fast_by", "_lines", "_span", "high", "limits", "limits_by", "low", "scale_by", "times")
 
     def __init__(
         self,
@@ -255,14 +254,15 @@ class Number(FieldType):
             {key: line_of(one) for key, one in scale.items()} if isinstance(scale, Mapping) else {None: line_of(scale)}
         )
         self._by = scale_by or limits_by
-        self._fast = self._fast_conversions()
+        self._fast_by = self._fast_conversions()
+        self._fast = self._fast_by.get(None)
         self._span: tuple[int, int] | None = None
         always = None if limits_by else self._limits_at(None)
         if not limits_by and not any(bound.parameter for bound in always or ()):
             self._span = self._span_within(always, None)
 
     def _fast_conversions(self) -> dict[Any, Fast]:
-        """The conversions that floats do with certainty, by the parameter that scale and range depend on."""
+        """The conversions that floats do with certainty, by the value of the parameter; by None without one."""
         if self.scale_by and self.limits_by and self.scale_by != self.limits_by:
             return {}
         found: dict[Any, Fast] = {}
@@ -275,7 +275,7 @@ class Number(FieldType):
             factor, addend, divisor = line
             low, high = self._span_within(limits, None)
             try:
-                steps, zero = divisor / factor, -addend / factor
+                steps, zero = divisor / factor, 0.5 - addend / factor
             except OverflowError:
                 continue
             if max(-low, high, abs(zero)) <= FAST_LIMIT:
@@ -297,7 +297,7 @@ class Number(FieldType):
 
     def value(self, raw: int, parameters: object, field: str) -> float:
         """The value of a raw integer, rounded to the nearest float. Raises CodecError when it has none."""
-        line = self._lines.get(getattr(parameters, self.scale_by) if self.scale_by else None)
+        line = self._lines.get(getattr(parameters, self.scale_by)) if self.scale_by else None
         if line is None or self.times:
             line = self._line_at(parameters, field)
         factor, addend, divisor = line
@@ -312,18 +312,18 @@ class Number(FieldType):
 
         The value is taken exactly: a float as the binary number that it is, a Fraction and a Decimal as themselves.
         """
-        if type(value) is float or type(value) is int:
-            fast = self._fast.get(getattr(parameters, self._by) if self._by else None)
-            if fast is not None:
-                steps, zero, low, high = fast
-                try:
-                    quotient = value * steps + zero
-                except OverflowError:
-                    quotient = math.inf
-                if low <= quotient <= high:
-                    raw = round(quotient)
-                    if -CERTAIN < quotient - raw < CERTAIN:
-                        return raw
+        fast = self._fast
+        if fast is None and self._by:
+            fast = self._fast_by.get(getattr(parameters, self._by))
+        if fast is not None and (type(value) is float or type(value) is int):
+            steps, zero, low, high = fast
+            try:
+                quotient = value * steps + zero
+                raw = floor(quotient)
+            except (OverflowError, ValueError):
+                return self._exact_raw(value, parameters, field)
+            if 0.001 < quotient - raw < 0.999 and low <= raw <= high:
+                return raw
         return self._exact_raw(value, parameters, field)
 
     def _exact_raw(self, value: Real, parameters: object, field: str) -> int:
@@ -634,6 +634,8 @@ class Message:
     VARIANT_OF: ClassVar[Mapping[Any, int]] = {}
     """The index of the variant by the value of that parameter."""
 
+    _FIRST: ClassVar[int] = 0
+    _LAST: ClassVar[int] = -1
     _checked: bool
     """Whether the raw integers and the node are known to be valid."""
     _node: Any
@@ -644,6 +646,8 @@ class Message:
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         immutable(cls)
+        if "NODES" in vars(cls):
+            cls._FIRST, cls._LAST = cls.NODES
 
     @property
     def node(self) -> Any:
@@ -748,6 +752,8 @@ class Message:
     @classmethod
     def _known_node(cls, node: int | None) -> int | None:
         """The node itself. Raises CodecError (unknown_node), and TypeError where the id has no node."""
+        if type(node) is int and cls._FIRST <= node <= cls._LAST:
+            return node
         if not cls.COMMAND:
             raise TypeError(f"{cls.__name__} is only a base class; use the class of a request or a reply")
         if hasattr(cls, "NODES"):

@@ -302,7 +302,7 @@ class PidGains(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -406,7 +406,7 @@ class WriteAccelerationRam(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -461,7 +461,7 @@ class WriteEncoderOffsetRom(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -546,7 +546,7 @@ class MotionFeedback(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -682,7 +682,7 @@ class Status1(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -836,7 +836,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -905,7 +905,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -971,7 +971,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1038,7 +1038,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1109,7 +1109,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1192,7 +1192,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1275,7 +1275,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1362,7 +1362,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1434,7 +1434,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1804,7 +1804,7 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2094,7 +2094,7 @@ class ReadAccelerationReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2178,7 +2178,7 @@ class ReadEncoderReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2281,7 +2281,7 @@ class WritePositionAsZeroRomReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2342,7 +2342,7 @@ class ReadMultiTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2404,7 +2404,7 @@ class ReadSingleTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2537,7 +2537,7 @@ class ReadStatus3Reply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False

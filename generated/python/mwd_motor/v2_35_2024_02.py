@@ -338,7 +338,7 @@ class ControlParametersTorqueLimit(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -385,7 +385,7 @@ class ControlParametersAccelerationLimit(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -432,7 +432,7 @@ class ControlParametersSpeedLimit(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -480,7 +480,7 @@ class WriteEncoderOffsetRom(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -535,7 +535,7 @@ class SetAngle(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -619,7 +619,7 @@ class MotionFeedback(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -760,7 +760,7 @@ class Status1(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -934,7 +934,7 @@ class BrakeRequest(Request["BrakeReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -997,7 +997,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1066,7 +1066,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1132,7 +1132,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1204,7 +1204,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1283,7 +1283,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1354,7 +1354,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1437,7 +1437,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1520,7 +1520,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1607,7 +1607,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1679,7 +1679,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2135,7 +2135,7 @@ class BrakeReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2465,7 +2465,7 @@ class ReadEncoderReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2568,7 +2568,7 @@ class WritePositionAsZeroRomReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2629,7 +2629,7 @@ class ReadMultiTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2691,7 +2691,7 @@ class ReadSingleTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2824,7 +2824,7 @@ class ReadStatus3Reply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False

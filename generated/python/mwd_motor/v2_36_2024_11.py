@@ -378,7 +378,7 @@ class PidGains(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -443,7 +443,7 @@ class ControlParametersMaxTorqueCurrent(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -490,7 +490,7 @@ class ControlParametersMaxSpeed(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -537,7 +537,7 @@ class ControlParametersMaxAngle(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -584,7 +584,7 @@ class ControlParametersCurrentRamp(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -631,7 +631,7 @@ class ControlParametersSpeedRamp(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -678,7 +678,7 @@ class SetAngle(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -762,7 +762,7 @@ class MotionFeedback(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -903,7 +903,7 @@ class Status1(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1077,7 +1077,7 @@ class BrakeRequest(Request["BrakeReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1140,7 +1140,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1209,7 +1209,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1281,7 +1281,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1360,7 +1360,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1431,7 +1431,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1514,7 +1514,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1597,7 +1597,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1684,7 +1684,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1756,7 +1756,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2417,7 +2417,7 @@ class BrakeReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2922,7 +2922,7 @@ class ReadEncoderReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -3010,7 +3010,7 @@ class WritePositionAsZeroRomReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -3071,7 +3071,7 @@ class ReadMultiTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -3133,7 +3133,7 @@ class ReadSingleTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -3266,7 +3266,7 @@ class ReadStatus3Reply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False

@@ -547,7 +547,7 @@ class PidGains(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -622,7 +622,7 @@ class ControlParametersMaxTorqueCurrent(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -672,7 +672,7 @@ class ControlParametersMaxSpeed(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -724,7 +724,7 @@ class ControlParametersUpperAngle(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -773,7 +773,7 @@ class ControlParametersLowerAngle(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -820,7 +820,7 @@ class ControlParametersSpeedRamp(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -870,7 +870,7 @@ class StoredSettingsDriverId(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -920,7 +920,7 @@ class StoredSettingsBusType(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -967,7 +967,7 @@ class StoredSettingsRs485BaudRate(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1014,7 +1014,7 @@ class StoredSettingsCanBaudRate(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1062,7 +1062,7 @@ class StoredSettingsMaxPower(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1112,7 +1112,7 @@ class StoredSettingsMaxSpeed(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1162,7 +1162,7 @@ class StoredSettingsMaxAngle(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1212,7 +1212,7 @@ class StoredSettingsCurrentRamp(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1262,7 +1262,7 @@ class StoredSettingsSpeedRamp(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1342,7 +1342,7 @@ class MotionFeedback(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1483,7 +1483,7 @@ class Status1(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1657,7 +1657,7 @@ class BrakeRequest(Request["BrakeReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1720,7 +1720,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1789,7 +1789,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1861,7 +1861,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1940,7 +1940,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2011,7 +2011,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2094,7 +2094,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2177,7 +2177,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2264,7 +2264,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2336,7 +2336,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -3525,7 +3525,7 @@ class SaveStoredSettingsRequest(Request["SaveStoredSettingsReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -3623,7 +3623,7 @@ class BrakeReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -4128,7 +4128,7 @@ class ReadEncoderReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -4223,7 +4223,7 @@ class CalibrateEncoderReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -4302,7 +4302,7 @@ class WritePositionAsZeroRomReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -4363,7 +4363,7 @@ class ReadMultiTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -4425,7 +4425,7 @@ class ReadSingleTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -4559,7 +4559,7 @@ class ReadStatus3Reply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -5111,7 +5111,7 @@ class SaveStoredSettingsReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
