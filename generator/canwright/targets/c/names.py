@@ -30,7 +30,7 @@ LOWER_CASE_MACROS = (
 )
 RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS}".split())
 
-TYPE_ENDINGS = ("_valid", "_name", "_to_milli", "_from_milli", "_to_double", "_from_double")
+TYPE_ENDINGS = ("_valid", "_name", "_to_milli", "_from_milli", "_to_float", "_from_float", "_to_double", "_from_double")
 LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack")
 MESSAGE_ENDINGS = ("_encode", "_decode")
 ADDRESS_ENDINGS = ("_request_id", "_request_node", "_reply_id", "_reply_node")

@@ -9,7 +9,8 @@ from ...model.edition import Edition
 from ...model.types import Encoding, Type
 from .choices import Choice
 from .comments import errata, type_facts
-from .conversions import ConversionView, double, milli
+from .conversions import ConversionView, milli
+from .floating import DOUBLE, SINGLE, floating, lacks_floating
 from .names import Names, layouts
 from .numbers import Integer, integer
 from .text import english
@@ -40,13 +41,20 @@ class TypeView(NamedTuple):
     valid: Choice[Condition] | None
     milli: ConversionView | None
     milli_unit: str
-    double: ConversionView | None
-    only_double: bool
+    floating: tuple[ConversionView, ...]
+    """Conversions to float and to double; empty without a scale."""
+    has_notes: bool
+    """True if `doc` says which conversions are missing."""
     unit: str
 
     @property
+    def double(self) -> ConversionView | None:
+        """The conversions to double."""
+        return next((conversion for conversion in self.floating if conversion.kind == DOUBLE.name), None)
+
+    @property
     def is_empty(self) -> bool:
-        return not (self.macros or self.valid or self.milli or self.only_double)
+        return not (self.macros or self.valid or self.milli or self.has_notes)
 
 
 def types(names: Names, edition: Edition) -> list[TypeView]:
@@ -60,9 +68,9 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
     unit = type_.unit.dbc if type_.unit else ""
     title = english(type_.title) or type_.name
     thousandths = milli(names, type_, check)
-    lacking = "" if thousandths else _only_doubles(type_)
+    lacking = tuple(_lacking(type_, thousandths))
     facts = tuple(type_facts(type_))
-    about = " ".join(text for text in (english(type_.about), *facts, lacking) if text)
+    about = " ".join(text for text in (english(type_.about), *facts, *lacking) if text)
     macros = [*_limits(names, type_, kind), *_members(names, type_, kind)]
     return TypeView(
         name=names.lower(type_.name),
@@ -75,16 +83,19 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
         valid=check,
         milli=thousandths,
         milli_unit=f"thousandths of {unit}" if unit else "thousandths",
-        double=double(names, type_, check),
-        only_double=bool(lacking),
+        floating=tuple(filter(None, (floating(names, type_, check, format_) for format_ in (SINGLE, DOUBLE)))),
+        has_notes=bool(lacking),
         unit=unit,
     )
 
 
-def _only_doubles(type_: Type) -> str:
-    """The reason why a type with a number parameter has no thousandths; empty without such a parameter."""
+def _lacking(type_: Type, thousandths: ConversionView | None) -> Iterator[str]:
+    """The reasons why a type has no thousandths or no floating point; none if it has, or if it has no scale."""
     by = ", ".join(type_.times)
-    return f"No thousandths: 64 bits are too few to multiply with {by}; there are conversions to double." if by else ""
+    if by and thousandths is None:
+        yield f"No thousandths: 64 bits are too few to multiply with {by}; there are conversions to floating point."
+    if lacks_floating(type_):
+        yield "No conversions to floating point: scale or offset needs integers of more than 63 bits."
 
 
 def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:

@@ -13,6 +13,7 @@ from ...model.metadata import Level
 from ..base import header
 from .choices import ParameterView, parameter_access, parameters
 from .comments import errata
+from .conversions import ConversionView
 from .dispatch import AnswerView, RouteView, answers, routes
 from .layouts import LayoutView, fields_named, layout_view
 from .messages import AddressView, Messages, MessageView, addresses
@@ -112,6 +113,13 @@ class DirectionView(NamedTuple):
         return any(content.layout.depends for content in self.contents)
 
 
+class FloatingView(NamedTuple):
+    """The conversions to one floating-point type, and the preprocessor condition under which they exist."""
+
+    guard: str
+    types: tuple[tuple[TypeView, ConversionView], ...]
+
+
 class EditionView(NamedTuple):
     """The content of a header. `spec` is the start of the hash of its spec; every name has `prefix` or `PREFIX`."""
 
@@ -138,6 +146,14 @@ class EditionView(NamedTuple):
     @property
     def parameters_argument(self) -> str:
         return f"const {self.prefix}parameters_t *parameters"
+
+    @property
+    def floating(self) -> list[FloatingView]:
+        pairs = [(type_, conversion) for type_ in self.types for conversion in type_.floating]
+        return [
+            FloatingView(guard, tuple(pair for pair in pairs if pair[1].kind == kind))
+            for kind, guard in (("float", ""), ("double", "CANWRIGHT_HAS_DOUBLE"))
+        ]
 
     @property
     def effect_bits(self) -> int:

@@ -1,6 +1,9 @@
 /**
  * @file
- * Conversions to and from double that all editions share; in a separate file for programs without floating point.
+ * Conversions to and from floating point that all editions share; in a separate file for programs without floating point.
+ *
+ * Every result is exact or correctly rounded: to the nearest number, ties to even; to the nearest raw integer, ties
+ * away from zero. Where floating point cannot decide this, integers of 256 bits do. Nothing needs a mathematical library.
  */
 #ifndef CANWRIGHT_FLOAT_H
 #define CANWRIGHT_FLOAT_H
@@ -9,8 +12,14 @@
 
 #include "canwright.h"
 
-#if DBL_MANT_DIG != 53 || FLT_MANT_DIG != 24
-#error "Conversions to double need 64-bit IEEE 754 numbers, which this compiler does not have; use thousandths."
+#if defined(FLT_MANT_DIG) && FLT_MANT_DIG != 24
+#error "Conversions to float need 32-bit IEEE 754 numbers, which this compiler does not have; use thousandths."
+#endif
+
+#if defined(DBL_MANT_DIG) && DBL_MANT_DIG != 53
+#define CANWRIGHT_HAS_DOUBLE 0 /**< There are no conversions to and from double. */
+#else
+#define CANWRIGHT_HAS_DOUBLE 1 /**< A double is a 64-bit IEEE 754 number. */
 #endif
 
 #if defined(__cplusplus) && defined(__GNUC__)
@@ -22,11 +31,638 @@
 #endif
 #endif
 
-/** A double represents every integer up to this one. */
-#define CANWRIGHT_EXACT (UINT64_C(1) << 53)
+/** Precision of a 32-bit IEEE 754 number. */
+#define CANWRIGHT_SINGLE 24u
+
+/** Precision of a 64-bit IEEE 754 number. */
+#define CANWRIGHT_DOUBLE 53u
+
+/** Number of words of a canwright_wide_t. */
+#define CANWRIGHT_WORDS 8u
+
+/** The maximum number of bits of a sum; the rest of a canwright_wide_t is for a carry. */
+#define CANWRIGHT_SUM_BITS 250
+
+/** value = ratio * (raw * factor + addend) / divisor. `factor` is not 0; `divisor` and `ratio` are above 0. */
+typedef struct {
+    /** Numerator of the scale. */
+    int64_t factor;
+    /** Numerator of the offset. */
+    int64_t addend;
+    /** Denominator of scale and offset. */
+    int64_t divisor;
+    /** The parameter that multiplies both; {1, 1} without one. */
+    canwright_ratio_t ratio;
+} canwright_linear_t;
+
+/** An unsigned integer. */
+typedef struct {
+    /** The least significant word is the first. */
+    uint32_t word[CANWRIGHT_WORDS];
+} canwright_wide_t;
+
+/** The number `size * 2^exponent`, or its negative. */
+typedef struct {
+    /** The magnitude without the exponent. */
+    canwright_wide_t size;
+    /** A power of two. */
+    int exponent;
+    /** True for a negative number. */
+    bool negative;
+} canwright_term_t;
+
+/** The number `above / below`. */
+typedef struct {
+    /** The dividend. */
+    canwright_term_t above;
+    /** The divisor. */
+    canwright_wide_t below;
+} canwright_quotient_t;
+
+/** The magnitude of an integer. */
+static inline uint64_t canwright_magnitude(int64_t number)
+{
+    return number < 0 ? 0u - (uint64_t)number : (uint64_t)number;
+}
+
+/** Sets a wide integer. */
+static inline void canwright_wide_set(canwright_wide_t *wide, uint64_t number)
+{
+    unsigned i;
+    wide->word[0] = (uint32_t)number;
+    wide->word[1] = (uint32_t)(number >> 32);
+    for (i = 2u; i < CANWRIGHT_WORDS; i++) {
+        wide->word[i] = 0u;
+    }
+}
+
+/** Number of bits of a wide integer without its leading zeros. */
+static inline int canwright_wide_length(const canwright_wide_t *wide)
+{
+    unsigned i = CANWRIGHT_WORDS;
+    int length;
+    uint32_t top;
+    while (i > 1u && wide->word[i - 1u] == 0u) {
+        i--;
+    }
+    length = (int)(i - 1u) * 32;
+    for (top = wide->word[i - 1u]; top != 0u; top >>= 1) {
+        length++;
+    }
+    return length;
+}
+
+/** Shifts a wide integer to the left. */
+static inline void canwright_wide_left(canwright_wide_t *wide, int count)
+{
+    const unsigned words = (unsigned)count / 32u;
+    const unsigned bits = (unsigned)count % 32u;
+    unsigned i;
+    for (i = CANWRIGHT_WORDS; i-- > 0u;) {
+        uint64_t pair = i >= words ? (uint64_t)wide->word[i - words] << 32 : 0u;
+        if (i > words) {
+            pair |= wide->word[i - words - 1u];
+        }
+        wide->word[i] = (uint32_t)((pair << bits) >> 32);
+    }
+}
+
+/** Shifts a wide integer to the right; its lowest bit is then 1 if any bit that left it was. */
+static inline void canwright_wide_right(canwright_wide_t *wide, int count)
+{
+    const unsigned words = (unsigned)count / 32u;
+    const unsigned bits = (unsigned)count % 32u;
+    uint32_t left = 0u;
+    unsigned i;
+    for (i = 0u; i < CANWRIGHT_WORDS; i++) {
+        const unsigned from = i + words;
+        uint64_t pair = from < CANWRIGHT_WORDS ? wide->word[from] : 0u;
+        if (from + 1u < CANWRIGHT_WORDS) {
+            pair |= (uint64_t)wide->word[from + 1u] << 32;
+        }
+        if (i < words) {
+            left |= wide->word[i];
+        } else if (i == words) {
+            left |= wide->word[i] & ((UINT32_C(1) << bits) - 1u);
+        }
+        wide->word[i] = (uint32_t)(pair >> bits);
+    }
+    if (left != 0u) {
+        wide->word[0] |= 1u;
+    }
+}
+
+/** True if `one` is less than `other`. */
+static inline bool canwright_wide_less(const canwright_wide_t *one, const canwright_wide_t *other)
+{
+    unsigned i;
+    for (i = CANWRIGHT_WORDS; i-- > 0u;) {
+        if (one->word[i] != other->word[i]) {
+            return one->word[i] < other->word[i];
+        }
+    }
+    return false;
+}
+
+/** Adds a wide integer. */
+static inline void canwright_wide_add(canwright_wide_t *sum, const canwright_wide_t *other)
+{
+    uint64_t carry = 0u;
+    unsigned i;
+    for (i = 0u; i < CANWRIGHT_WORDS; i++) {
+        carry += (uint64_t)sum->word[i] + other->word[i];
+        sum->word[i] = (uint32_t)carry;
+        carry >>= 32;
+    }
+}
+
+/** Subtracts a wide integer that is not greater. */
+static inline void canwright_wide_subtract(canwright_wide_t *rest, const canwright_wide_t *other)
+{
+    uint64_t borrow = 0u;
+    unsigned i;
+    for (i = 0u; i < CANWRIGHT_WORDS; i++) {
+        const uint64_t difference = (uint64_t)rest->word[i] - other->word[i] - borrow;
+        rest->word[i] = (uint32_t)difference;
+        borrow = (difference >> 32) & 1u;
+    }
+}
+
+/** Multiplies a wide integer. */
+static inline void canwright_wide_multiply(canwright_wide_t *wide, uint64_t factor)
+{
+    const uint64_t low = factor & 0xFFFFFFFFu;
+    const uint64_t high = factor >> 32;
+    uint64_t carry = 0u;
+    uint32_t before = 0u;
+    unsigned i;
+    for (i = 0u; i < CANWRIGHT_WORDS; i++) {
+        const uint64_t one = wide->word[i] * low;
+        const uint64_t other = before * high;
+        const uint64_t sum = (one & 0xFFFFFFFFu) + (other & 0xFFFFFFFFu) + (carry & 0xFFFFFFFFu);
+        before = wide->word[i];
+        wide->word[i] = (uint32_t)sum;
+        carry = (carry >> 32) + (one >> 32) + (other >> 32) + (sum >> 32);
+    }
+}
+
+/**
+ * The whole part of `above * 2^shift / below`; false if it exceeds 64 bits. Afterwards `above` is the remainder of a
+ * division by `below`, which is shifted if `shift` is negative.
+ */
+static inline bool canwright_wide_divide(uint64_t *whole, canwright_wide_t *above, canwright_wide_t *below, int shift)
+{
+    int count;
+    uint64_t lost = 0u;
+    if (shift >= 0) {
+        canwright_wide_left(above, shift);
+    } else {
+        canwright_wide_left(below, -shift);
+    }
+    *whole = 0u;
+    if (canwright_wide_length(below) <= 32) {
+        uint64_t rest = 0u;
+        unsigned i;
+        for (i = CANWRIGHT_WORDS; i-- > 0u;) {
+            rest = (rest << 32) | above->word[i];
+            lost |= *whole >> 32;
+            *whole = (*whole << 32) | (rest / below->word[0]);
+            rest %= below->word[0];
+        }
+        canwright_wide_set(above, rest);
+        return lost == 0u;
+    }
+    count = canwright_wide_length(above) - canwright_wide_length(below);
+    if (count > 0) {
+        canwright_wide_left(below, count);
+    }
+    for (; count >= 0; count--) {
+        lost |= *whole >> 63;
+        *whole <<= 1;
+        if (!canwright_wide_less(above, below)) {
+            canwright_wide_subtract(above, below);
+            *whole |= 1u;
+        }
+        if (count > 0) {
+            canwright_wide_right(below, 1);
+        }
+    }
+    return lost == 0u;
+}
+
+/** Sets an integer. */
+static inline void canwright_term_integer(canwright_term_t *term, uint64_t size, bool negative)
+{
+    canwright_wide_set(&term->size, size);
+    term->exponent = 0;
+    term->negative = negative;
+}
+
+/** Sets the number with these bits, which is finite. */
+static inline void canwright_term_single(canwright_term_t *term, uint32_t bits)
+{
+    const uint32_t exponent = (bits >> 23) & 0xFFu;
+    const uint32_t fraction = bits & 0x7FFFFFu;
+    canwright_wide_set(&term->size, exponent == 0u ? fraction : fraction | 0x800000u);
+    term->exponent = (exponent == 0u ? 1 : (int)exponent) - 150;
+    term->negative = (bits >> 31) != 0u;
+}
+
+/** Sets the number with these bits, which is finite. */
+static inline void canwright_term_double(canwright_term_t *term, uint64_t bits)
+{
+    const uint64_t exponent = (bits >> 52) & 0x7FFu;
+    const uint64_t fraction = bits & UINT64_C(0xFFFFFFFFFFFFF);
+    canwright_wide_set(&term->size, exponent == 0u ? fraction : fraction | UINT64_C(0x10000000000000));
+    term->exponent = (exponent == 0u ? 1 : (int)exponent) - 1075;
+    term->negative = (bits >> 63) != 0u;
+}
+
+/** Multiplies with a power of two so that the exponent becomes `exponent`. */
+static inline void canwright_term_align(canwright_term_t *term, int exponent)
+{
+    if (term->exponent >= exponent) {
+        canwright_wide_left(&term->size, term->exponent - exponent);
+    } else {
+        canwright_wide_right(&term->size, exponent - term->exponent);
+    }
+    term->exponent = exponent;
+}
+
+/**
+ * Adds a term of at most 160 bits to another. Only bits that cannot change a rounded result leave the sum; the lowest
+ * bit remembers them.
+ */
+static inline void canwright_term_add(canwright_term_t *sum, canwright_term_t *other)
+{
+    const int length = canwright_wide_length(&sum->size) + sum->exponent;
+    const int other_length = canwright_wide_length(&other->size) + other->exponent;
+    const int lowest = (length > other_length ? length : other_length) - CANWRIGHT_SUM_BITS;
+    const int exponent = sum->exponent < other->exponent ? sum->exponent : other->exponent;
+    canwright_term_align(sum, exponent > lowest ? exponent : lowest);
+    canwright_term_align(other, sum->exponent);
+    if (sum->negative == other->negative) {
+        canwright_wide_add(&sum->size, &other->size);
+    } else if (canwright_wide_less(&sum->size, &other->size)) {
+        canwright_wide_subtract(&other->size, &sum->size);
+        *sum = *other;
+    } else {
+        canwright_wide_subtract(&sum->size, &other->size);
+    }
+}
+
+/** The value of a raw number. */
+static inline void canwright_value(
+    canwright_quotient_t *value, const canwright_term_t *raw, const canwright_linear_t *linear)
+{
+    const uint64_t numerator = canwright_magnitude(linear->ratio.numerator);
+    canwright_term_t addend;
+    value->above = *raw;
+    value->above.negative = raw->negative != (linear->factor < 0);
+    canwright_wide_multiply(&value->above.size, canwright_magnitude(linear->factor));
+    canwright_wide_multiply(&value->above.size, numerator);
+    if (linear->addend != 0) {
+        canwright_term_integer(&addend, canwright_magnitude(linear->addend), linear->addend < 0);
+        canwright_wide_multiply(&addend.size, numerator);
+        canwright_term_add(&value->above, &addend);
+    }
+    canwright_wide_set(&value->below, canwright_magnitude(linear->divisor));
+    canwright_wide_multiply(&value->below, linear->ratio.denominator);
+}
+
+/** The raw number of a value, not rounded. */
+static inline void canwright_raw(
+    canwright_quotient_t *raw, const canwright_term_t *value, const canwright_linear_t *linear)
+{
+    const uint64_t numerator = canwright_magnitude(linear->ratio.numerator);
+    canwright_term_t addend;
+    raw->above = *value;
+    canwright_wide_multiply(&raw->above.size, canwright_magnitude(linear->divisor));
+    canwright_wide_multiply(&raw->above.size, linear->ratio.denominator);
+    if (linear->addend != 0) {
+        canwright_term_integer(&addend, canwright_magnitude(linear->addend), linear->addend > 0);
+        canwright_wide_multiply(&addend.size, numerator);
+        canwright_term_add(&raw->above, &addend);
+    }
+    raw->above.negative = raw->above.negative != (linear->factor < 0);
+    canwright_wide_set(&raw->below, canwright_magnitude(linear->factor));
+    canwright_wide_multiply(&raw->below, numerator);
+}
+
+/** The magnitude of the nearest integer, ties away from zero; false if it exceeds 64 bits. */
+static inline bool canwright_nearest(uint64_t *nearest, canwright_quotient_t *quotient)
+{
+    canwright_term_t *above = &quotient->above;
+    const int length = canwright_wide_length(&above->size);
+    const int difference = length + above->exponent - canwright_wide_length(&quotient->below);
+    if (length == 0 || difference < -1) { /* less than one half */
+        *nearest = 0u;
+        return true;
+    }
+    if (difference > 64 || !canwright_wide_divide(nearest, &above->size, &quotient->below, above->exponent)) {
+        return false;
+    }
+    canwright_wide_left(&above->size, 1);
+    if (canwright_wide_less(&above->size, &quotient->below)) {
+        return true;
+    }
+    *nearest += 1u;
+    return *nearest != 0u;
+}
+
+/** The nearest integer, ties away from zero; false if it exceeds 64 bits. */
+static inline bool canwright_nearest_signed(int64_t *nearest, canwright_quotient_t *quotient)
+{
+    uint64_t size;
+    if (!canwright_nearest(&size, quotient) || size > (UINT64_C(1) << 63) - (quotient->above.negative ? 0u : 1u)) {
+        return false;
+    }
+    *nearest = !quotient->above.negative || size == 0u ? (int64_t)size : -(int64_t)(size - 1u) - 1;
+    return true;
+}
+
+/** The nearest integer, ties away from zero; false if it is negative or exceeds 64 bits. */
+static inline bool canwright_nearest_unsigned(uint64_t *nearest, canwright_quotient_t *quotient)
+{
+    return canwright_nearest(nearest, quotient) && (!quotient->above.negative || *nearest == 0u);
+}
+
+/** The bits of the nearest IEEE 754 number of this precision, ties to even; infinity if there is none. */
+static inline uint64_t canwright_rounded(canwright_quotient_t *quotient, unsigned precision)
+{
+    const bool is_single = precision == CANWRIGHT_SINGLE;
+    const int lowest = is_single ? -149 : -1074;
+    const uint64_t infinity = is_single ? UINT64_C(0x7F800000) : UINT64_C(0x7FF0000000000000);
+    const uint64_t sign = is_single ? UINT64_C(0x80000000) : UINT64_C(0x8000000000000000);
+    canwright_term_t *above = &quotient->above;
+    const int length = canwright_wide_length(&above->size);
+    const int shift = 62 + canwright_wide_length(&quotient->below) - length;
+    int exponent = above->exponent - shift;
+    int count = 62 - (int)precision;
+    uint64_t whole;
+    uint64_t rest;
+    uint64_t half;
+    if (length == 0) {
+        return 0u;
+    }
+    (void)canwright_wide_divide(&whole, &above->size, &quotient->below, shift); /* 62 or 63 bits */
+    if (canwright_wide_length(&above->size) > 0) {
+        whole |= 1u;
+    }
+    if ((whole >> 62) != 0u) {
+        count++;
+    }
+    if (exponent + count < lowest) {
+        count = lowest - exponent;
+    }
+    if (count > 63) {
+        count = 63;
+        exponent = lowest - count;
+        whole = 1u;
+    }
+    half = UINT64_C(1) << ((unsigned)count - 1u);
+    rest = whole & ((half << 1) - 1u);
+    whole >>= (unsigned)count;
+    if (rest > half || (rest == half && (whole & 1u) != 0u)) {
+        whole++;
+    }
+    whole += (uint64_t)(exponent + count - lowest) << (precision - 1u);
+    return (whole < infinity ? whole : infinity) | (above->negative ? sign : 0u);
+}
+
+/** The bits of the value of a raw number, rounded to this precision. */
+static inline uint64_t canwright_value_bits(
+    const canwright_term_t *raw, const canwright_linear_t *linear, unsigned precision)
+{
+    canwright_quotient_t value;
+    canwright_value(&value, raw, linear);
+    return canwright_rounded(&value, precision);
+}
+
+/** The bits of the raw number of a value, rounded to this precision. */
+static inline uint64_t canwright_raw_bits(
+    const canwright_term_t *value, const canwright_linear_t *linear, unsigned precision)
+{
+    canwright_quotient_t raw;
+    canwright_raw(&raw, value, linear);
+    return canwright_rounded(&raw, precision);
+}
+
+/** True if the value is the raw number. */
+static inline bool canwright_is_identity(const canwright_linear_t *linear)
+{
+    return linear->factor == 1 && linear->addend == 0 && linear->divisor == 1 && linear->ratio.numerator == 1 &&
+        linear->ratio.denominator == 1u;
+}
+
+/** The raw integer nearest to a value, if it is from `lowest` to `highest`. */
+static inline canwright_status_t canwright_signed_from_term(int64_t *nearest, const canwright_term_t *value,
+    const canwright_linear_t *linear, int64_t lowest, int64_t highest)
+{
+    canwright_quotient_t raw;
+    canwright_raw(&raw, value, linear);
+    if (!canwright_nearest_signed(nearest, &raw)) {
+        return CANWRIGHT_OUT_OF_RANGE;
+    }
+    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+}
+
+/** The raw integer nearest to a value, if it is from `lowest` to `highest`. */
+static inline canwright_status_t canwright_unsigned_from_term(uint64_t *nearest, const canwright_term_t *value,
+    const canwright_linear_t *linear, uint64_t lowest, uint64_t highest)
+{
+    canwright_quotient_t raw;
+    canwright_raw(&raw, value, linear);
+    if (!canwright_nearest_unsigned(nearest, &raw)) {
+        return CANWRIGHT_OUT_OF_RANGE;
+    }
+    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+}
+
+/** The bits of a 32-bit number. */
+static inline uint32_t canwright_bits_of_float(float number)
+{
+    uint32_t bits = 0u;
+    const unsigned char *from = (const unsigned char *)&number;
+    unsigned char *to = (unsigned char *)&bits;
+    size_t i;
+    for (i = 0u; i < sizeof bits; i++) {
+        to[i] = from[i];
+    }
+    return bits;
+}
+
+/** The 32-bit number that has these bits. */
+static inline float canwright_float_of_bits(uint32_t bits)
+{
+    float number = 0.0f;
+    const unsigned char *from = (const unsigned char *)&bits;
+    unsigned char *to = (unsigned char *)&number;
+    size_t i;
+    for (i = 0u; i < sizeof number; i++) {
+        to[i] = from[i];
+    }
+    return number;
+}
+
+/** The magnitude of a number. */
+static inline float canwright_float_magnitude(float number)
+{
+    return number < 0.0f ? -number : number;
+}
+
+/** The value of the integer of a sign and a magnitude. */
+static inline float canwright_integer_to_float(bool negative, uint64_t raw, const canwright_linear_t *linear)
+{
+    const float limit = 16777216.0f; /* integers up to this one are exact */
+    const float factor = (float)linear->factor;
+    const float addend = (float)linear->addend;
+    const float numerator = (float)linear->ratio.numerator;
+    const float below = (float)linear->divisor * (float)linear->ratio.denominator;
+    const float size = (float)raw;
+    const float most = (size * canwright_float_magnitude(factor) + canwright_float_magnitude(addend)) * numerator;
+    canwright_term_t term;
+    if (most < limit && below < limit) {
+        return ((negative ? -size : size) * factor + addend) * numerator / below;
+    }
+    canwright_term_integer(&term, raw, negative);
+    return canwright_float_of_bits((uint32_t)canwright_value_bits(&term, linear, CANWRIGHT_SINGLE));
+}
+
+/** The value of a signed integer. */
+static inline float canwright_signed_to_float(int64_t raw, const canwright_linear_t *linear)
+{
+    return canwright_integer_to_float(raw < 0, canwright_magnitude(raw), linear);
+}
+
+/** The value of an unsigned integer. */
+static inline float canwright_unsigned_to_float(uint64_t raw, const canwright_linear_t *linear)
+{
+    return canwright_integer_to_float(false, raw, linear);
+}
+
+/** The raw integer nearest to a value if the precision of a float is enough to decide which one this is; else false. */
+static inline bool canwright_float_decides(int64_t *nearest, float value, const canwright_linear_t *linear)
+{
+    const float scaled = value * ((float)linear->divisor * (float)linear->ratio.denominator);
+    const float addend = (float)linear->addend * (float)linear->ratio.numerator;
+    const float per = (float)linear->factor * (float)linear->ratio.numerator;
+    const float steps = (scaled - addend) / per;
+    /* The relative error of each of at most ten roundings is 2^-24 or less; 2^-20 is more than all of them. */
+    const float error = (canwright_float_magnitude(scaled) + canwright_float_magnitude(addend)) *
+        (1.0f / 1048576.0f / canwright_float_magnitude(per));
+    float rest;
+    if (!(steps > -1048576.0f && steps < 1048576.0f)) {
+        return false;
+    }
+    *nearest = (int32_t)steps;
+    rest = steps - (float)(int32_t)*nearest;
+    if (canwright_float_magnitude(rest) + error < 0.5f) {
+        return true;
+    }
+    *nearest += rest < 0.0f ? -1 : 1;
+    return canwright_float_magnitude(rest) - error > 0.5f;
+}
+
+/** The raw integer nearest to a value, ties away from zero. */
+static inline canwright_status_t canwright_signed_from_float(
+    int64_t *nearest, float value, const canwright_linear_t *linear, int64_t lowest, int64_t highest)
+{
+    const uint32_t bits = canwright_bits_of_float(value);
+    canwright_term_t term;
+    if (!canwright_is_finite32(bits)) {
+        return CANWRIGHT_NOT_FINITE;
+    }
+    if (canwright_float_decides(nearest, value, linear)) {
+        return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    }
+    canwright_term_single(&term, bits);
+    return canwright_signed_from_term(nearest, &term, linear, lowest, highest);
+}
+
+/** The raw integer nearest to a value, ties away from zero. */
+static inline canwright_status_t canwright_unsigned_from_float(
+    uint64_t *nearest, float value, const canwright_linear_t *linear, uint64_t lowest, uint64_t highest)
+{
+    const uint32_t bits = canwright_bits_of_float(value);
+    canwright_term_t term;
+    int64_t decided;
+    if (!canwright_is_finite32(bits)) {
+        return CANWRIGHT_NOT_FINITE;
+    }
+    if (canwright_float_decides(&decided, value, linear)) {
+        *nearest = (uint64_t)decided;
+        return decided >= 0 && *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    }
+    canwright_term_single(&term, bits);
+    return canwright_unsigned_from_term(nearest, &term, linear, lowest, highest);
+}
+
+/** The value of the 32-bit number that has these bits. */
+static inline float canwright_bits32_to_float(uint32_t bits, const canwright_linear_t *linear)
+{
+    canwright_term_t term;
+    if (canwright_is_identity(linear) || !canwright_is_finite32(bits)) {
+        return canwright_float_of_bits(linear->factor < 0 ? bits ^ 0x80000000u : bits);
+    }
+    canwright_term_single(&term, bits);
+    return canwright_float_of_bits((uint32_t)canwright_value_bits(&term, linear, CANWRIGHT_SINGLE));
+}
+
+/** The value of the 64-bit number that has these bits. */
+static inline float canwright_bits64_to_float(uint64_t bits, const canwright_linear_t *linear)
+{
+    canwright_term_t term;
+    if (!canwright_is_finite64(bits)) {
+        const uint32_t sign = ((bits >> 63) != 0u) != (linear->factor < 0) ? 0x80000000u : 0u;
+        return canwright_float_of_bits(sign | ((bits << 12) != 0u ? 0x7FC00000u : 0x7F800000u));
+    }
+    canwright_term_double(&term, bits);
+    return canwright_float_of_bits((uint32_t)canwright_value_bits(&term, linear, CANWRIGHT_SINGLE));
+}
+
+/** The bits of the 64-bit number nearest to the raw number of a value. */
+static inline canwright_status_t canwright_bits64_from_float(
+    uint64_t *bits, float value, const canwright_linear_t *linear)
+{
+    const uint32_t given = canwright_bits_of_float(value);
+    canwright_term_t term;
+    if (!canwright_is_finite32(given)) {
+        return CANWRIGHT_NOT_FINITE;
+    }
+    canwright_term_single(&term, given);
+    *bits = canwright_raw_bits(&term, linear, CANWRIGHT_DOUBLE);
+    return canwright_is_finite64(*bits) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+}
+
+/** The bits of the 32-bit number nearest to a finite 64-bit number. */
+static inline canwright_status_t canwright_bits32_of_bits64(uint32_t *bits, uint64_t wide)
+{
+    const canwright_linear_t identity = {1, 0, 1, {1, 1u}};
+    canwright_term_t term;
+    canwright_term_double(&term, wide);
+    *bits = (uint32_t)canwright_raw_bits(&term, &identity, CANWRIGHT_SINGLE);
+    return canwright_is_finite32(*bits) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+}
+
+/** The bits of the 32-bit number nearest to the raw number of a value, which is rounded to a 64-bit number first. */
+static inline canwright_status_t canwright_bits32_from_float(
+    uint32_t *bits, float value, const canwright_linear_t *linear)
+{
+    uint64_t wide;
+    canwright_status_t status;
+    if (canwright_is_identity(linear)) {
+        *bits = canwright_bits_of_float(value);
+        return canwright_is_finite32(*bits) ? CANWRIGHT_OK : CANWRIGHT_NOT_FINITE;
+    }
+    status = canwright_bits64_from_float(&wide, value, linear);
+    return status == CANWRIGHT_OK ? canwright_bits32_of_bits64(bits, wide) : status;
+}
+
+#if CANWRIGHT_HAS_DOUBLE
 
 /** The bits of a 64-bit number. */
-static inline uint64_t canwright_bits_of(double number)
+static inline uint64_t canwright_bits_of_double(double number)
 {
     uint64_t bits = 0u;
     const unsigned char *from = (const unsigned char *)&number;
@@ -39,7 +675,7 @@ static inline uint64_t canwright_bits_of(double number)
 }
 
 /** The 64-bit number that has these bits. */
-static inline double canwright_number64(uint64_t bits)
+static inline double canwright_double_of_bits(uint64_t bits)
 {
     double number = 0.0;
     const unsigned char *from = (const unsigned char *)&bits;
@@ -51,123 +687,157 @@ static inline double canwright_number64(uint64_t bits)
     return number;
 }
 
-/** The 32-bit number that has these bits. */
-static inline double canwright_number32(uint32_t bits)
+/** The magnitude of a number. */
+static inline double canwright_double_magnitude(double number)
 {
-    float number = 0.0f;
-    const unsigned char *from = (const unsigned char *)&bits;
-    unsigned char *to = (unsigned char *)&number;
-    size_t i;
-    for (i = 0u; i < sizeof number; i++) {
-        to[i] = from[i];
+    return number < 0.0 ? -number : number;
+}
+
+/** The value of the integer of a sign and a magnitude. */
+static inline double canwright_integer_to_double(bool negative, uint64_t raw, const canwright_linear_t *linear)
+{
+    const double limit = 9007199254740992.0; /* integers up to this one are exact */
+    const double factor = (double)linear->factor;
+    const double addend = (double)linear->addend;
+    const double numerator = (double)linear->ratio.numerator;
+    const double below = (double)linear->divisor * (double)linear->ratio.denominator;
+    const double size = (double)raw;
+    const double most = (size * canwright_double_magnitude(factor) + canwright_double_magnitude(addend)) * numerator;
+    canwright_term_t term;
+    if (most < limit && below < limit) {
+        return ((negative ? -size : size) * factor + addend) * numerator / below;
     }
-    return (double)number;
+    canwright_term_integer(&term, raw, negative);
+    return canwright_double_of_bits(canwright_value_bits(&term, linear, CANWRIGHT_DOUBLE));
 }
 
-/** `raw * factor / divisor`, rounded once even if the product fits in 64 bits but not exactly in a double. */
-static inline double canwright_quotient_unsigned(uint64_t raw, uint64_t factor, uint64_t divisor)
+/** The value of a signed integer. */
+static inline double canwright_signed_to_double(int64_t raw, const canwright_linear_t *linear)
 {
-    if (raw <= UINT64_MAX / factor && raw * factor > CANWRIGHT_EXACT) {
-        const uint64_t whole = raw * factor / divisor;
-        const uint64_t low = whole > CANWRIGHT_EXACT ? whole % 2048u : 0u;
-        const double rest = (double)(raw * factor % divisor) / (double)divisor;
-        return (double)(whole - low) + ((double)low + rest);
+    return canwright_integer_to_double(raw < 0, canwright_magnitude(raw), linear);
+}
+
+/** The value of an unsigned integer. */
+static inline double canwright_unsigned_to_double(uint64_t raw, const canwright_linear_t *linear)
+{
+    return canwright_integer_to_double(false, raw, linear);
+}
+
+/** The raw integer nearest to a value if the precision of a double is enough to decide which one this is; else false. */
+static inline bool canwright_double_decides(int64_t *nearest, double value, const canwright_linear_t *linear)
+{
+    const double scaled = value * ((double)linear->divisor * (double)linear->ratio.denominator);
+    const double addend = (double)linear->addend * (double)linear->ratio.numerator;
+    const double per = (double)linear->factor * (double)linear->ratio.numerator;
+    const double steps = (scaled - addend) / per;
+    /* The relative error of each of at most ten roundings is 2^-53 or less; 2^-49 is more than all of them. */
+    const double error = (canwright_double_magnitude(scaled) + canwright_double_magnitude(addend)) *
+        (1.0 / 562949953421312.0 / canwright_double_magnitude(per));
+    double rest;
+    if (!(steps > -1125899906842624.0 && steps < 1125899906842624.0)) {
+        return false;
     }
-    return (double)raw * (double)factor / (double)divisor;
+    *nearest = (int64_t)steps;
+    rest = steps - (double)(int64_t)*nearest;
+    if (canwright_double_magnitude(rest) + error < 0.5) {
+        return true;
+    }
+    *nearest += rest < 0.0 ? -1 : 1;
+    return canwright_double_magnitude(rest) - error > 0.5;
 }
 
-/** The same for signed numbers. */
-static inline double canwright_quotient(int64_t raw, uint64_t factor, uint64_t divisor)
+/** The raw integer nearest to a value, ties away from zero. */
+static inline canwright_status_t canwright_signed_from_double(
+    int64_t *nearest, double value, const canwright_linear_t *linear, int64_t lowest, int64_t highest)
 {
-    return raw < 0 ? -canwright_quotient_unsigned(0u - (uint64_t)raw, factor, divisor)
-                   : canwright_quotient_unsigned((uint64_t)raw, factor, divisor);
-}
-
-/** `ratio * dividend / divisor`, divided once; `ratio` is above 0. */
-static inline double canwright_multiple(canwright_ratio_t ratio, double dividend, double divisor)
-{
-    return dividend * (double)ratio.numerator / (divisor * (double)ratio.denominator);
-}
-
-/** `value / ratio`; `ratio` is above 0. */
-static inline double canwright_share(double value, canwright_ratio_t ratio)
-{
-    return value * (double)ratio.denominator / (double)ratio.numerator;
-}
-
-/** The bits of the 64-bit number `steps`, which was computed from `value`. */
-static inline canwright_status_t canwright_bits64(uint64_t *bits, double value, double steps)
-{
-    if (!canwright_is_finite64(canwright_bits_of(value))) {
+    const uint64_t bits = canwright_bits_of_double(value);
+    canwright_term_t term;
+    if (!canwright_is_finite64(bits)) {
         return CANWRIGHT_NOT_FINITE;
     }
-    *bits = canwright_bits_of(steps);
+    if (canwright_double_decides(nearest, value, linear)) {
+        return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    }
+    canwright_term_double(&term, bits);
+    return canwright_signed_from_term(nearest, &term, linear, lowest, highest);
+}
+
+/** The raw integer nearest to a value, ties away from zero. */
+static inline canwright_status_t canwright_unsigned_from_double(
+    uint64_t *nearest, double value, const canwright_linear_t *linear, uint64_t lowest, uint64_t highest)
+{
+    const uint64_t bits = canwright_bits_of_double(value);
+    canwright_term_t term;
+    int64_t decided;
+    if (!canwright_is_finite64(bits)) {
+        return CANWRIGHT_NOT_FINITE;
+    }
+    if (canwright_double_decides(&decided, value, linear)) {
+        *nearest = (uint64_t)decided;
+        return decided >= 0 && *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    }
+    canwright_term_double(&term, bits);
+    return canwright_unsigned_from_term(nearest, &term, linear, lowest, highest);
+}
+
+/** The value of the 32-bit number that has these bits. */
+static inline double canwright_bits32_to_double(uint32_t bits, const canwright_linear_t *linear)
+{
+    canwright_term_t term;
+    if (canwright_is_identity(linear) || !canwright_is_finite32(bits)) {
+        return (double)canwright_float_of_bits(linear->factor < 0 ? bits ^ 0x80000000u : bits);
+    }
+    canwright_term_single(&term, bits);
+    return canwright_double_of_bits(canwright_value_bits(&term, linear, CANWRIGHT_DOUBLE));
+}
+
+/** The value of the 64-bit number that has these bits. */
+static inline double canwright_bits64_to_double(uint64_t bits, const canwright_linear_t *linear)
+{
+    canwright_term_t term;
+    if (canwright_is_identity(linear) || !canwright_is_finite64(bits)) {
+        return canwright_double_of_bits(linear->factor < 0 ? bits ^ UINT64_C(0x8000000000000000) : bits);
+    }
+    canwright_term_double(&term, bits);
+    return canwright_double_of_bits(canwright_value_bits(&term, linear, CANWRIGHT_DOUBLE));
+}
+
+/** The bits of the 64-bit number nearest to the raw number of a value. */
+static inline canwright_status_t canwright_bits64_from_double(
+    uint64_t *bits, double value, const canwright_linear_t *linear)
+{
+    canwright_term_t term;
+    *bits = canwright_bits_of_double(value);
+    if (!canwright_is_finite64(*bits)) {
+        return CANWRIGHT_NOT_FINITE;
+    }
+    if (!canwright_is_identity(linear)) {
+        canwright_term_double(&term, *bits);
+        *bits = canwright_raw_bits(&term, linear, CANWRIGHT_DOUBLE);
+    }
     return canwright_is_finite64(*bits) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
-/** The bits of the 32-bit number nearest to `steps`, which was computed from `value`. */
-static inline canwright_status_t canwright_bits32(uint32_t *bits, double value, double steps)
+/** The bits of the 32-bit number nearest to the raw number of a value, which is rounded to a 64-bit number first. */
+static inline canwright_status_t canwright_bits32_from_double(
+    uint32_t *bits, double value, const canwright_linear_t *linear)
 {
     /* Halfway from the greatest 32-bit number to the next one if there were more exponents. */
     const double limit = 3.4028235677973366e+38;
-    float number;
-    const unsigned char *from = (const unsigned char *)&number;
-    unsigned char *to = (unsigned char *)bits;
-    size_t i;
-    if (!canwright_is_finite64(canwright_bits_of(value))) {
-        return CANWRIGHT_NOT_FINITE;
+    uint64_t wide;
+    const canwright_status_t status = canwright_bits64_from_double(&wide, value, linear);
+    const double number = canwright_double_of_bits(wide);
+    if (status != CANWRIGHT_OK) {
+        return status;
     }
-    if (!(steps > -limit && steps < limit)) {
+    if (!(number > -limit && number < limit)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
-    number = (float)steps;
-    for (i = 0u; i < sizeof number; i++) {
-        to[i] = from[i];
-    }
+    *bits = canwright_bits_of_float((float)number);
     return CANWRIGHT_OK;
 }
 
-/** The integer nearest to `steps`, ties away from zero; `steps` was computed from `value`. */
-static inline canwright_status_t canwright_nearest(
-    int64_t *nearest, double value, double steps, int64_t lowest, int64_t highest)
-{
-    int64_t whole;
-    double rest;
-    if (!canwright_is_finite64(canwright_bits_of(value))) {
-        return CANWRIGHT_NOT_FINITE;
-    }
-    if (!(steps >= -9223372036854775808.0 && steps < 9223372036854775808.0)) {
-        return CANWRIGHT_OUT_OF_RANGE;
-    }
-    whole = (int64_t)steps;
-    rest = steps - (double)whole;
-    if (rest >= 0.5) {
-        whole += 1;
-    } else if (rest <= -0.5) {
-        whole -= 1;
-    }
-    *nearest = whole;
-    return whole >= lowest && whole <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
-}
-
-/** The same for unsigned numbers. */
-static inline canwright_status_t canwright_nearest_unsigned(
-    uint64_t *nearest, double value, double steps, uint64_t lowest, uint64_t highest)
-{
-    uint64_t whole;
-    if (!canwright_is_finite64(canwright_bits_of(value))) {
-        return CANWRIGHT_NOT_FINITE;
-    }
-    if (!(steps > -0.5 && steps < 18446744073709551616.0)) {
-        return CANWRIGHT_OUT_OF_RANGE;
-    }
-    whole = steps < 0.0 ? 0u : (uint64_t)steps;
-    if (steps - (double)whole >= 0.5) {
-        whole += 1u;
-    }
-    *nearest = whole;
-    return whole >= lowest && whole <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
-}
+#endif
 
 #if defined(__cplusplus) && defined(__GNUC__)
 #pragma GCC diagnostic pop
