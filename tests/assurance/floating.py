@@ -97,7 +97,7 @@ def _expected(case: Case) -> str:
             if operation.lower() == "c" and precision != SINGLE:
                 if not _is_finite(bits, DOUBLE):
                     return "out_of_range 0"
-                bits, precision = _bits(_number(bits, DOUBLE), SINGLE), SINGLE
+                bits, precision = _bits(_number(bits, DOUBLE), SINGLE) | bits >> 63 << 31, SINGLE
             return _ok(bits) if _is_finite(bits, precision) else "out_of_range 0"
 
 
