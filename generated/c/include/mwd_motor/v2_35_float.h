@@ -30,13 +30,14 @@
 #endif
 #endif
 
-/** Motor temperature, degC. */
+/** temperature: Motor temperature, degC. */
 static inline float mwd_motor_v2_35_temperature_to_float(int8_t raw)
 {
     return (float)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_temperature_from_float(int8_t *raw, float value)
 {
     int64_t nearest;
@@ -50,13 +51,14 @@ static inline canwright_status_t mwd_motor_v2_35_temperature_from_float(int8_t *
     return CANWRIGHT_OK;
 }
 
-/** Supply voltage, V. */
+/** voltage: Supply voltage, V. */
 static inline float mwd_motor_v2_35_voltage_to_float(uint16_t raw)
 {
     return (float)raw / 10.0f;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_voltage_from_float(uint16_t *raw, float value)
 {
     int64_t nearest;
@@ -70,13 +72,14 @@ static inline canwright_status_t mwd_motor_v2_35_voltage_from_float(uint16_t *ra
     return CANWRIGHT_OK;
 }
 
-/** Power (open-loop drive level). */
+/** power: Power (open-loop drive level). */
 static inline float mwd_motor_v2_35_power_to_float(int16_t raw)
 {
     return (float)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_power_from_float(int16_t *raw, float value)
 {
     int64_t nearest;
@@ -90,7 +93,8 @@ static inline canwright_status_t mwd_motor_v2_35_power_from_float(int16_t *raw, 
     return CANWRIGHT_OK;
 }
 
-/** Torque current, A. */
+/** torque_current: Torque current, A. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_torque_current_to_float(
     float *value, int16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -110,6 +114,7 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_to_float(
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_torque_current_from_float(
     int16_t *raw, float value, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -141,13 +146,14 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_float(
     return CANWRIGHT_OK;
 }
 
-/** Torque current in the broadcast, A. */
+/** broadcast_current: Torque current in the broadcast, A. */
 static inline float mwd_motor_v2_35_broadcast_current_to_float(int16_t raw)
 {
     return (float)raw * 2.0f / 125.0f;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_float(int16_t *raw, float value)
 {
     int64_t nearest;
@@ -161,13 +167,14 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_float(in
     return CANWRIGHT_OK;
 }
 
-/** Phase current, A. */
+/** phase_current: Phase current, A. */
 static inline float mwd_motor_v2_35_phase_current_to_float(int16_t raw)
 {
     return (float)raw / 64.0f;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_phase_current_from_float(int16_t *raw, float value)
 {
     int64_t nearest;
@@ -181,14 +188,15 @@ static inline canwright_status_t mwd_motor_v2_35_phase_current_from_float(int16_
     return CANWRIGHT_OK;
 }
 
-/** Motor speed, deg/s. */
-static inline float mwd_motor_v2_35_speed_to_float(int16_t raw)
+/** speed_i16: Motor speed, deg/s. */
+static inline float mwd_motor_v2_35_speed_i16_to_float(int16_t raw)
 {
     return (float)raw;
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_35_speed_from_float(int16_t *raw, float value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_35_speed_i16_from_float(int16_t *raw, float value)
 {
     int64_t nearest;
     canwright_status_t status;
@@ -201,7 +209,7 @@ static inline canwright_status_t mwd_motor_v2_35_speed_from_float(int16_t *raw, 
     return CANWRIGHT_OK;
 }
 
-/** Target speed, deg/s. */
+/** speed_setpoint: Target speed, deg/s. */
 static inline float mwd_motor_v2_35_speed_setpoint_to_float(int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
@@ -209,6 +217,7 @@ static inline float mwd_motor_v2_35_speed_setpoint_to_float(int32_t raw)
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_float(int32_t *raw, float value)
 {
     int64_t nearest;
@@ -222,13 +231,14 @@ static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_float(int32
     return CANWRIGHT_OK;
 }
 
-/** Speed limit of the movement, deg/s. */
+/** speed_limit: Speed limit of the movement, deg/s. */
 static inline float mwd_motor_v2_35_speed_limit_to_float(uint16_t raw)
 {
     return (float)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_limit_from_float(uint16_t *raw, float value)
 {
     int64_t nearest;
@@ -242,13 +252,14 @@ static inline canwright_status_t mwd_motor_v2_35_speed_limit_from_float(uint16_t
     return CANWRIGHT_OK;
 }
 
-/** Acceleration, deg/s^2. */
+/** acceleration: Acceleration, deg/s^2. */
 static inline float mwd_motor_v2_35_acceleration_to_float(int32_t raw)
 {
     return (float)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_acceleration_from_float(int32_t *raw, float value)
 {
     int64_t nearest;
@@ -262,15 +273,16 @@ static inline canwright_status_t mwd_motor_v2_35_acceleration_from_float(int32_t
     return CANWRIGHT_OK;
 }
 
-/** Angle, deg. */
-static inline float mwd_motor_v2_35_angle_to_float(int32_t raw)
+/** angle_i32: Angle, deg. */
+static inline float mwd_motor_v2_35_angle_i32_to_float(int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     return canwright_signed_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_35_angle_from_float(int32_t *raw, float value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_float(int32_t *raw, float value)
 {
     int64_t nearest;
     canwright_status_t status;
@@ -283,7 +295,7 @@ static inline canwright_status_t mwd_motor_v2_35_angle_from_float(int32_t *raw, 
     return CANWRIGHT_OK;
 }
 
-/** Single-turn angle, deg. */
+/** single_turn_angle: Single-turn angle, deg. */
 static inline float mwd_motor_v2_35_single_turn_angle_to_float(uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
@@ -291,6 +303,7 @@ static inline float mwd_motor_v2_35_single_turn_angle_to_float(uint32_t raw)
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_float(uint32_t *raw, float value)
 {
     int64_t nearest;
@@ -304,7 +317,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_float(ui
     return CANWRIGHT_OK;
 }
 
-/** Single-turn angle of the output, deg. */
+/** single_turn_position: Single-turn angle of the output, deg. */
 static inline float mwd_motor_v2_35_single_turn_position_to_float(uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
@@ -312,6 +325,7 @@ static inline float mwd_motor_v2_35_single_turn_position_to_float(uint32_t raw)
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_float(
     uint32_t *raw, float value, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -329,7 +343,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_float
     return CANWRIGHT_OK;
 }
 
-/** Multi-turn angle, deg. */
+/** multi_turn_angle: Multi-turn angle, deg. */
 static inline float mwd_motor_v2_35_multi_turn_angle_to_float(int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
@@ -337,6 +351,7 @@ static inline float mwd_motor_v2_35_multi_turn_angle_to_float(int64_t raw)
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_float(int64_t *raw, float value)
 {
     int64_t nearest;
@@ -350,7 +365,8 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_float(int
     return CANWRIGHT_OK;
 }
 
-/** Encoder position, deg. */
+/** encoder_position: Encoder position, deg. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_encoder_position_to_float(
     float *value, uint16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -370,6 +386,7 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_to_float(
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_float(
     uint16_t *raw, float value, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -407,13 +424,14 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_float(
     return CANWRIGHT_OK;
 }
 
-/** Controller gain. */
+/** gain: Controller gain. */
 static inline float mwd_motor_v2_35_gain_to_float(uint8_t raw)
 {
     return (float)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_gain_from_float(uint8_t *raw, float value)
 {
     int64_t nearest;
@@ -429,13 +447,14 @@ static inline canwright_status_t mwd_motor_v2_35_gain_from_float(uint8_t *raw, f
 
 #if CANWRIGHT_HAS_DOUBLE
 
-/** Motor temperature, degC. */
+/** temperature: Motor temperature, degC. */
 static inline double mwd_motor_v2_35_temperature_to_double(int8_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_temperature_from_double(int8_t *raw, double value)
 {
     int64_t nearest;
@@ -449,13 +468,14 @@ static inline canwright_status_t mwd_motor_v2_35_temperature_from_double(int8_t 
     return CANWRIGHT_OK;
 }
 
-/** Supply voltage, V. */
+/** voltage: Supply voltage, V. */
 static inline double mwd_motor_v2_35_voltage_to_double(uint16_t raw)
 {
     return (double)raw / 10.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_voltage_from_double(uint16_t *raw, double value)
 {
     int64_t nearest;
@@ -469,13 +489,14 @@ static inline canwright_status_t mwd_motor_v2_35_voltage_from_double(uint16_t *r
     return CANWRIGHT_OK;
 }
 
-/** Power (open-loop drive level). */
+/** power: Power (open-loop drive level). */
 static inline double mwd_motor_v2_35_power_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_power_from_double(int16_t *raw, double value)
 {
     int64_t nearest;
@@ -489,7 +510,8 @@ static inline canwright_status_t mwd_motor_v2_35_power_from_double(int16_t *raw,
     return CANWRIGHT_OK;
 }
 
-/** Torque current, A. */
+/** torque_current: Torque current, A. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_torque_current_to_double(
     double *value, int16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -509,6 +531,7 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_to_double(
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -540,13 +563,14 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_double(
     return CANWRIGHT_OK;
 }
 
-/** Torque current in the broadcast, A. */
+/** broadcast_current: Torque current in the broadcast, A. */
 static inline double mwd_motor_v2_35_broadcast_current_to_double(int16_t raw)
 {
     return (double)raw * 2.0 / 125.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_double(int16_t *raw, double value)
 {
     int64_t nearest;
@@ -560,13 +584,14 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_double(i
     return CANWRIGHT_OK;
 }
 
-/** Phase current, A. */
+/** phase_current: Phase current, A. */
 static inline double mwd_motor_v2_35_phase_current_to_double(int16_t raw)
 {
     return (double)raw / 64.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_phase_current_from_double(int16_t *raw, double value)
 {
     int64_t nearest;
@@ -580,14 +605,15 @@ static inline canwright_status_t mwd_motor_v2_35_phase_current_from_double(int16
     return CANWRIGHT_OK;
 }
 
-/** Motor speed, deg/s. */
-static inline double mwd_motor_v2_35_speed_to_double(int16_t raw)
+/** speed_i16: Motor speed, deg/s. */
+static inline double mwd_motor_v2_35_speed_i16_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_35_speed_from_double(int16_t *raw, double value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_35_speed_i16_from_double(int16_t *raw, double value)
 {
     int64_t nearest;
     canwright_status_t status;
@@ -600,13 +626,14 @@ static inline canwright_status_t mwd_motor_v2_35_speed_from_double(int16_t *raw,
     return CANWRIGHT_OK;
 }
 
-/** Target speed, deg/s. */
+/** speed_setpoint: Target speed, deg/s. */
 static inline double mwd_motor_v2_35_speed_setpoint_to_double(int32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_double(int32_t *raw, double value)
 {
     int64_t nearest;
@@ -620,13 +647,14 @@ static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_double(int3
     return CANWRIGHT_OK;
 }
 
-/** Speed limit of the movement, deg/s. */
+/** speed_limit: Speed limit of the movement, deg/s. */
 static inline double mwd_motor_v2_35_speed_limit_to_double(uint16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_limit_from_double(uint16_t *raw, double value)
 {
     int64_t nearest;
@@ -640,13 +668,14 @@ static inline canwright_status_t mwd_motor_v2_35_speed_limit_from_double(uint16_
     return CANWRIGHT_OK;
 }
 
-/** Acceleration, deg/s^2. */
+/** acceleration: Acceleration, deg/s^2. */
 static inline double mwd_motor_v2_35_acceleration_to_double(int32_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_acceleration_from_double(int32_t *raw, double value)
 {
     int64_t nearest;
@@ -660,14 +689,15 @@ static inline canwright_status_t mwd_motor_v2_35_acceleration_from_double(int32_
     return CANWRIGHT_OK;
 }
 
-/** Angle, deg. */
-static inline double mwd_motor_v2_35_angle_to_double(int32_t raw)
+/** angle_i32: Angle, deg. */
+static inline double mwd_motor_v2_35_angle_i32_to_double(int32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_35_angle_from_double(int32_t *raw, double value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_double(int32_t *raw, double value)
 {
     int64_t nearest;
     canwright_status_t status;
@@ -680,13 +710,14 @@ static inline canwright_status_t mwd_motor_v2_35_angle_from_double(int32_t *raw,
     return CANWRIGHT_OK;
 }
 
-/** Single-turn angle, deg. */
+/** single_turn_angle: Single-turn angle, deg. */
 static inline double mwd_motor_v2_35_single_turn_angle_to_double(uint32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_double(uint32_t *raw, double value)
 {
     int64_t nearest;
@@ -700,13 +731,14 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_double(u
     return CANWRIGHT_OK;
 }
 
-/** Single-turn angle of the output, deg. */
+/** single_turn_position: Single-turn angle of the output, deg. */
 static inline double mwd_motor_v2_35_single_turn_position_to_double(uint32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_double(
     uint32_t *raw, double value, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -724,7 +756,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_doubl
     return CANWRIGHT_OK;
 }
 
-/** Multi-turn angle, deg. */
+/** multi_turn_angle: Multi-turn angle, deg. */
 static inline double mwd_motor_v2_35_multi_turn_angle_to_double(int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
@@ -732,6 +764,7 @@ static inline double mwd_motor_v2_35_multi_turn_angle_to_double(int64_t raw)
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_double(int64_t *raw, double value)
 {
     int64_t nearest;
@@ -745,7 +778,8 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_double(in
     return CANWRIGHT_OK;
 }
 
-/** Encoder position, deg. */
+/** encoder_position: Encoder position, deg. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_encoder_position_to_double(
     double *value, uint16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -765,6 +799,7 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_to_double(
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_double(
     uint16_t *raw, double value, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -802,13 +837,14 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_double(
     return CANWRIGHT_OK;
 }
 
-/** Controller gain. */
+/** gain: Controller gain. */
 static inline double mwd_motor_v2_35_gain_to_double(uint8_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_gain_from_double(uint8_t *raw, double value)
 {
     int64_t nearest;

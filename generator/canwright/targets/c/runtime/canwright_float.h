@@ -86,6 +86,7 @@ static inline uint64_t canwright_magnitude(int64_t number)
 }
 
 /** Sets a wide integer. */
+CANWRIGHT_NONNULL
 static inline void canwright_wide_set(canwright_wide_t *wide, uint64_t number)
 {
     unsigned i;
@@ -97,6 +98,7 @@ static inline void canwright_wide_set(canwright_wide_t *wide, uint64_t number)
 }
 
 /** Number of bits of a wide integer without its leading zeros. */
+CANWRIGHT_NONNULL
 static inline int canwright_wide_length(const canwright_wide_t *wide)
 {
     unsigned i = CANWRIGHT_WORDS;
@@ -113,6 +115,7 @@ static inline int canwright_wide_length(const canwright_wide_t *wide)
 }
 
 /** Shifts a wide integer to the left. */
+CANWRIGHT_NONNULL
 static inline void canwright_wide_left(canwright_wide_t *wide, int count)
 {
     const unsigned words = (unsigned)count / 32u;
@@ -128,6 +131,7 @@ static inline void canwright_wide_left(canwright_wide_t *wide, int count)
 }
 
 /** Shifts a wide integer to the right; its lowest bit is then 1 if any bit that left it was. */
+CANWRIGHT_NONNULL
 static inline void canwright_wide_right(canwright_wide_t *wide, int count)
 {
     const unsigned words = (unsigned)count / 32u;
@@ -153,6 +157,7 @@ static inline void canwright_wide_right(canwright_wide_t *wide, int count)
 }
 
 /** True if `one` is less than `other`. */
+CANWRIGHT_NONNULL
 static inline bool canwright_wide_less(const canwright_wide_t *one, const canwright_wide_t *other)
 {
     unsigned i;
@@ -165,6 +170,7 @@ static inline bool canwright_wide_less(const canwright_wide_t *one, const canwri
 }
 
 /** Adds a wide integer. */
+CANWRIGHT_NONNULL
 static inline void canwright_wide_add(canwright_wide_t *sum, const canwright_wide_t *other)
 {
     uint64_t carry = 0u;
@@ -177,6 +183,7 @@ static inline void canwright_wide_add(canwright_wide_t *sum, const canwright_wid
 }
 
 /** Subtracts a wide integer that is not greater. */
+CANWRIGHT_NONNULL
 static inline void canwright_wide_subtract(canwright_wide_t *rest, const canwright_wide_t *other)
 {
     uint64_t borrow = 0u;
@@ -189,6 +196,7 @@ static inline void canwright_wide_subtract(canwright_wide_t *rest, const canwrig
 }
 
 /** Multiplies a wide integer. */
+CANWRIGHT_NONNULL
 static inline void canwright_wide_multiply(canwright_wide_t *wide, uint64_t factor)
 {
     const uint64_t low = factor & 0xFFFFFFFFu;
@@ -210,6 +218,7 @@ static inline void canwright_wide_multiply(canwright_wide_t *wide, uint64_t fact
  * The whole part of `above * 2^shift / below`; false if it exceeds 64 bits. Afterwards `above` is the remainder of a
  * division by `below`, which is shifted if `shift` is negative.
  */
+CANWRIGHT_NONNULL
 static inline bool canwright_wide_divide(uint64_t *whole, canwright_wide_t *above, canwright_wide_t *below, int shift)
 {
     int count;
@@ -251,6 +260,7 @@ static inline bool canwright_wide_divide(uint64_t *whole, canwright_wide_t *abov
 }
 
 /** Sets an integer. */
+CANWRIGHT_NONNULL
 static inline void canwright_term_integer(canwright_term_t *term, uint64_t size, bool negative)
 {
     canwright_wide_set(&term->size, size);
@@ -259,6 +269,7 @@ static inline void canwright_term_integer(canwright_term_t *term, uint64_t size,
 }
 
 /** Sets the number with these bits, which is finite. */
+CANWRIGHT_NONNULL
 static inline void canwright_term_single(canwright_term_t *term, uint32_t bits)
 {
     const uint32_t exponent = (bits >> 23) & 0xFFu;
@@ -269,6 +280,7 @@ static inline void canwright_term_single(canwright_term_t *term, uint32_t bits)
 }
 
 /** Sets the number with these bits, which is finite. */
+CANWRIGHT_NONNULL
 static inline void canwright_term_double(canwright_term_t *term, uint64_t bits)
 {
     const uint64_t exponent = (bits >> 52) & 0x7FFu;
@@ -279,6 +291,7 @@ static inline void canwright_term_double(canwright_term_t *term, uint64_t bits)
 }
 
 /** Multiplies with a power of two so that the exponent becomes `exponent`. */
+CANWRIGHT_NONNULL
 static inline void canwright_term_align(canwright_term_t *term, int exponent)
 {
     if (term->exponent >= exponent) {
@@ -293,6 +306,7 @@ static inline void canwright_term_align(canwright_term_t *term, int exponent)
  * Adds a term of at most 160 bits to another. Only bits that cannot change a rounded result leave the sum; the lowest
  * bit remembers them.
  */
+CANWRIGHT_NONNULL
 static inline void canwright_term_add(canwright_term_t *sum, canwright_term_t *other)
 {
     const int length = canwright_wide_length(&sum->size) + sum->exponent;
@@ -312,6 +326,7 @@ static inline void canwright_term_add(canwright_term_t *sum, canwright_term_t *o
 }
 
 /** The value of a raw number. */
+CANWRIGHT_NONNULL
 static inline void canwright_value(
     canwright_quotient_t *value, const canwright_term_t *raw, const canwright_linear_t *linear)
 {
@@ -331,6 +346,7 @@ static inline void canwright_value(
 }
 
 /** The raw number of a value, not rounded. */
+CANWRIGHT_NONNULL
 static inline void canwright_raw(
     canwright_quotient_t *raw, const canwright_term_t *value, const canwright_linear_t *linear)
 {
@@ -350,6 +366,7 @@ static inline void canwright_raw(
 }
 
 /** The magnitude of the nearest integer, ties away from zero; false if it exceeds 64 bits. */
+CANWRIGHT_NONNULL
 static inline bool canwright_nearest(uint64_t *nearest, canwright_quotient_t *quotient)
 {
     canwright_term_t *above = &quotient->above;
@@ -371,6 +388,7 @@ static inline bool canwright_nearest(uint64_t *nearest, canwright_quotient_t *qu
 }
 
 /** The nearest integer, ties away from zero; false if it exceeds 64 bits. */
+CANWRIGHT_NONNULL
 static inline bool canwright_nearest_signed(int64_t *nearest, canwright_quotient_t *quotient)
 {
     uint64_t size;
@@ -382,12 +400,14 @@ static inline bool canwright_nearest_signed(int64_t *nearest, canwright_quotient
 }
 
 /** The nearest integer, ties away from zero; false if it is negative or exceeds 64 bits. */
+CANWRIGHT_NONNULL
 static inline bool canwright_nearest_unsigned(uint64_t *nearest, canwright_quotient_t *quotient)
 {
     return canwright_nearest(nearest, quotient) && (!quotient->above.negative || *nearest == 0u);
 }
 
 /** The bits of the nearest IEEE 754 number of this precision, ties to even; infinity if there is none. */
+CANWRIGHT_NONNULL
 static inline uint64_t canwright_rounded(canwright_quotient_t *quotient, unsigned precision)
 {
     const bool is_single = precision == CANWRIGHT_SINGLE;
@@ -431,6 +451,7 @@ static inline uint64_t canwright_rounded(canwright_quotient_t *quotient, unsigne
 }
 
 /** The bits of the value of a raw number, rounded to this precision. */
+CANWRIGHT_NONNULL
 static inline uint64_t canwright_value_bits(
     const canwright_term_t *raw, const canwright_linear_t *linear, unsigned precision)
 {
@@ -440,6 +461,7 @@ static inline uint64_t canwright_value_bits(
 }
 
 /** The bits of the raw number of a value, rounded to this precision. */
+CANWRIGHT_NONNULL
 static inline uint64_t canwright_raw_bits(
     const canwright_term_t *value, const canwright_linear_t *linear, unsigned precision)
 {
@@ -449,6 +471,7 @@ static inline uint64_t canwright_raw_bits(
 }
 
 /** True if the value is the raw number. */
+CANWRIGHT_NONNULL
 static inline bool canwright_is_identity(const canwright_linear_t *linear)
 {
     return linear->factor == 1 && linear->addend == 0 && linear->divisor == 1 && linear->ratio.numerator == 1 &&
@@ -456,6 +479,7 @@ static inline bool canwright_is_identity(const canwright_linear_t *linear)
 }
 
 /** The raw integer nearest to a value, if it is from `lowest` to `highest`. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_signed_from_term(int64_t *nearest, const canwright_term_t *value,
     const canwright_linear_t *linear, int64_t lowest, int64_t highest)
 {
@@ -468,6 +492,7 @@ static inline canwright_status_t canwright_signed_from_term(int64_t *nearest, co
 }
 
 /** The raw integer nearest to a value, if it is from `lowest` to `highest`. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_unsigned_from_term(uint64_t *nearest, const canwright_term_t *value,
     const canwright_linear_t *linear, uint64_t lowest, uint64_t highest)
 {
@@ -512,6 +537,7 @@ static inline float canwright_float_magnitude(float number)
 }
 
 /** The value of the integer of a sign and a magnitude. */
+CANWRIGHT_NONNULL
 static inline float canwright_integer_to_float(bool negative, uint64_t raw, const canwright_linear_t *linear)
 {
     const float limit = 16777216.0f; /* integers up to this one are exact */
@@ -530,18 +556,21 @@ static inline float canwright_integer_to_float(bool negative, uint64_t raw, cons
 }
 
 /** The value of a signed integer. */
+CANWRIGHT_NONNULL
 static inline float canwright_signed_to_float(int64_t raw, const canwright_linear_t *linear)
 {
     return canwright_integer_to_float(raw < 0, canwright_magnitude(raw), linear);
 }
 
 /** The value of an unsigned integer. */
+CANWRIGHT_NONNULL
 static inline float canwright_unsigned_to_float(uint64_t raw, const canwright_linear_t *linear)
 {
     return canwright_integer_to_float(false, raw, linear);
 }
 
 /** The raw integer nearest to a value if the precision of a float is enough to decide which one this is; else false. */
+CANWRIGHT_NONNULL
 static inline bool canwright_float_decides(int64_t *nearest, float value, const canwright_linear_t *linear)
 {
     const float scaled = value * ((float)linear->divisor * (float)linear->ratio.denominator);
@@ -565,6 +594,7 @@ static inline bool canwright_float_decides(int64_t *nearest, float value, const 
 }
 
 /** The raw integer nearest to a value, ties away from zero. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_signed_from_float(
     int64_t *nearest, float value, const canwright_linear_t *linear, int64_t lowest, int64_t highest)
 {
@@ -581,6 +611,7 @@ static inline canwright_status_t canwright_signed_from_float(
 }
 
 /** The raw integer nearest to a value, ties away from zero. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_unsigned_from_float(
     uint64_t *nearest, float value, const canwright_linear_t *linear, uint64_t lowest, uint64_t highest)
 {
@@ -599,6 +630,7 @@ static inline canwright_status_t canwright_unsigned_from_float(
 }
 
 /** The value of the 32-bit number that has these bits. */
+CANWRIGHT_NONNULL
 static inline float canwright_bits32_to_float(uint32_t bits, const canwright_linear_t *linear)
 {
     canwright_term_t term;
@@ -610,6 +642,7 @@ static inline float canwright_bits32_to_float(uint32_t bits, const canwright_lin
 }
 
 /** The value of the 64-bit number that has these bits. */
+CANWRIGHT_NONNULL
 static inline float canwright_bits64_to_float(uint64_t bits, const canwright_linear_t *linear)
 {
     canwright_term_t term;
@@ -622,6 +655,7 @@ static inline float canwright_bits64_to_float(uint64_t bits, const canwright_lin
 }
 
 /** The bits of the 64-bit number nearest to the raw number of a value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_bits64_from_float(
     uint64_t *bits, float value, const canwright_linear_t *linear)
 {
@@ -636,6 +670,7 @@ static inline canwright_status_t canwright_bits64_from_float(
 }
 
 /** The bits of the 32-bit number nearest to a finite 64-bit number. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_bits32_of_bits64(uint32_t *bits, uint64_t wide)
 {
     const canwright_linear_t identity = {1, 0, 1, {1, 1u}};
@@ -646,6 +681,7 @@ static inline canwright_status_t canwright_bits32_of_bits64(uint32_t *bits, uint
 }
 
 /** The bits of the 32-bit number nearest to the raw number of a value, which is rounded to a 64-bit number first. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_bits32_from_float(
     uint32_t *bits, float value, const canwright_linear_t *linear)
 {
@@ -694,6 +730,7 @@ static inline double canwright_double_magnitude(double number)
 }
 
 /** The value of the integer of a sign and a magnitude. */
+CANWRIGHT_NONNULL
 static inline double canwright_integer_to_double(bool negative, uint64_t raw, const canwright_linear_t *linear)
 {
     const double limit = 9007199254740992.0; /* integers up to this one are exact */
@@ -712,18 +749,21 @@ static inline double canwright_integer_to_double(bool negative, uint64_t raw, co
 }
 
 /** The value of a signed integer. */
+CANWRIGHT_NONNULL
 static inline double canwright_signed_to_double(int64_t raw, const canwright_linear_t *linear)
 {
     return canwright_integer_to_double(raw < 0, canwright_magnitude(raw), linear);
 }
 
 /** The value of an unsigned integer. */
+CANWRIGHT_NONNULL
 static inline double canwright_unsigned_to_double(uint64_t raw, const canwright_linear_t *linear)
 {
     return canwright_integer_to_double(false, raw, linear);
 }
 
 /** The raw integer nearest to a value if the precision of a double is enough to decide which one this is; else false. */
+CANWRIGHT_NONNULL
 static inline bool canwright_double_decides(int64_t *nearest, double value, const canwright_linear_t *linear)
 {
     const double scaled = value * ((double)linear->divisor * (double)linear->ratio.denominator);
@@ -747,6 +787,7 @@ static inline bool canwright_double_decides(int64_t *nearest, double value, cons
 }
 
 /** The raw integer nearest to a value, ties away from zero. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_signed_from_double(
     int64_t *nearest, double value, const canwright_linear_t *linear, int64_t lowest, int64_t highest)
 {
@@ -763,6 +804,7 @@ static inline canwright_status_t canwright_signed_from_double(
 }
 
 /** The raw integer nearest to a value, ties away from zero. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_unsigned_from_double(
     uint64_t *nearest, double value, const canwright_linear_t *linear, uint64_t lowest, uint64_t highest)
 {
@@ -781,6 +823,7 @@ static inline canwright_status_t canwright_unsigned_from_double(
 }
 
 /** The value of the 32-bit number that has these bits. */
+CANWRIGHT_NONNULL
 static inline double canwright_bits32_to_double(uint32_t bits, const canwright_linear_t *linear)
 {
     canwright_term_t term;
@@ -792,6 +835,7 @@ static inline double canwright_bits32_to_double(uint32_t bits, const canwright_l
 }
 
 /** The value of the 64-bit number that has these bits. */
+CANWRIGHT_NONNULL
 static inline double canwright_bits64_to_double(uint64_t bits, const canwright_linear_t *linear)
 {
     canwright_term_t term;
@@ -803,6 +847,7 @@ static inline double canwright_bits64_to_double(uint64_t bits, const canwright_l
 }
 
 /** The bits of the 64-bit number nearest to the raw number of a value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_bits64_from_double(
     uint64_t *bits, double value, const canwright_linear_t *linear)
 {
@@ -819,6 +864,7 @@ static inline canwright_status_t canwright_bits64_from_double(
 }
 
 /** The bits of the 32-bit number nearest to the raw number of a value, which is rounded to a 64-bit number first. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_bits32_from_double(
     uint32_t *bits, double value, const canwright_linear_t *linear)
 {
