@@ -52,8 +52,8 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
         if linear is None:
             return NO_SCALE
         limits = "" if is_float else "".join(f", {wide.literal(end)}" for end in constant_limits(type_))
-        call = f"canwright_{_raw(type_)}_from_{format_.name}(&nearest, value, &linear{limits})"
-        return Formula(number=call, ratio=ratio(linear), linear=_initializer(linear))
+        call = f"canwright_{raw_kind(type_)}_from_{format_.name}(&nearest, value, &linear{limits})"
+        return Formula(number=call, ratio=ratio(linear), linear=initializer(linear))
 
     return ConversionView(
         kind=format_.name,
@@ -66,7 +66,7 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
 
 
 def _to(linear: Linear, type_: Type, format_: Format) -> Formula:
-    number = f"canwright_{_raw(type_)}_to_{format_.name}(raw, &linear)"
+    number = f"canwright_{raw_kind(type_)}_to_{format_.name}(raw, &linear)"
     if type_.encoding is not Encoding.FLOAT and linear.times is None:
         if linear.is_identity:
             return Formula(number=f"({format_.name})raw")
@@ -74,7 +74,7 @@ def _to(linear: Linear, type_: Type, format_: Format) -> Formula:
         largest = max(map(abs, type_.raw_limits)) * abs(factor) + abs(addend)
         if max(largest, divisor) <= format_.exact:
             return Formula(number=_expression(linear, format_))
-    return Formula(number=number, ratio=ratio(linear), linear=_initializer(linear))
+    return Formula(number=number, ratio=ratio(linear), linear=initializer(linear))
 
 
 def _expression(linear: Linear, format_: Format) -> str:
@@ -90,13 +90,14 @@ def _expression(linear: Linear, format_: Format) -> str:
     return (f"({dividend})" if addend or factor < 0 else dividend) + f" / {format_.literal(divisor)}"
 
 
-def _initializer(linear: Linear) -> str:
+def initializer(linear: Linear) -> str:
+    """Scale and offset as the initializer of a `canwright_linear_t`."""
     numbers = ", ".join(map(INT64.literal, linear.as_quotient))
     return f"{{{numbers}, {ratio(linear) or '{1, 1u}'}}}"
 
 
-def _raw(type_: Type) -> str:
-    """The raw integers of a type in the names of functions of the runtime."""
+def raw_kind(type_: Type) -> str:
+    """The kind of the raw integers of a type, as a part of names of runtime functions."""
     if type_.encoding is Encoding.FLOAT:
         return f"bits{type_.width}"
     return "unsigned" if integer(type_) == UINT64 else "signed"
