@@ -35,7 +35,7 @@ def write(described_: Sequence[Specification], folder: Path) -> Path:
 
 def headers(described_: Sequence[Specification]) -> list[str]:
     names = [f"{d.edition.family}/{d.edition.identifier}" for d in described_]
-    return [f"{name}{part}.h" for name in names for part in ("", "_float")]
+    return [f"{name}{part}.h" for name in names for part in c.PARTS]
 
 
 def everything(include: Path, names: Sequence[str]) -> str:

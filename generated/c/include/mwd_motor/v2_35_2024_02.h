@@ -1056,9 +1056,9 @@ static inline bool mwd_motor_v2_35_2024_02_motor_state_valid(uint8_t raw)
 #define MWD_MOTOR_V2_35_2024_02_ERROR_FLAGS_OVER_TEMPERATURE 0x08u /**< Over-temperature protection */
 
 /** The name of one flag, or NULL. */
-static inline const char *mwd_motor_v2_35_2024_02_error_flags_name(uint8_t flag)
+static inline const char *mwd_motor_v2_35_2024_02_error_flags_name(uint8_t raw)
 {
-    switch (flag) {
+    switch (raw) {
     case MWD_MOTOR_V2_35_2024_02_ERROR_FLAGS_LOW_VOLTAGE:
         return "low_voltage";
     case MWD_MOTOR_V2_35_2024_02_ERROR_FLAGS_OVER_TEMPERATURE:

@@ -1061,9 +1061,9 @@ static inline bool mwd_motor_v2_36_2024_11_motor_state_valid(uint8_t raw)
 #define MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_INPUT_LOST      0x80u /**< Input signal missing */
 
 /** The name of one flag, or NULL. */
-static inline const char *mwd_motor_v2_36_2024_11_error_flags_name(uint8_t flag)
+static inline const char *mwd_motor_v2_36_2024_11_error_flags_name(uint8_t raw)
 {
-    switch (flag) {
+    switch (raw) {
     case MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_LOW_VOLTAGE:
         return "low_voltage";
     case MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_OVER_VOLTAGE:

@@ -1275,9 +1275,9 @@ static inline bool mwd_motor_v2_36_2025_03_motor_state_valid(uint8_t raw)
 #define MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_INPUT_LOST      0x80u /**< Input signal missing */
 
 /** The name of one flag, or NULL. */
-static inline const char *mwd_motor_v2_36_2025_03_error_flags_name(uint8_t flag)
+static inline const char *mwd_motor_v2_36_2025_03_error_flags_name(uint8_t raw)
 {
-    switch (flag) {
+    switch (raw) {
     case MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_LOW_VOLTAGE:
         return "low_voltage";
     case MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_OVER_VOLTAGE:
@@ -1315,9 +1315,9 @@ static inline uint8_t mwd_motor_v2_36_2025_03_error_flags_first_flag(uint8_t raw
 #define MWD_MOTOR_V2_36_2025_03_ALIGN_STATE_PHASE_REVERSED 0x10u /**< Detected phase sequence is reversed */
 
 /** The name of one flag, or NULL. */
-static inline const char *mwd_motor_v2_36_2025_03_align_state_name(uint8_t flag)
+static inline const char *mwd_motor_v2_36_2025_03_align_state_name(uint8_t raw)
 {
-    switch (flag) {
+    switch (raw) {
     case MWD_MOTOR_V2_36_2025_03_ALIGN_STATE_SUCCEEDED:
         return "succeeded";
     case MWD_MOTOR_V2_36_2025_03_ALIGN_STATE_PHASE_REVERSED:
