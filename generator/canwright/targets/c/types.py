@@ -55,6 +55,10 @@ class TypeView(NamedTuple):
     unit: str
 
     @property
+    def is_enum(self) -> bool:
+        return bool(self.names) and not self.is_flags
+
+    @property
     def is_empty(self) -> bool:
         return not (self.macros or self.valid or self.milli or self.has_notes)
 

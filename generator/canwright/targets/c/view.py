@@ -197,6 +197,10 @@ class EditionView(NamedTuple):
         ]
 
     @property
+    def has_reply_time(self) -> bool:
+        return any(fact.name == f"{self.PREFIX}REPLY_WITHIN_US" for fact in self.facts)
+
+    @property
     def effect_bits(self) -> int:
         return 64 if len(self.effects) > 32 else 32
 
