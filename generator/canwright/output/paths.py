@@ -56,6 +56,22 @@ def digest_of(file: Path) -> str | None:
     return None if data is None else digest(data)
 
 
+def regular_files(out: Path, folder: str) -> Iterator[str]:
+    """The regular files in a folder below `out` and in its folders; links are not followed. Raises OSError."""
+    with os.scandir(f"{out}/{folder}") as entries:
+        for entry in entries:
+            if entry.is_dir(follow_symlinks=False):
+                yield from regular_files(out, f"{folder}/{entry.name}")
+            elif entry.is_file(follow_symlinks=False):
+                yield f"{folder}/{entry.name}"
+
+
+def digest_of_regular(file: str) -> str:
+    """The digest of a regular file, for many files: making a Path of each takes longer than reading it. Raises OSError."""
+    with open(file, "rb", buffering=0) as stream:  # noqa: PTH123
+        return digest(stream.read())
+
+
 def refuse_obstacles(out: Path, *paths: str) -> None:
     """Raises OutputError if a path below `out` leads through a link, or belongs to something other than a file."""
     folders = {folder for path in paths for folder in accumulate(path.split("/")[:-1], "{}/{}".format)}
