@@ -80,7 +80,9 @@ format_option = click.option(
     help="The format of findings.",
 )
 cache_option = click.option(
-    "--no-cache", is_flag=True, help="Generate everything, even if nothing changed since the last run."
+    "--no-cache",
+    is_flag=True,
+    help="Generate everything, even if the cache folder of the user records that nothing changed.",
 )
 record_argument = click.make_pass_decorator(RunRecord, ensure=True)
 set_option = click.option(
