@@ -100,8 +100,9 @@ def same_size(file: Path) -> None:
 
 def linked(path: Path) -> None:
     """The same content, reached through a link."""
-    path.rename(path.with_name("elsewhere"))
-    path.symlink_to("elsewhere")
+    elsewhere = Path("../elsewhere").absolute()
+    path.rename(elsewhere)
+    path.symlink_to(elsewhere)
 
 
 def of_another_family() -> None:

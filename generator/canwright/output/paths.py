@@ -82,18 +82,19 @@ def refuse_obstacles(out: Path, *paths: str) -> None:
 
 
 def _refuse_other_than(is_wanted: Callable[[int], bool], wanted: str, out: Path, path: str) -> None:
-    file = out / path
     try:
-        mode = file.lstat().st_mode
+        mode = os.lstat(f"{out}/{path}" if path else out).st_mode  # a Path of each path takes longer
     except (FileNotFoundError, NotADirectoryError):
         return
+    if is_wanted(mode):
+        return
+    file = out / path
     if stat.S_ISLNK(mode):
         remedy = "remove it, files are not written through links"
         if file == out:
             remedy = "name the folder that it leads to with --out"
         raise OutputError(f"{file.as_posix()} is a symbolic link; {remedy}")
-    if not is_wanted(mode):
-        raise OutputError(f"{file.as_posix()} is not a {wanted}; move it away, a {wanted} of that name is generated")
+    raise OutputError(f"{file.as_posix()} is not a {wanted}; move it away, a {wanted} of that name is generated")
 
 
 def conflict(out: Path, path: str, *, generated: bool) -> OutputError:
