@@ -1,1 +1,1 @@
-"""Benchmarks beside their peers; `python -m tests.bench.NAME` runs one, and its exit status follows the bars."""
+"""Benchmarks beside the code that they are measured against, one module a command; the exit status follows the bars."""
