@@ -21,6 +21,7 @@ from ._codec import (
     EnumType,
     FieldAbsent,
     FlagsType,
+    Integer,
     Message,
     Number,
     Real,
@@ -188,9 +189,9 @@ class ErrorFlags(IntFlag):
     """Over-temperature protection"""
 
 
-TEMPERATURE = Number(-128, 127, "degC")
+TEMPERATURE = Integer(-128, 127, "degC")
 VOLTAGE = Number(0, 65535, "V", scale=(1, 10, 0))
-POWER = Number(-32768, 32767, limits=(Bound(-850), Bound(850)))
+POWER = Integer(-32768, 32767, limits=(Bound(-850), Bound(850)))
 TORQUE_CURRENT = Number(
     -32768,
     32767,
@@ -201,10 +202,10 @@ TORQUE_CURRENT = Number(
 )
 BROADCAST_CURRENT = Number(-32768, 32767, "A", scale=(2, 125, 0), limits=(Bound(-2000), Bound(2000)))
 PHASE_CURRENT = Number(-32768, 32767, "A", scale=(1, 64, 0))
-SPEED = Number(-32768, 32767, "deg/s")
+SPEED = Integer(-32768, 32767, "deg/s")
 SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0))
-SPEED_LIMIT = Number(0, 65535, "deg/s")
-ACCELERATION = Number(-2147483648, 2147483647, "deg/s^2")
+SPEED_LIMIT = Integer(0, 65535, "deg/s")
+ACCELERATION = Integer(-2147483648, 2147483647, "deg/s^2")
 ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0))
 SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0))
 SINGLE_TURN_POSITION = Number(
@@ -224,9 +225,11 @@ ENCODER_POSITION = Number(
     limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 18: (Bound(0), Bound(65535))},
     limits_by="encoder_bits",
 )
-GAIN = Number(0, 255)
+GAIN = Integer(0, 255)
 _SpinDirection = EnumType(SpinDirection)
 _ErrorFlags = FlagsType(ErrorFlags, 0x9)
+_ONLY_1 = {Series.MS}
+_ONLY_2 = {Series.MF, Series.MH, Series.MG}
 _UNPACK_1 = Struct("<2xBBBBBB").unpack
 _UNPACK_2 = Struct("<4xi").unpack
 _UNPACK_3 = Struct("<6xH").unpack
@@ -518,7 +521,7 @@ class MotionFeedback(Message):
         Series.MG: 1,
     }
 
-    _raws: tuple[int, Any, Any, int, int]
+    _raws: tuple[int, Any, int, int]
 
     def __init__(
         self,
@@ -533,14 +536,7 @@ class MotionFeedback(Message):
     ) -> None:
         self._node = self._known_node(node)
         self._parameters = parameters
-        self._require(power=power, iq=iq)
-        self._raws = (
-            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
-            self._optional(POWER, power, "power"),
-            self._optional(TORQUE_CURRENT, iq, "iq"),
-            SPEED.raw(speed, self._parameters, "speed"),
-            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
-        )
+        self._raws = self._raws_of(temperature=temperature, power=power, iq=iq, speed=speed, encoder=encoder)
         self._checked = True
 
     @classmethod
@@ -550,15 +546,9 @@ class MotionFeedback(Message):
         self._node = node
         self._parameters = parameters
         self._checked = False
-        variant = cls.VARIANT_OF.get(parameters.series)
-        if variant == 0:
-            found = _UNPACK_4(data)
-            self._raws = (found[0], found[1], None, found[2], found[3])
-        elif variant == 1:
-            found = _UNPACK_4(data)
-            self._raws = (found[0], None, found[1], found[2], found[3])
-        else:
+        if parameters.series is None:
             raise missing("series", cls.__name__)
+        self._raws = _UNPACK_4(data)
         return self
 
     @property
@@ -580,16 +570,16 @@ class MotionFeedback(Message):
         Raw -850..850. A plain number without a unit in the manual. The corresponding current and torque
         differ between motors. Exists under MS only.
         """
-        raw: int | None = self._raws[1]
-        if raw is None:
+        if self._parameters.series not in _ONLY_1:
             raise self._absent("power")
+        raw: int = self._raws[1]
         return raw
 
     @property
     def power_raw(self) -> int:
-        raw: int | None = self._raws[1]
-        if raw is None:
+        if self._parameters.series not in _ONLY_1:
             raise self._absent("power")
+        raw: int = self._raws[1]
         return raw
 
     @property
@@ -599,16 +589,16 @@ class MotionFeedback(Message):
         In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048. Exists
         under MF, MH, MG only.
         """
-        raw: int | None = self._raws[2]
-        if raw is None:
+        if self._parameters.series not in _ONLY_2:
             raise self._absent("iq")
+        raw: int = self._raws[1]
         return TORQUE_CURRENT.value(raw, self._parameters, "iq")
 
     @property
     def iq_raw(self) -> int:
-        raw: int | None = self._raws[2]
-        if raw is None:
+        if self._parameters.series not in _ONLY_2:
             raise self._absent("iq")
+        raw: int = self._raws[1]
         return raw
 
     @property
@@ -617,11 +607,11 @@ class MotionFeedback(Message):
 
         In °/s.
         """
-        return self._raws[3]
+        return self._raws[2]
 
     @property
     def speed_raw(self) -> int:
-        return self._raws[3]
+        return self._raws[2]
 
     @property
     def encoder(self) -> float:
@@ -630,18 +620,15 @@ class MotionFeedback(Message):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
-        return ENCODER_POSITION.value(self._raws[4], self._parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[3], self._parameters, "encoder")
 
     @property
     def encoder_raw(self) -> int:
-        return self._raws[4]
+        return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
-        variant = self.VARIANT_OF[self._parameters.series]
-        if variant == 0:
-            return _PACK_4(self.CODE, self._raws[0], self._raws[1], self._raws[3], self._raws[4])
-        return _PACK_4(self.CODE, self._raws[0], self._raws[2], self._raws[3], self._raws[4])
+        return _PACK_4(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
 class Status1(Message):

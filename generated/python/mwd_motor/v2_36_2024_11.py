@@ -18,6 +18,7 @@ from ._codec import (
     EnumType,
     FieldAbsent,
     FlagsType,
+    Integer,
     Message,
     Number,
     Real,
@@ -252,11 +253,11 @@ class ErrorFlags(IntFlag):
     """Input signal missing"""
 
 
-TEMPERATURE = Number(-128, 127, "degC")
+TEMPERATURE = Integer(-128, 127, "degC")
 VOLTAGE = Number(-32768, 32767, "V", scale=(1, 100, 0))
 BUS_CURRENT = Number(-32768, 32767, "A", scale=(1, 100, 0))
-POWER = Number(-32768, 32767, limits=(Bound(-850), Bound(850)))
-OUTPUT_POWER = Number(-32768, 32767, limits=(Bound(-1000), Bound(1000)))
+POWER = Integer(-32768, 32767, limits=(Bound(-850), Bound(850)))
+OUTPUT_POWER = Integer(-32768, 32767, limits=(Bound(-1000), Bound(1000)))
 TORQUE_CURRENT = Number(
     -32768,
     32767,
@@ -279,9 +280,9 @@ PHASE_CURRENT = Number(
     scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
     scale_by="series",
 )
-SPEED = Number(-32768, 32767, "deg/s")
+SPEED = Integer(-32768, 32767, "deg/s")
 SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0))
-SPEED_LIMIT = Number(0, 65535, "deg/s")
+SPEED_LIMIT = Integer(0, 65535, "deg/s")
 ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0))
 SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0))
 SINGLE_TURN_POSITION = Number(
@@ -301,14 +302,16 @@ ENCODER_POSITION = Number(
     limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))},
     limits_by="encoder_bits",
 )
-GAIN = Number(0, 65535)
+GAIN = Integer(0, 65535)
 _SpinDirection = EnumType(SpinDirection)
 _BrakeAction = EnumType(BrakeAction)
 _BrakeState = EnumType(BrakeState)
 _MotorState = EnumType(MotorState)
 _ErrorFlags = FlagsType(ErrorFlags, 0xFF)
-I16 = Number(-32768, 32767)
-I32 = Number(-2147483648, 2147483647)
+I16 = Integer(-32768, 32767)
+I32 = Integer(-2147483648, 2147483647)
+_ONLY_1 = {Series.MS}
+_ONLY_2 = {Series.MF, Series.MH, Series.MG}
 _UNPACK_1 = Struct("<2xHHH").unpack
 _UNPACK_2 = Struct("<4xh2x").unpack
 _UNPACK_3 = Struct("<4xi").unpack
@@ -734,7 +737,7 @@ class MotionFeedback(Message):
         Series.MG: 1,
     }
 
-    _raws: tuple[int, Any, Any, int, int]
+    _raws: tuple[int, Any, int, int]
 
     def __init__(
         self,
@@ -749,14 +752,7 @@ class MotionFeedback(Message):
     ) -> None:
         self._node = self._known_node(node)
         self._parameters = parameters
-        self._require(power=power, iq=iq)
-        self._raws = (
-            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
-            self._optional(OUTPUT_POWER, power, "power"),
-            self._optional(MEASURED_TORQUE_CURRENT, iq, "iq"),
-            SPEED.raw(speed, self._parameters, "speed"),
-            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
-        )
+        self._raws = self._raws_of(temperature=temperature, power=power, iq=iq, speed=speed, encoder=encoder)
         self._checked = True
 
     @classmethod
@@ -766,15 +762,9 @@ class MotionFeedback(Message):
         self._node = node
         self._parameters = parameters
         self._checked = False
-        variant = cls.VARIANT_OF.get(parameters.series)
-        if variant == 0:
-            found = _UNPACK_4(data)
-            self._raws = (found[0], found[1], None, found[2], found[3])
-        elif variant == 1:
-            found = _UNPACK_4(data)
-            self._raws = (found[0], None, found[1], found[2], found[3])
-        else:
+        if parameters.series is None:
             raise missing("series", cls.__name__)
+        self._raws = _UNPACK_4(data)
         return self
 
     @property
@@ -795,16 +785,16 @@ class MotionFeedback(Message):
 
         Raw -1000..1000. A plain number without a unit in the manual. Exists under MS only.
         """
-        raw: int | None = self._raws[1]
-        if raw is None:
+        if self._parameters.series not in _ONLY_1:
             raise self._absent("power")
+        raw: int = self._raws[1]
         return raw
 
     @property
     def power_raw(self) -> int:
-        raw: int | None = self._raws[1]
-        if raw is None:
+        if self._parameters.series not in _ONLY_1:
             raise self._absent("power")
+        raw: int = self._raws[1]
         return raw
 
     @property
@@ -814,16 +804,16 @@ class MotionFeedback(Message):
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). Exists under MF, MH, MG
         only.
         """
-        raw: int | None = self._raws[2]
-        if raw is None:
+        if self._parameters.series not in _ONLY_2:
             raise self._absent("iq")
+        raw: int = self._raws[1]
         return MEASURED_TORQUE_CURRENT.value(raw, self._parameters, "iq")
 
     @property
     def iq_raw(self) -> int:
-        raw: int | None = self._raws[2]
-        if raw is None:
+        if self._parameters.series not in _ONLY_2:
             raise self._absent("iq")
+        raw: int = self._raws[1]
         return raw
 
     @property
@@ -832,11 +822,11 @@ class MotionFeedback(Message):
 
         In °/s.
         """
-        return self._raws[3]
+        return self._raws[2]
 
     @property
     def speed_raw(self) -> int:
-        return self._raws[3]
+        return self._raws[2]
 
     @property
     def encoder(self) -> float:
@@ -845,18 +835,15 @@ class MotionFeedback(Message):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self._raws[4], self._parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[3], self._parameters, "encoder")
 
     @property
     def encoder_raw(self) -> int:
-        return self._raws[4]
+        return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
-        variant = self.VARIANT_OF[self._parameters.series]
-        if variant == 0:
-            return _PACK_2(self.CODE, self._raws[0], self._raws[1], self._raws[3], self._raws[4])
-        return _PACK_2(self.CODE, self._raws[0], self._raws[2], self._raws[3], self._raws[4])
+        return _PACK_2(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
 class Status1(Message):
