@@ -11,8 +11,10 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets import python as target
+from canwright.targets.python.text import class_name
 
 from ..conformance.adapters.python import load
 from ..spec_texts import MINIMAL, ROOT, SPECS, called
@@ -33,7 +35,26 @@ def v2_35(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
     return load(write(tmp_path_factory.mktemp("python"), SPEC), specification(SPEC).edition)
 
 
-def test_mypy_strict_and_pyright_find_nothing(tmp_path: Path) -> None:
+MATCH = """\
+from typing_extensions import assert_never
+from mwd_motor import v2_35
+from mwd_motor.nodes import Node, Nodes
+
+def dispatch(data: bytes, bus: Nodes[v2_35.AnyRequest, v2_35.AnyReply]) -> float:
+    reply = v2_35.decode_reply(0x141, data)
+    match reply:
+        case v2_35.MotionFeedback():
+            return reply.speed
+        CASES
+        case _:
+            assert_never(reply)
+
+def of_node(data: bytes) -> v2_35.AnyReply:
+    return Node(v2_35, 1).decode_reply(0x141, data)
+"""
+
+
+def test_mypy_strict_and_pyright_find_a_missing_case_and_nothing_else(tmp_path: Path) -> None:
     write(tmp_path, SPEC)
     use = tmp_path / "use.py"
     use.write_text(
@@ -53,15 +74,22 @@ def test_mypy_strict_and_pyright_find_nothing(tmp_path: Path) -> None:
         "except CodecError as error:\n"
         "    out: bool = error.refusal is Refusal.OUT_OF_RANGE\n"
     )
+    replies = [m for m in specification(SPEC).edition.messages(Direction.REPLY) if m.claims or not m.keys]
+    others = [class_name(m.name) for m in replies if m.layout.name != "motion_feedback"]
+    for name, cases in (("complete", others), ("incomplete", others[1:])):
+        listed = " | ".join(f"v2_35.{one}()" for one in cases)
+        (tmp_path / f"{name}.py").write_text(MATCH.replace("CASES", f"case {listed}: return 0"))
+    (tmp_path / "pyrightconfig.json").write_text('{"typeCheckingMode": "strict", "pythonVersion": "3.10"}')
     for command in (
         ("mypy", "--strict", "--no-incremental", "."),
         ("basedpyright", "--level", "error", "--pythonpath", sys.executable),
     ):
-        (tmp_path / "pyrightconfig.json").write_text('{"typeCheckingMode": "strict", "pythonVersion": "3.10"}')
         result = subprocess.run(
             [sys.executable, "-m", *command], cwd=tmp_path, capture_output=True, text=True, check=False
         )
-        assert result.returncode == 0, result.stdout + result.stderr
+        errors = [line for line in result.stdout.splitlines() if " error: " in line]
+        assert len(errors) == 1, result.stdout + result.stderr
+        assert "incomplete.py:12" in errors[0] and "assert_never" in errors[0] and others[0] in result.stdout
 
 
 def test_a_constructor_says_field_value_and_range(v2_35: ModuleType) -> None:

@@ -143,7 +143,7 @@ def by_code(length: int, cases: dict[int, DispatchNode]) -> Select:
 
 
 NODES = range(1, 5)
-DISPATCHER = Dispatcher(
+DISPATCHER: Dispatcher[Parameters, Message, Message] = Dispatcher(
     requests=(
         Route(0x100, 1, NODES, by_code(3, {0x10: DimRequest, 0x20: EchoRequest})),
         Route(0x80, 1, None, Select(data_length, {1: SyncRequest}, Refusal.WRONG_LENGTH)),
@@ -153,8 +153,8 @@ DISPATCHER = Dispatcher(
         Route(0x300, 1, NODES, Select(data_length, {3: EchoReply}, Refusal.WRONG_LENGTH)),
     ),
     answers={
-        DimRequest: Answer(DimReply, ((code, (0x11,)),), (), False),
-        EchoRequest: Answer(EchoReply, ((code, (0x20,)),), (), True),
+        DimRequest: Answer(DimReply, ((code, (0x11,)),)),
+        EchoRequest: Answer(EchoReply, ((code, (0x20,)),), echo=True),
     },
     unknown=UNKNOWN,
 )
@@ -186,9 +186,10 @@ def test_each_module_is_copied_behind_one_header_line(tmp_path: Path) -> None:
 
 
 def test_the_runtime_depends_on_the_standard_library_only() -> None:
-    others = {"python_can.py": {"can"}, "_codec.py": {"typing_extensions"}}
+    others = {"python_can.py": {"can"}}
     for name in SHARED:
         tree = ast.parse((RUNTIME / name).read_text("utf-8"))
+        tree.body = [one for one in tree.body if not ast.unparse(one).startswith("if TYPE_CHECKING:")]
         imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
         absolute = {a.name for node in imports if isinstance(node, ast.Import) for a in node.names}
         absolute |= {str(node.module) for node in imports if isinstance(node, ast.ImportFrom) and not node.level}
@@ -204,7 +205,9 @@ def test_a_module_imports_what_was_used_from_where_it_is() -> None:
         assert imports.use(name) == name
     for module, names in imports.runtime():
         assert all(hasattr({"_codec": _codec, "_dispatch": _dispatch}[module], name) for name in names)
-    assert dict(imports.standard_library())["typing"] == ["TYPE_CHECKING", "Any", "Literal"]
+    assert dict(imports.standard_library())["typing"] == [
+        *("TYPE_CHECKING", "Any", "Literal", "NoReturn", "TypeAlias", "Union")
+    ]
     assert list(Imports().runtime()) == [("_codec", list(PUBLIC))]
     with pytest.raises(KeyError, match="Routes"):
         imports.use("Routes")
@@ -373,7 +376,7 @@ def test_a_message_is_immutable_and_copied() -> None:
 
 def test_what_is_out_of_range_is_decoded_and_written_back_but_not_encoded() -> None:
     data = b"\x10\xe9\x03"
-    decoded = DISPATCHER.decode_request(0x102, data)
+    decoded = DISPATCHER.requests.decode(0x102, data)
     assert (decoded.raw(), decoded.values(), decoded.encode_unchecked()) == ({"level": 1001}, {"level": 100.1}, data)
     rejected(Refusal.OUT_OF_RANGE, decoded.encode)
     rejected(Refusal.OUT_OF_RANGE, decoded.check)
@@ -417,13 +420,13 @@ def test_fields_of_different_variants_are_different() -> None:
 
 
 def test_a_frame_is_decoded_by_its_id_and_selector() -> None:
-    assert DISPATCHER.decode_request(0x103, b"\x10\x01\x00") == DimRequest(node=3, level=0.1)
-    assert DISPATCHER.decode_reply(0x203, b"\x11\x01\x00", Parameters(size=1)).parameters == Parameters(size=1)
-    assert type(DISPATCHER.decode_request(0x80, b"\x01")) is SyncRequest
-    rejected(Refusal.UNKNOWN_ID, DISPATCHER.decode_request, 0x105, b"\x10\x01\x00")
-    rejected(Refusal.UNKNOWN_ID, DISPATCHER.decode_request, 0x103, b"\x10\x01\x00", extended=True)
-    rejected(Refusal.UNKNOWN_CODE, DISPATCHER.decode_request, 0x103, b"\x12\x01\x00")
-    rejected(Refusal.WRONG_LENGTH, DISPATCHER.decode_request, 0x103, b"\x10\x01")
+    assert DISPATCHER.requests.decode(0x103, b"\x10\x01\x00") == DimRequest(node=3, level=0.1)
+    assert DISPATCHER.replies.decode(0x203, b"\x11\x01\x00", Parameters(size=1)).parameters == Parameters(size=1)
+    assert type(DISPATCHER.requests.decode(0x80, b"\x01")) is SyncRequest
+    rejected(Refusal.UNKNOWN_ID, DISPATCHER.requests.decode, 0x105, b"\x10\x01\x00")
+    rejected(Refusal.UNKNOWN_ID, DISPATCHER.requests.decode, 0x103, b"\x10\x01\x00", extended=True)
+    rejected(Refusal.UNKNOWN_CODE, DISPATCHER.requests.decode, 0x103, b"\x12\x01\x00")
+    rejected(Refusal.WRONG_LENGTH, DISPATCHER.requests.decode, 0x103, b"\x10\x01")
     assert DISPATCHER.node_of("reply", 0x204) == 4
     assert DISPATCHER.node_of("request", 0x80) is None
     assert DISPATCHER.ids_of("request", 1) == ((0x101, 0, False, False),)
@@ -452,19 +455,19 @@ def test_an_answer_comes_from_the_node_of_the_request() -> None:
 @pytest.mark.parametrize(
     ("answer", "source", "accepted"),
     [
-        (Answer(DimReply, (), (2, 3), False), 0x203, True),
-        (Answer(DimReply, (), (2, 3), False), 0x201, False),
-        (Answer(DimReply, (), (), False, request_node=(addressed, 0xFF)), 0x202, True),
-        (Answer(DimReply, (), (), False, request_node=(addressed, 0xFF)), 0x201, False),
-        (Answer(DimReply, (), (), False, reply_node=(addressed, 0xFF)), 0x201, True),
-        (Answer(DimReply, (), (2,), False, reply_node=(addressed, 0xFF)), 0x202, False),
-        (Answer(DimReply, (), (2,), False, reply_node=(addressed, 0xFC)), 0x202, True),
+        (Answer(DimReply, (), (2, 3)), 0x203, True),
+        (Answer(DimReply, (), (2, 3)), 0x201, False),
+        (Answer(DimReply, (), request_node=(addressed, 0xFF)), 0x202, True),
+        (Answer(DimReply, (), request_node=(addressed, 0xFF)), 0x201, False),
+        (Answer(DimReply, (), reply_node=(addressed, 0xFF)), 0x201, True),
+        (Answer(DimReply, (), (2,), reply_node=(addressed, 0xFF)), 0x202, False),
+        (Answer(DimReply, (), (2,), reply_node=(addressed, 0xFC)), 0x202, True),
     ],
 )
 def test_the_node_of_an_answer_may_be_listed_or_in_a_field(answer: Answer, source: int, accepted: bool) -> None:
-    route = DISPATCHER._requests.routes[0]
-    dispatcher = Dispatcher(
-        requests=[route], replies=DISPATCHER._replies.routes, answers={DimRequest: answer}, unknown=UNKNOWN
+    route = DISPATCHER.requests.routes[0]
+    dispatcher: Dispatcher[Parameters, Message, Message] = Dispatcher(
+        requests=[route], replies=DISPATCHER.replies.routes, answers={DimRequest: answer}, unknown=UNKNOWN
     )
     frames = (0x101, b"\x10\x02\x00", source, b"\x11\x01\x00")
     if accepted:
@@ -493,7 +496,7 @@ def test_messages_of_one_code_differ_by_length_further_selectors_or_bits_of_the_
     )
     unused = Select(lambda can_id, data: can_id & 0x400, {0: DimRequest}, Refusal.UNKNOWN_ID)
     by_bits = Route(0x100, 1, NODES, unused, mask=0x400)
-    assert Router("request", (by_bits,)).find(0x501, False, False) == (by_bits, 1)
+    assert Router("request", (by_bits,), UNKNOWN).find(0x501, False, False) == (by_bits, 1)
     assert by_bits.message(0x101, bytes(3)) is DimRequest
     assert "the bits 0x400," in rejected(Refusal.UNKNOWN_ID, by_bits.message, 0x501, bytes(3))
 
@@ -501,25 +504,34 @@ def test_messages_of_one_code_differ_by_length_further_selectors_or_bits_of_the_
 # Nodes and python-can
 
 
-def test_a_bus_finds_the_node_of_a_frame() -> None:
-    edition: Any = SimpleNamespace(
-        EDITION="v1",
+def speaking(name: str) -> Any:
+    """An edition with the messages above."""
+    return SimpleNamespace(
+        EDITION=name,
         UNKNOWN=UNKNOWN,
         __name__=__name__,
-        decode_request=DISPATCHER.decode_request,
-        decode_reply=DISPATCHER.decode_reply,
+        decode_request=DISPATCHER.requests.decode,
+        decode_reply=DISPATCHER.replies.decode,
         node_of=DISPATCHER.node_of,
         ids_of=DISPATCHER.ids_of,
     )
+
+
+def test_a_bus_finds_the_node_of_a_frame() -> None:
+    edition, other = speaking("v1"), speaking("v2")
     first = Node(edition, 1, Parameters(size=3))
     bus = Nodes([first, Node(edition, 2)])
     assert first.make(DimRequest, level=1) == DimRequest(node=1, level=1)
-    assert (first.has("reply", 0x201), first.has("reply", 0x202), first.has("reply", 0x300)) == (True, False, False)
+    assert [bus.nodes_of("reply", can_id) for can_id in (0x201, 0x203, 0x300)] == [(first,), (), ()]
     assert bus.decode_reply(0x201, b"\x11\x01\x00").parameters == Parameters(size=3)
     assert bus.decode_reply(0x202, b"\x11\x01\x00").parameters == UNKNOWN
     rejected(Refusal.UNKNOWN_ID, bus.decode_reply, 0x203, b"\x11\x01\x00")
+    assert type(bus.decode_request(0x80, b"\x01")) is type(first.make(SyncRequest)) is SyncRequest
     with pytest.raises(ValueError, match="both reply with the id 0x201"):
         Nodes([first, Node(edition, 1)])
+    mixed = Nodes([first, Node(other, 5)])
+    said = rejected(Refusal.UNKNOWN_NODE, mixed.decode_request, 0x80, b"\x01")
+    assert said == "0x80 is a request of Node(v1, 1) and of Node(v2, 5); decode it with one of these nodes"
     edition.ids_of = lambda direction, node: ((0x200 + node, 0x0F, False, False),)
     with pytest.raises(ValueError, match="both reply with the id 0x202"):
         Nodes([first, Node(edition, 2)])
@@ -529,8 +541,8 @@ def test_messages_of_python_can() -> None:
     request = DimRequest(node=2, level=12.3)
     frame = to_message(request)
     assert (frame.arbitration_id, bytes(frame.data), frame.is_extended_id) == (0x102, b"\x10\x7b\x00", False)
-    assert from_message(frame, DISPATCHER.decode_request) == request
-    assert from_message(frame, DISPATCHER.decode_request, Parameters(size=1)).parameters == Parameters(size=1)
+    assert from_message(frame, DISPATCHER.requests.decode) == request
+    assert from_message(frame, DISPATCHER.requests.decode, Parameters(size=1)).parameters == Parameters(size=1)
     for kind in ("is_error_frame", "is_fd", "is_extended_id"):
         fields: dict[str, Any] = {
             "arbitration_id": 0x102,
@@ -539,4 +551,4 @@ def test_messages_of_python_can() -> None:
             kind: True,
         }
         other = can.Message(**fields)
-        rejected(Refusal.UNKNOWN_ID, from_message, other, DISPATCHER.decode_request)
+        rejected(Refusal.UNKNOWN_ID, from_message, other, DISPATCHER.requests.decode)

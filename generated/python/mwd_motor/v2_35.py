@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
 from struct import Struct
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, Union
 
 from ._codec import (
     ArrayType,
@@ -35,6 +35,7 @@ from ._codec import (
 )
 from ._dispatch import (
     Answer,
+    DataByte,
     Dispatcher,
     Route,
     Select,
@@ -45,6 +46,8 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 __all__ = [
+    "AnyReply",
+    "AnyRequest",
     "BroadcastTorqueRequest",
     "ClearAngleReply",
     "ClearAngleRequest",
@@ -267,14 +270,7 @@ class PidGains(Message):
     __slots__ = ()
 
     __match_args__ = ("angle_kp", "angle_ki", "speed_kp", "speed_ki", "iq_kp", "iq_ki")
-    TYPES = {
-        "angle_kp": GAIN,
-        "angle_ki": GAIN,
-        "speed_kp": GAIN,
-        "speed_ki": GAIN,
-        "iq_kp": GAIN,
-        "iq_ki": GAIN,
-    }
+    TYPES = {"angle_kp": GAIN, "angle_ki": GAIN, "speed_kp": GAIN, "speed_ki": GAIN, "iq_kp": GAIN, "iq_ki": GAIN}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int, int, int, int]
@@ -388,9 +384,7 @@ class WriteAccelerationRam(Message):
     __slots__ = ()
 
     __match_args__ = ("acceleration",)
-    TYPES = {
-        "acceleration": ACCELERATION,
-    }
+    TYPES = {"acceleration": ACCELERATION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -442,9 +436,7 @@ class WriteEncoderOffsetRom(Message):
     __slots__ = ()
 
     __match_args__ = ("encoder_offset",)
-    TYPES = {
-        "encoder_offset": ENCODER_POSITION,
-    }
+    TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -640,11 +632,7 @@ class Status1(Message):
     __slots__ = ()
 
     __match_args__ = ("temperature", "voltage", "errors")
-    TYPES = {
-        "temperature": TEMPERATURE,
-        "voltage": VOLTAGE,
-        "errors": _ErrorFlags,
-    }
+    TYPES = {"temperature": TEMPERATURE, "voltage": VOLTAGE, "errors": _ErrorFlags}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -802,9 +790,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     ONLY = {"series": (Series.MS,)}
 
     __match_args__ = ("power",)
-    TYPES = {
-        "power": POWER,
-    }
+    TYPES = {"power": POWER}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -870,9 +856,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
     __match_args__ = ("iq",)
-    TYPES = {
-        "iq": TORQUE_CURRENT,
-    }
+    TYPES = {"iq": TORQUE_CURRENT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -937,9 +921,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("speed",)
-    TYPES = {
-        "speed": SPEED_SETPOINT,
-    }
+    TYPES = {"speed": SPEED_SETPOINT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1004,9 +986,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     LIMITED_BY = ("max_angle", "max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": ANGLE,
-    }
+    TYPES = {"angle": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1070,10 +1050,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     LIMITED_BY = ("max_angle", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("max_speed", "angle")
-    TYPES = {
-        "max_speed": SPEED_LIMIT,
-        "angle": ANGLE,
-    }
+    TYPES = {"max_speed": SPEED_LIMIT, "angle": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -1153,10 +1130,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("spin_direction", "angle")
-    TYPES = {
-        "spin_direction": _SpinDirection,
-        "angle": SINGLE_TURN_ANGLE,
-    }
+    TYPES = {"spin_direction": _SpinDirection, "angle": SINGLE_TURN_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -1233,11 +1207,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("spin_direction", "max_speed", "angle")
-    TYPES = {
-        "spin_direction": _SpinDirection,
-        "max_speed": SPEED_LIMIT,
-        "angle": SINGLE_TURN_ANGLE,
-    }
+    TYPES = {"spin_direction": _SpinDirection, "max_speed": SPEED_LIMIT, "angle": SINGLE_TURN_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -1328,9 +1298,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("increment",)
-    TYPES = {
-        "increment": ANGLE,
-    }
+    TYPES = {"increment": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1395,10 +1363,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("max_speed", "increment")
-    TYPES = {
-        "max_speed": SPEED_LIMIT,
-        "increment": ANGLE,
-    }
+    TYPES = {"max_speed": SPEED_LIMIT, "increment": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -1771,9 +1736,7 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
     EFFECTS = ("moves",)
 
     __match_args__ = ("iq",)
-    TYPES = {
-        "iq": ArrayType(BROADCAST_CURRENT, 4),
-    }
+    TYPES = {"iq": ArrayType(BROADCAST_CURRENT, 4)}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[tuple[int, ...]]
@@ -2060,9 +2023,7 @@ class ReadAccelerationReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("acceleration",)
-    TYPES = {
-        "acceleration": ACCELERATION,
-    }
+    TYPES = {"acceleration": ACCELERATION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -2135,11 +2096,7 @@ class ReadEncoderReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("encoder", "encoder_measured", "encoder_offset")
-    TYPES = {
-        "encoder": ENCODER_POSITION,
-        "encoder_measured": ENCODER_POSITION,
-        "encoder_offset": ENCODER_POSITION,
-    }
+    TYPES = {"encoder": ENCODER_POSITION, "encoder_measured": ENCODER_POSITION, "encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -2246,9 +2203,7 @@ class WritePositionAsZeroRomReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("encoder_offset",)
-    TYPES = {
-        "encoder_offset": ENCODER_POSITION,
-    }
+    TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -2308,9 +2263,7 @@ class ReadMultiTurnAngleReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": MULTI_TURN_ANGLE,
-    }
+    TYPES = {"angle": MULTI_TURN_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -2369,9 +2322,7 @@ class ReadSingleTurnAngleReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": SINGLE_TURN_POSITION,
-    }
+    TYPES = {"angle": SINGLE_TURN_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -2492,12 +2443,7 @@ class ReadStatus3Reply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("temperature", "phase_a", "phase_b", "phase_c")
-    TYPES = {
-        "temperature": TEMPERATURE,
-        "phase_a": PHASE_CURRENT,
-        "phase_b": PHASE_CURRENT,
-        "phase_c": PHASE_CURRENT,
-    }
+    TYPES = {"temperature": TEMPERATURE, "phase_a": PHASE_CURRENT, "phase_b": PHASE_CURRENT, "phase_c": PHASE_CURRENT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int, int]
@@ -2584,109 +2530,304 @@ class ReadStatus3Reply(Reply):
         return _PACK_13(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
-def _key_1(can_id: int, data: bytes) -> int:
-    return data[0]
+AnyRequest: TypeAlias = Union[
+    MotorOffRequest,
+    MotorOnRequest,
+    MotorStopRequest,
+    SetPowerRequest,
+    SetTorqueRequest,
+    SetSpeedRequest,
+    MoveToAngleRequest,
+    MoveToAngleAtSpeedRequest,
+    TurnToAngleRequest,
+    TurnToAngleAtSpeedRequest,
+    MoveByAngleRequest,
+    MoveByAngleAtSpeedRequest,
+    ReadPidRequest,
+    WritePidRamRequest,
+    WritePidRomRequest,
+    ReadAccelerationRequest,
+    WriteAccelerationRamRequest,
+    ReadEncoderRequest,
+    WriteEncoderOffsetRomRequest,
+    WritePositionAsZeroRomRequest,
+    ReadMultiTurnAngleRequest,
+    ReadSingleTurnAngleRequest,
+    ClearAngleRequest,
+    ReadStatus1Request,
+    ClearErrorsRequest,
+    ReadStatus2Request,
+    ReadStatus3Request,
+    BroadcastTorqueRequest,
+]
+"""Every request that `decode_request` returns."""
+AnyReply: TypeAlias = Union[
+    MotorOffReply,
+    MotorOnReply,
+    MotorStopReply,
+    SetPowerReply,
+    SetTorqueReply,
+    SetSpeedReply,
+    MoveToAngleReply,
+    MoveToAngleAtSpeedReply,
+    TurnToAngleReply,
+    TurnToAngleAtSpeedReply,
+    MoveByAngleReply,
+    MoveByAngleAtSpeedReply,
+    ReadPidReply,
+    WritePidRamReply,
+    WritePidRomReply,
+    ReadAccelerationReply,
+    WriteAccelerationRamReply,
+    ReadEncoderReply,
+    WriteEncoderOffsetRomReply,
+    WritePositionAsZeroRomReply,
+    ReadMultiTurnAngleReply,
+    ReadSingleTurnAngleReply,
+    ClearAngleReply,
+    ReadStatus1Reply,
+    ClearErrorsReply,
+    ReadStatus2Reply,
+    ReadStatus3Reply,
+]
+"""Every reply that `decode_reply` returns."""
+
+_data_0 = DataByte(0)
 
 
-_dispatcher = Dispatcher(
+_dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     requests=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffRequest,
-            0x88: MotorOnRequest,
-            0x81: MotorStopRequest,
-            0xA0: SetPowerRequest,
-            0xA1: SetTorqueRequest,
-            0xA2: SetSpeedRequest,
-            0xA3: MoveToAngleRequest,
-            0xA4: MoveToAngleAtSpeedRequest,
-            0xA5: TurnToAngleRequest,
-            0xA6: TurnToAngleAtSpeedRequest,
-            0xA7: MoveByAngleRequest,
-            0xA8: MoveByAngleAtSpeedRequest,
-            0x30: ReadPidRequest,
-            0x31: WritePidRamRequest,
-            0x32: WritePidRomRequest,
-            0x33: ReadAccelerationRequest,
-            0x34: WriteAccelerationRamRequest,
-            0x90: ReadEncoderRequest,
-            0x91: WriteEncoderOffsetRomRequest,
-            0x19: WritePositionAsZeroRomRequest,
-            0x92: ReadMultiTurnAngleRequest,
-            0x94: ReadSingleTurnAngleRequest,
-            0x95: ClearAngleRequest,
-            0x9A: ReadStatus1Request,
-            0x9B: ClearErrorsRequest,
-            0x9C: ReadStatus2Request,
-            0x9D: ReadStatus3Request,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
-        Route(0x280, 1, None, Select(data_length, {8: BroadcastTorqueRequest}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffRequest,
+                            0x88: MotorOnRequest,
+                            0x81: MotorStopRequest,
+                            0xA0: SetPowerRequest,
+                            0xA1: SetTorqueRequest,
+                            0xA2: SetSpeedRequest,
+                            0xA3: MoveToAngleRequest,
+                            0xA4: MoveToAngleAtSpeedRequest,
+                            0xA5: TurnToAngleRequest,
+                            0xA6: TurnToAngleAtSpeedRequest,
+                            0xA7: MoveByAngleRequest,
+                            0xA8: MoveByAngleAtSpeedRequest,
+                            0x30: ReadPidRequest,
+                            0x31: WritePidRamRequest,
+                            0x32: WritePidRomRequest,
+                            0x33: ReadAccelerationRequest,
+                            0x34: WriteAccelerationRamRequest,
+                            0x90: ReadEncoderRequest,
+                            0x91: WriteEncoderOffsetRomRequest,
+                            0x19: WritePositionAsZeroRomRequest,
+                            0x92: ReadMultiTurnAngleRequest,
+                            0x94: ReadSingleTurnAngleRequest,
+                            0x95: ClearAngleRequest,
+                            0x9A: ReadStatus1Request,
+                            0x9B: ClearErrorsRequest,
+                            0x9C: ReadStatus2Request,
+                            0x9D: ReadStatus3Request,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
+        Route(
+            0x280,
+            1,
+            None,
+            Select(
+                data_length,
+                {
+                    8: BroadcastTorqueRequest,
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     replies=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffReply,
-            0x88: MotorOnReply,
-            0x81: MotorStopReply,
-            0xA0: SetPowerReply,
-            0xA1: SetTorqueReply,
-            0xA2: SetSpeedReply,
-            0xA3: MoveToAngleReply,
-            0xA4: MoveToAngleAtSpeedReply,
-            0xA5: TurnToAngleReply,
-            0xA6: TurnToAngleAtSpeedReply,
-            0xA7: MoveByAngleReply,
-            0xA8: MoveByAngleAtSpeedReply,
-            0x30: ReadPidReply,
-            0x31: WritePidRamReply,
-            0x32: WritePidRomReply,
-            0x33: ReadAccelerationReply,
-            0x34: WriteAccelerationRamReply,
-            0x90: ReadEncoderReply,
-            0x91: WriteEncoderOffsetRomReply,
-            0x19: WritePositionAsZeroRomReply,
-            0x92: ReadMultiTurnAngleReply,
-            0x94: ReadSingleTurnAngleReply,
-            0x95: ClearAngleReply,
-            0x9A: ReadStatus1Reply,
-            0x9B: ClearErrorsReply,
-            0x9C: ReadStatus2Reply,
-            0x9D: ReadStatus3Reply,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffReply,
+                            0x88: MotorOnReply,
+                            0x81: MotorStopReply,
+                            0xA0: SetPowerReply,
+                            0xA1: SetTorqueReply,
+                            0xA2: SetSpeedReply,
+                            0xA3: MoveToAngleReply,
+                            0xA4: MoveToAngleAtSpeedReply,
+                            0xA5: TurnToAngleReply,
+                            0xA6: TurnToAngleAtSpeedReply,
+                            0xA7: MoveByAngleReply,
+                            0xA8: MoveByAngleAtSpeedReply,
+                            0x30: ReadPidReply,
+                            0x31: WritePidRamReply,
+                            0x32: WritePidRomReply,
+                            0x33: ReadAccelerationReply,
+                            0x34: WriteAccelerationRamReply,
+                            0x90: ReadEncoderReply,
+                            0x91: WriteEncoderOffsetRomReply,
+                            0x19: WritePositionAsZeroRomReply,
+                            0x92: ReadMultiTurnAngleReply,
+                            0x94: ReadSingleTurnAngleReply,
+                            0x95: ClearAngleReply,
+                            0x9A: ReadStatus1Reply,
+                            0x9B: ClearErrorsReply,
+                            0x9C: ReadStatus2Reply,
+                            0x9D: ReadStatus3Reply,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     answers={
-        MotorOffRequest: Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
-        MotorOnRequest: Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
-        MotorStopRequest: Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
-        SetPowerRequest: Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
-        SetTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
-        SetSpeedRequest: Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
-        MoveToAngleRequest: Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
-        MoveToAngleAtSpeedRequest: Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
-        TurnToAngleRequest: Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
-        TurnToAngleAtSpeedRequest: Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
-        MoveByAngleRequest: Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
-        MoveByAngleAtSpeedRequest: Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
-        ReadPidRequest: Answer(ReadPidReply, ((_key_1, (0x30,)),), (), False),
-        WritePidRamRequest: Answer(WritePidRamReply, ((_key_1, (0x31,)),), (), True),
-        WritePidRomRequest: Answer(WritePidRomReply, ((_key_1, (0x32,)),), (), True),
-        ReadAccelerationRequest: Answer(ReadAccelerationReply, ((_key_1, (0x33,)),), (), False),
-        WriteAccelerationRamRequest: Answer(WriteAccelerationRamReply, ((_key_1, (0x34,)),), (), True),
-        ReadEncoderRequest: Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
-        WriteEncoderOffsetRomRequest: Answer(WriteEncoderOffsetRomReply, ((_key_1, (0x91,)),), (), True),
-        WritePositionAsZeroRomRequest: Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
-        ReadMultiTurnAngleRequest: Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
-        ReadSingleTurnAngleRequest: Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
-        ClearAngleRequest: Answer(ClearAngleReply, ((_key_1, (0x95,)),), (), True),
-        ReadStatus1Request: Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
-        ClearErrorsRequest: Answer(ClearErrorsReply, ((_key_1, (0x9A, 0x9B)),), (), False),
-        ReadStatus2Request: Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
-        ReadStatus3Request: Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
-        BroadcastTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (1, 2, 3, 4), False),
+        MotorOffRequest: Answer(
+            MotorOffReply,
+            ((_data_0, (0x80,)),),
+            echo=True,
+        ),
+        MotorOnRequest: Answer(
+            MotorOnReply,
+            ((_data_0, (0x88,)),),
+            echo=True,
+        ),
+        MotorStopRequest: Answer(
+            MotorStopReply,
+            ((_data_0, (0x81,)),),
+            echo=True,
+        ),
+        SetPowerRequest: Answer(
+            SetPowerReply,
+            ((_data_0, (0xA0,)),),
+        ),
+        SetTorqueRequest: Answer(
+            SetTorqueReply,
+            ((_data_0, (0xA1,)),),
+        ),
+        SetSpeedRequest: Answer(
+            SetSpeedReply,
+            ((_data_0, (0xA2,)),),
+        ),
+        MoveToAngleRequest: Answer(
+            MoveToAngleReply,
+            ((_data_0, (0xA3,)),),
+        ),
+        MoveToAngleAtSpeedRequest: Answer(
+            MoveToAngleAtSpeedReply,
+            ((_data_0, (0xA4,)),),
+        ),
+        TurnToAngleRequest: Answer(
+            TurnToAngleReply,
+            ((_data_0, (0xA5,)),),
+        ),
+        TurnToAngleAtSpeedRequest: Answer(
+            TurnToAngleAtSpeedReply,
+            ((_data_0, (0xA6,)),),
+        ),
+        MoveByAngleRequest: Answer(
+            MoveByAngleReply,
+            ((_data_0, (0xA7,)),),
+        ),
+        MoveByAngleAtSpeedRequest: Answer(
+            MoveByAngleAtSpeedReply,
+            ((_data_0, (0xA8,)),),
+        ),
+        ReadPidRequest: Answer(
+            ReadPidReply,
+            ((_data_0, (0x30,)),),
+        ),
+        WritePidRamRequest: Answer(
+            WritePidRamReply,
+            ((_data_0, (0x31,)),),
+            echo=True,
+        ),
+        WritePidRomRequest: Answer(
+            WritePidRomReply,
+            ((_data_0, (0x32,)),),
+            echo=True,
+        ),
+        ReadAccelerationRequest: Answer(
+            ReadAccelerationReply,
+            ((_data_0, (0x33,)),),
+        ),
+        WriteAccelerationRamRequest: Answer(
+            WriteAccelerationRamReply,
+            ((_data_0, (0x34,)),),
+            echo=True,
+        ),
+        ReadEncoderRequest: Answer(
+            ReadEncoderReply,
+            ((_data_0, (0x90,)),),
+        ),
+        WriteEncoderOffsetRomRequest: Answer(
+            WriteEncoderOffsetRomReply,
+            ((_data_0, (0x91,)),),
+            echo=True,
+        ),
+        WritePositionAsZeroRomRequest: Answer(
+            WritePositionAsZeroRomReply,
+            ((_data_0, (0x19,)),),
+        ),
+        ReadMultiTurnAngleRequest: Answer(
+            ReadMultiTurnAngleReply,
+            ((_data_0, (0x92,)),),
+        ),
+        ReadSingleTurnAngleRequest: Answer(
+            ReadSingleTurnAngleReply,
+            ((_data_0, (0x94,)),),
+        ),
+        ClearAngleRequest: Answer(
+            ClearAngleReply,
+            ((_data_0, (0x95,)),),
+            echo=True,
+        ),
+        ReadStatus1Request: Answer(
+            ReadStatus1Reply,
+            ((_data_0, (0x9A,)),),
+        ),
+        ClearErrorsRequest: Answer(
+            ClearErrorsReply,
+            ((_data_0, (0x9A, 0x9B)),),
+        ),
+        ReadStatus2Request: Answer(
+            ReadStatus2Reply,
+            ((_data_0, (0x9C,)),),
+        ),
+        ReadStatus3Request: Answer(
+            ReadStatus3Reply,
+            ((_data_0, (0x9D,)),),
+        ),
+        BroadcastTorqueRequest: Answer(
+            SetTorqueReply,
+            ((_data_0, (0xA1,)),),
+            nodes=(1, 2, 3, 4),
+        ),
     },
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
 ids_of = _dispatcher.ids_of
-decode_request = _dispatcher.decode_request
-decode_reply = _dispatcher.decode_reply
+decode_request = _dispatcher.requests.decode
+decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply

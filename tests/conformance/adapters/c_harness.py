@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import itertools
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field, Layout
 from canwright.model.message import Direction, Message
 from canwright.model.types import Encoding, Type
-from canwright.targets.c.names import layouts, member
+from canwright.targets.c import PARTS
+from canwright.targets.c.names import Names, layouts, member
 
 from .c_signatures import Function, functions
 
@@ -24,7 +26,7 @@ ARGUMENTS = {"frame": "frame", "message": "message", "node": "node", "parameters
 def harness(edition: Edition, include: Path) -> str:
     """The program's text, for the headers below `include`."""
     name = f"{edition.family}/{edition.identifier}"
-    text = "".join((include / f"{name}{part}.h").read_text("utf-8") for part in ("", "_float"))
+    text = "".join((include / f"{name}{part}.h").read_text("utf-8") for part in PARTS)
     return _Harness(edition, functions(text)).text(name)
 
 
@@ -32,6 +34,7 @@ class _Harness:
     def __init__(self, edition: Edition, functions: Mapping[str, Function]) -> None:
         self._edition = edition
         self._functions = functions
+        self._names_of = Names(edition)
         self._prefix = f"{edition.family}_{edition.identifier}_".lower()
 
     def text(self, include: str) -> str:
@@ -47,6 +50,7 @@ class _Harness:
             layouts=[self._layout(layout) for layout in with_fields],
             milli=[t for t in map(self._milli, self._edition.types) if t],
             messages=[self._message(m) for m in self._edition.all_messages()],
+            filters=list(self._filters()),
             directions=[d for d in map(self._direction, Direction) if d],
             check_reply=check.call({"request": "frame", "reply": "reply"}) if check else "CANWRIGHT_NOT_ANSWER",
         )
@@ -56,23 +60,37 @@ class _Harness:
         enumerators = [f"{self._prefix}{name}_{value}".upper() for value in ("unknown", *values)]
         return {"name": name, "member": member(name), "enumerators": enumerators if values else []}
 
+    def _filters(self) -> Iterator[dict[str, str]]:
+        for address, direction in itertools.product(self._edition.addresses, Direction):
+            name = f"{address.name}_{direction.value}_filter"
+            function = self._functions.get(f"{self._prefix}{name}")
+            if function:
+                yield {"name": name, "call": function.call({"filter": "filter", "node": "node"})}
+
     def _direction(self, direction: Direction) -> dict[str, Any] | None:
         decode = self._functions.get(f"{self._prefix}decode_{direction.value}")
         if decode is None:
             return None
         messages = [m for m in self._edition.messages(direction) if _has_members(m.layout)]
+        print_ = self._functions[f"{self._prefix}print_{direction.value}"]
+        names = {**ARGUMENTS, "text": "text", "size": "size"}
         return {
             "word": direction.value,
             "decode": decode.call({**ARGUMENTS, direction.value: "any"}),
+            "print": print_.call(names).replace("&text", "text"),
             "messages": [
-                {"enumerator": f"{self._prefix}command_{m.command}".upper(), "layout": self._names(m.layout)}
+                {
+                    "enumerator": self._names_of.command(m.command),
+                    "layout": self._names(m.layout),
+                    "member": member(self._names_of.short(m.command)),
+                }
                 for m in messages
             ],
         }
 
     def _message(self, message: Message) -> dict[str, Any]:
-        c = f"{self._prefix}{message.name}"
-        check = self._functions.get(f"{self._prefix}{message.layout.name}_check")
+        c = self._names_of.lower(message.name)
+        check = self._functions.get(self._names_of.lower(message.layout.name, "check"))
         return {
             "name": message.name,
             "command": message.command,
@@ -83,7 +101,7 @@ class _Harness:
         }
 
     def _names(self, layout: Layout) -> dict[str, str]:
-        return {"name": layout.name, "c": f"{self._prefix}{layout.name}", "member": member(layout.name)}
+        return {"name": layout.name, "c": self._names_of.lower(layout.name)}
 
     def _layout(self, layout: Layout) -> dict[str, Any]:
         fields = [self._field(field) for field in layout.fields if field.fixed is None]
@@ -91,7 +109,7 @@ class _Harness:
 
     def _field(self, field: Field) -> dict[str, Any]:
         type_ = field.type
-        c = f"{self._prefix}{type_.name}"
+        c = self._names_of.lower(self._names_of.type_stem(type_))
         members = [(m.name, f"{c}_{m.name}".upper()) for m in (*type_.enum, *type_.flags)]
         to, from_ = self._functions.get(f"{c}_to_double"), self._functions.get(f"{c}_from_double")
         names = self._functions.get(f"{c}_name")
@@ -105,14 +123,14 @@ class _Harness:
             "signed": signed,
             "enum": members if type_.enum else [],
             "flags": members if type_.flags else [],
-            "names": names.call({"raw": "raw"}) if names else "",
+            "names": names.call({"raw": "raw"}) if names and type_.enum else "",
             "to": to.call({"value": "value", "raw": "raw", "parameters": "known"}) if to else "",
             "to_fails": to is not None and to.result != "double",
             "from": self._from(from_) if from_ else "",
         }
 
     def _milli(self, type_: Type) -> dict[str, Any] | None:
-        c = f"{self._prefix}{type_.name}"
+        c = self._names_of.lower(self._names_of.type_stem(type_))
         to, from_ = self._functions.get(f"{c}_to_milli"), self._functions.get(f"{c}_from_milli")
         if to is None or from_ is None:
             return None

@@ -54,7 +54,7 @@ class ExampleView(NamedTuple):
 
     @property
     def shows_names(self) -> bool:
-        return any(t.names for t in self._shown)
+        return any(t.is_enum for t in self._shown)
 
     @property
     def shows_values(self) -> bool:
@@ -62,7 +62,7 @@ class ExampleView(NamedTuple):
 
     @property
     def shows_bits(self) -> bool:
-        return any(not t.double and not t.names for t in self._shown)
+        return any(not t.double and not t.is_enum for t in self._shown)
 
     @property
     def uses_parameters(self) -> bool:
@@ -127,7 +127,7 @@ class _Example:
                 shown.append(reply.layout.name)
                 yield ExchangeView(
                     command=command.name,
-                    enumerator=self._names.upper("command", command.name),
+                    enumerator=self._names.command(command.name),
                     node=node,
                     request=self._side(request, sent),
                     reply=self._side(reply, answered),
@@ -171,7 +171,7 @@ class _Example:
 
     def _shown(self, fields: list[Field]) -> Iterator[ShownView]:
         for field in fields:
-            type_ = self._types[self._names.lower(field.type.name)]
+            type_ = self._types[self._names.lower(self._names.type_stem(field.type))]
             if not field.is_array:
                 yield ShownView(field.name, member(field.name), f"value_{field.name}", type_)
                 continue

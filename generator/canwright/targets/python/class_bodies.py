@@ -31,6 +31,8 @@ class BodyView:
     raws_python: code.Code
     """The declaration of the raw integers."""
     match_args: code.Code
+    types: code.Code
+    """The type of each field by name."""
     parameter: str
     """The parameter that decides on the variant; empty where there is one variant only."""
     variants: tuple[code.Code, ...]
@@ -82,6 +84,7 @@ class ClassBodies:
             fields=fields,
             raws_python=code.Items("_raws: tuple[", tuple(raws[place] for place in sorted(raws)) or ("()",), "]"),
             match_args=code.tuple_of((text.literal(view.attribute) for view in fields), "__match_args__ = "),
+            types=code.dict_of((view.type for view in fields), "TYPES = "),
             parameter=text.attribute(layout.parameter or "") if varies else "",
             variants=tuple(_names(variant, stored) for variant in layout.variants),
             variant_of=tuple(

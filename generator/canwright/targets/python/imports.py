@@ -13,7 +13,7 @@ _RUNTIME = {
         *("ArrayType", "Bound", "EnumType", "FlagsType", "Float", "Integer", "Number", "Real"),
         *("ToAll", "ToNode", "check_choice", "check_number", "constant", "merge", "missing"),
     ),
-    "_dispatch": ("Answer", "Dispatcher", "Route", "Select", "data_length"),
+    "_dispatch": ("Answer", "DataByte", "Dispatcher", "Route", "Select", "data_length"),
 }
 _STANDARD_LIBRARY = {
     "collections.abc": ("Iterable",),
@@ -21,7 +21,7 @@ _STANDARD_LIBRARY = {
     "enum": ("Enum", "IntEnum", "IntFlag"),
     "fractions": ("Fraction",),
     "struct": ("Struct",),
-    "typing": ("TYPE_CHECKING", "Any", "Literal"),
+    "typing": ("TYPE_CHECKING", "Any", "Literal", "NoReturn", "TypeAlias", "Union"),
 }
 _TYPE_CHECKING = {"typing_extensions": ("Self",)}
 

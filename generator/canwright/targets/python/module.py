@@ -14,7 +14,7 @@ from .messages import MessageViews
 from .parameters import choice_view, parameter_view
 from .types import type_views
 
-CONSTANTS = ("EDITION", "FAMILY", "SPEC_HASH", "UNKNOWN", "Parameters")
+CONSTANTS = ("AnyReply", "AnyRequest", "EDITION", "FAMILY", "SPEC_HASH", "UNKNOWN", "Parameters")
 FUNCTIONS = ("check_reply", "decode_answer", "decode_reply", "decode_request", "ids_of", "node_of")
 
 
@@ -62,7 +62,9 @@ def module_view(edition: Edition) -> dict[str, object]:
         "request_routes": list(routes.route_views(edition, Direction.REQUEST, readers)),
         "reply_routes": list(routes.route_views(edition, Direction.REPLY, readers)),
         "answers": list(routes.answer_views(edition, readers)),
-        "readers": readers.names,
+        "request_classes": routes.decoded_classes(edition, Direction.REQUEST),
+        "reply_classes": routes.decoded_classes(edition, Direction.REPLY),
+        "readers": readers,
     }
 
 
