@@ -24,10 +24,11 @@ def module_view(edition: Edition) -> dict[str, object]:
     readers = routes.Readers(imports)
     types = type_views(edition, imports)
     parameters = {parameter.name: parameter for parameter in edition.parameters}
-    classes = MessageViews(edition, ClassBodies(types=types, parameters=parameters, imports=imports))
+    class_bodies = ClassBodies(types=types, parameters=parameters, imports=imports)
+    classes = MessageViews(edition, class_bodies)
     bodies = [*(v.body for v in classes.layouts), *(m.body for m in classes.messages if m.body)]
     encodes = [*(v.encode for v in classes.layouts if v.encode), *(m.encode for m in classes.messages if m.encode)]
-    unpacked = _distinct(case.struct for body in bodies for case in body.cases)
+    unpacked = _distinct(case.struct for body in bodies for case in body.reads)
     packed = _distinct(case.struct for encode in encodes for case in encode.cases)
     choices = [choice_view(p) for p in edition.parameters if p.is_choice and not p.is_numeric]
     enums = [view for view in types.values() if view.enum]
@@ -50,6 +51,7 @@ def module_view(edition: Edition) -> dict[str, object]:
         "parameters": [parameter_view(parameter, imports) for parameter in edition.parameters],
         "enums": enums,
         "types": list(types.values()),
+        "sets": [code.Items(f"{name} = {{", values, "}") for values, name in class_bodies.sets.items()],
         "unpacked": unpacked,
         "packed": packed,
         "unpack": lambda pattern: f"_UNPACK_{unpacked.index(pattern) + 1}",
