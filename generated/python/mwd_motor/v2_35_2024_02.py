@@ -80,6 +80,7 @@ __all__ = [
     "MoveToAngleReply",
     "MoveToAngleRequest",
     "Parameters",
+    "REPLY_WITHIN_MS",
     "ReadControlParameterAccelerationLimitReply",
     "ReadControlParameterAccelerationLimitRequest",
     "ReadControlParameterSpeedLimitReply",
@@ -2551,6 +2552,9 @@ class ReadStatus3Reply(Reply):
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<Bbhhh", 0x9D, self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw)
 
+
+REPLY_WITHIN_MS = 0.25
+"""The longest time from a request to its reply, in ms; None where the specification gives no time."""
 
 AnyRequest: TypeAlias = Union[
     MotorOffRequest,

@@ -90,6 +90,7 @@ __all__ = [
     "MoveToAngleRequest",
     "Parameters",
     "PidGains",
+    "REPLY_WITHIN_MS",
     "ReadControlParameterAnglePidReply",
     "ReadControlParameterAnglePidRequest",
     "ReadControlParameterCurrentPidReply",
@@ -4658,6 +4659,9 @@ class SaveStoredSettingsReply(Reply):
         """The data bytes of this frame; reserved bits are 0."""
         return pack("<BBB5x", 0x44, 0x5, self.result_raw)
 
+
+REPLY_WITHIN_MS = 0.25
+"""The longest time from a request to its reply, in ms; None where the specification gives no time."""
 
 AnyRequest: TypeAlias = Union[
     MotorOffRequest,

@@ -318,7 +318,7 @@ class Dispatcher(Generic[P, Q, M]):
 
     def decode_answer(
         self,
-        request: type[Request[R]],
+        request: type[Request[R]] | Request[R],
         can_id: int,
         data: Buffer,
         parameters: P | None = None,
@@ -326,15 +326,21 @@ class Dispatcher(Generic[P, Q, M]):
         extended: bool = False,
         remote: bool = False,
     ) -> R:
-        """Decodes the reply to a request of that class.
+        """Decodes the reply to a request; to any request of a class if a class is given.
 
-        Raises CodecError: unknown_code when the frame answers another request, not_answer when the class has no reply or
-        its replies come from other nodes; TypeError when `data` is not bytes-like.
+        Raises CodecError: not_answer when the frame does not answer the request, that no frame answers, or that goes to
+        other nodes; for a class, the reason for which the frame is not its reply. Raises TypeError when `data` is not
+        bytes-like.
         """
         data = bytes(memoryview(data))
-        answer = self._answer(request)
-        node = self._node_of_answer(answer, can_id, data, extended, remote)
-        answer.check_source(request, None, -1, node, can_id, data)
+        if isinstance(request, type):
+            answer = self._answer(request)
+            node = self._node_of_answer(answer, can_id, data, extended, remote)
+            answer.check_source(request, None, -1, node, can_id, data)
+        else:
+            answer = self._answer(type(request))
+            sent = (type(request), request.node, request.can_id, request.encode())
+            node = self._answering_node(*sent, can_id, data, extended, remote)
         known = self._unknown if parameters is None else parameters
         return cast(R, answer.reply.unpack(node, can_id, data, known))
 
@@ -357,10 +363,24 @@ class Dispatcher(Generic[P, Q, M]):
         request, reply = bytes(memoryview(request)), bytes(memoryview(reply))
         route, to = self.requests.find(request_id, extended, remote)
         sent = route.message(request_id, request)
+        kind = (extended if reply_extended is None else reply_extended, reply_remote)
+        self._answering_node(sent, to, request_id, request, reply_id, reply, *kind)
+
+    def _answering_node(
+        self,
+        sent: type[Message],
+        to: int | None,
+        request_id: int,
+        request: bytes,
+        reply_id: int,
+        reply: bytes,
+        extended: bool,
+        remote: bool,
+    ) -> int | None:
+        """The node that answers a request which was sent to node `to`. Raises CodecError (not_answer)."""
         answer = self._answer(sent)
-        reply_extended = extended if reply_extended is None else reply_extended
         try:
-            node = self._node_of_answer(answer, reply_id, reply, reply_extended, reply_remote)
+            node = self._node_of_answer(answer, reply_id, reply, extended, remote)
         except CodecError as error:
             raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
         mask = -1
@@ -369,6 +389,7 @@ class Dispatcher(Generic[P, Q, M]):
         answer.check_source(sent, to, mask, node, reply_id, reply)
         if answer.echo and reply != request:
             raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")
+        return node
 
     def _answer(self, request: type[Message]) -> Answer:
         """The reply to a request. Raises CodecError (not_answer) when it has none."""
