@@ -110,7 +110,7 @@ def test_a_field_of_another_series_is_absent(v2_35: ModuleType) -> None:
     assert (reply.power, reply.speed, reply.temperature) == (100, 500, 25)
     with pytest.raises(AttributeError, match="it has temperature, power, speed, encoder"):
         _ = reply.iq
-    with pytest.raises(AttributeError, match="has no attribute sped"):
+    with pytest.raises(AttributeError, match="has no attribute 'sped'"):
         _ = reply.sped
     with pytest.raises(TypeError, match="needs power"):
         v2_35.SetSpeedReply(node=1, temperature=1, speed=1, encoder=1, parameters=known)
@@ -122,7 +122,7 @@ def test_decoding_and_encoding_back_is_lossless_even_out_of_range(v2_35: ModuleT
     data = bytes.fromhex("A1000000C4090000")
     message = v2_35.decode_request(0x141, data, v2_35.Parameters(series=v2_35.Series.MG))
     assert message.iq_raw == 2500
-    assert message.encode() == data
+    assert message.encode_unchecked() == data
 
 
 @pytest.mark.parametrize(
@@ -337,14 +337,14 @@ def test_parameters_may_be_named_like_words_of_python(tmp_path: Path) -> None:
     spec = tmp_path / "v1.yaml"
     spec.write_text(NAMED_LIKE_PYTHON, "utf-8")
     lamp = load(write(tmp_path, spec), specification(spec).edition)
-    old = lamp.DimRequest(level=0.5, limit=1, parameters=lamp.Parameters(type_=lamp.Type.OLD))
+    old = lamp.DimRequest(level=0.5, limit=1, parameters=lamp.Parameters(type=lamp.Type.OLD))
     assert old.encode() == bytes.fromhex("10 00 05 00 01 00 00 00")
-    new = lamp.Parameters(type_=lamp.Type.NEW, float_=4, class_=8)
+    new = lamp.Parameters(type=lamp.Type.NEW, float_=4, class_=8)
     read = lamp.decode_request(0x100, bytes.fromhex("10 00 05 00 00 00 00 00"), new)
     assert (read.fields(), read.glow) == (("glow", "limit"), 20.0)
     with pytest.raises(lamp.CodecError, match=r"limit=17 is out of range 0\.0\.\.16\.0"):
         lamp.DimRequest(glow=20, limit=17, parameters=new)
-    with pytest.raises(lamp.CodecError, match=r"pass Parameters\(type_=\.\.\.\)"):
+    with pytest.raises(lamp.CodecError, match=r"pass Parameters\(type=\.\.\.\)"):
         lamp.decode_request(0x100, bytes.fromhex("10 00 05 00 00 00 00 00"))
 
 

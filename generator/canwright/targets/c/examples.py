@@ -127,7 +127,7 @@ class _Example:
                 shown.append(reply.layout.name)
                 yield ExchangeView(
                     command=command.name,
-                    enumerator=self._names.upper("command", command.name),
+                    enumerator=self._names.command(command.name),
                     node=node,
                     request=self._side(request, sent),
                     reply=self._side(reply, answered),
@@ -171,7 +171,7 @@ class _Example:
 
     def _shown(self, fields: list[Field]) -> Iterator[ShownView]:
         for field in fields:
-            type_ = self._types[self._names.lower(field.type.name)]
+            type_ = self._types[self._names.lower(self._names.type_stem(field.type))]
             if not field.is_array:
                 yield ShownView(field.name, member(field.name), f"value_{field.name}", type_)
                 continue

@@ -10,8 +10,8 @@ PUBLIC = ("CodecError", "FieldAbsent", "Message", "Refusal", "Reply", "Request")
 _RUNTIME = {
     "_codec": (
         *PUBLIC,
-        *("Bound", "Float", "Number", "Real", "ToAll", "ToNode", "check_choice", "check_number", "constant"),
-        *("each", "flags", "known", "member", "merge", "missing", "named", "node_in", "require"),
+        *("ArrayType", "Bound", "EnumType", "FlagsType", "Float", "Number", "Real", "ToAll", "ToNode"),
+        *("check_choice", "check_number", "constant", "merge", "missing"),
     ),
     "_dispatch": ("Answer", "DataByte", "Dispatcher", "Route", "Select", "data_length"),
 }
@@ -20,8 +20,8 @@ _STANDARD_LIBRARY = {
     "dataclasses": ("dataclass",),
     "enum": ("Enum", "IntEnum", "IntFlag"),
     "fractions": ("Fraction",),
-    "struct": ("Struct", "pack"),
-    "typing": ("TYPE_CHECKING", "Any", "ClassVar", "NoReturn", "TypeAlias", "Union"),
+    "struct": ("Struct",),
+    "typing": ("TYPE_CHECKING", "Any", "Literal", "NoReturn", "TypeAlias", "Union"),
 }
 _TYPE_CHECKING = {"typing_extensions": ("Self",)}
 
