@@ -63,7 +63,8 @@ def test_all_programs(spec: Path, tmp_path: Path) -> None:
         f"{id_} {f.data.hex(' ').upper()}".strip() for id_, f in zip(ids, requests, strict=True)
     }
     assert "_raw=" not in done.stdout and "no reply" not in done.stdout
-    _, reply, value, _, _, *cycles, of_async, made, _ = lines
+    _, reply, value, _, values, raw, _, *cycles, of_async, made, _ = lines
+    assert values.startswith("{'") and raw.startswith("{'")
     assert cycles == [value] * 3 and of_async == reply and made.startswith(f"{x.request}(")
 
 

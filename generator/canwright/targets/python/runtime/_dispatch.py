@@ -166,8 +166,8 @@ MAX_IDS = 1 << 11
 """The most ids of a route that are listed; each 11-bit id fits in."""
 
 
-ById = dict[int, tuple[int | None, dict[int, Table], Route]]
-"""The node of each id, the table for each data length, and the route."""
+Tables = tuple[int | None, dict[int, Table]]
+"""The node of an id, and the table for each data length."""
 
 
 class Router(Generic[P, M]):
@@ -181,14 +181,15 @@ class Router(Generic[P, M]):
         self.direction = direction
         self.routes = tuple(routes)
         self._unknown = unknown
+        self._listed: dict[tuple[int, bool, bool], tuple[Route, int | None]] = {}
         kinds = [(extended, remote) for extended in (False, True) for remote in (False, True)]
-        self._listed: dict[tuple[bool, bool], ById] = {kind: {} for kind in kinds}
+        self._by_kind: dict[tuple[bool, bool], dict[int, Tables]] = {kind: {} for kind in kinds}
         for route in takewhile(_can_be_listed, self.routes):
             tables = {} if route.remote else route.tables()
-            by_id = self._listed[route.extended, route.remote]
             for can_id, node in route.ids():
-                by_id.setdefault(can_id, (node, tables, route))
-        self._by_id = self._listed[False, False]
+                self._listed.setdefault((can_id, route.extended, route.remote), (route, node))
+                self._by_kind[route.extended, route.remote].setdefault(can_id, (node, tables))
+        self._by_id = self._by_kind[False, False]
 
     def decode(
         self, can_id: int, data: Buffer, parameters: P | None = None, *, extended: bool = False, remote: bool = False
@@ -204,8 +205,8 @@ class Router(Generic[P, M]):
         node: int | None
         unpack: Unpack | None
         try:
-            by_id = self._listed[extended, remote] if extended or remote else self._by_id
-            node, tables, _ = by_id[can_id]
+            by_id = self._by_kind[extended, remote] if extended or remote else self._by_id
+            node, tables = by_id[can_id]
             position, cases = tables[len(data)]
             unpack = cases[data[position]]
         except KeyError:
@@ -218,10 +219,9 @@ class Router(Generic[P, M]):
 
     def find(self, can_id: int, extended: bool, remote: bool) -> tuple[Route, int | None]:
         """The route and the node of an id. Raises CodecError (unknown_id)."""
-        listed = self._listed.get((extended, remote), {}).get(can_id)
+        listed = self._listed.get((can_id, extended, remote))
         if listed is not None:
-            node, _, route = listed
-            return route, node
+            return listed
         for route in self.routes:
             if (route.extended, route.remote) == (extended, remote):
                 ours, node = route.node(can_id)
