@@ -32,7 +32,7 @@ class _Harness:
     def __init__(self, edition: Edition, functions: Mapping[str, Function]) -> None:
         self._edition = edition
         self._functions = functions
-        self._names_of = Names(edition)
+        self._in_c = Names(edition)
         self._prefix = f"{edition.family}_{edition.identifier}_".lower()
 
     def text(self, include: str) -> str:
@@ -67,17 +67,17 @@ class _Harness:
             "decode": decode.call({**ARGUMENTS, direction.value: "any"}),
             "messages": [
                 {
-                    "enumerator": f"{self._prefix}command_{m.command}".upper(),
+                    "enumerator": self._in_c.command(m.command),
                     "layout": self._names(m.layout),
-                    "member": member(m.command),
+                    "member": member(self._in_c.short(m.command)),
                 }
                 for m in messages
             ],
         }
 
     def _message(self, message: Message) -> dict[str, Any]:
-        c = f"{self._prefix}{message.name}"
-        check = self._functions.get(f"{self._prefix}{message.layout.name}_check")
+        c = self._in_c.lower(message.name)
+        check = self._functions.get(self._in_c.lower(message.layout.name, "check"))
         return {
             "name": message.name,
             "command": message.command,
@@ -88,7 +88,7 @@ class _Harness:
         }
 
     def _names(self, layout: Layout) -> dict[str, str]:
-        return {"name": layout.name, "c": f"{self._prefix}{layout.name}"}
+        return {"name": layout.name, "c": self._in_c.lower(layout.name)}
 
     def _layout(self, layout: Layout) -> dict[str, Any]:
         fields = [self._field(field) for field in layout.fields if field.fixed is None]
@@ -96,7 +96,7 @@ class _Harness:
 
     def _field(self, field: Field) -> dict[str, Any]:
         type_ = field.type
-        c = self._names_of.lower(self._names_of.type_stem(type_))
+        c = self._in_c.lower(self._in_c.type_stem(type_))
         members = [(m.name, f"{c}_{m.name}".upper()) for m in (*type_.enum, *type_.flags)]
         to, from_ = self._functions.get(f"{c}_to_double"), self._functions.get(f"{c}_from_double")
         names = self._functions.get(f"{c}_name")
@@ -117,7 +117,7 @@ class _Harness:
         }
 
     def _milli(self, type_: Type) -> dict[str, Any] | None:
-        c = self._names_of.lower(self._names_of.type_stem(type_))
+        c = self._in_c.lower(self._in_c.type_stem(type_))
         to, from_ = self._functions.get(f"{c}_to_milli"), self._functions.get(f"{c}_from_milli")
         if to is None or from_ is None:
             return None
