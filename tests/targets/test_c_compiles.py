@@ -196,7 +196,7 @@ def _cmake(*arguments: str | Path) -> None:
 def test_the_programs_of_the_readme_compile(spec: Path, tmp_path: Path) -> None:
     folder = write([specification(spec)], tmp_path)
     blocks = re.findall(r"```c\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
-    assert len(blocks) == (2 if list(folder.glob("examples/*.c")) else 0)
+    assert len(blocks) == (4 if list(folder.glob("examples/*.c")) else 1)
     for number, block in enumerate(blocks):
         unit = tmp_path / f"{number}.c"
         unit.write_text(block, "utf-8")

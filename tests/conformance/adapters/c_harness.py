@@ -61,10 +61,12 @@ class _Harness:
         decode = self._functions.get(f"{self._prefix}decode_{direction.value}")
         if decode is None:
             return None
+        check = self._functions.get(f"{self._prefix}any_{direction.value}_check")
         messages = [m for m in self._edition.messages(direction) if _has_members(m.layout)]
         return {
             "word": direction.value,
             "decode": decode.call({**ARGUMENTS, direction.value: "any"}),
+            "check": check.call({**ARGUMENTS, direction.value: "any"}) if check else "",
             "messages": [
                 {
                     "enumerator": self._in_c.command(m.command),
