@@ -197,7 +197,7 @@ def test_the_programs_of_the_readme_compile(spec: Path, tmp_path: Path) -> None:
     folder = write([specification(spec)], tmp_path)
     blocks = re.findall(r"```c\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
     has_flags = any("_first_flag(" in header.read_text("utf-8") for header in folder.glob("include/*/v*.h"))
-    assert len(blocks) == (2 if list(folder.glob("examples/*.c")) else 0) + 1 + has_flags
+    assert len(blocks) == (4 if list(folder.glob("examples/*.c")) else 1) + 1 + has_flags
     for number, block in enumerate(blocks):
         unit = tmp_path / f"{number}.c"
         unit.write_text(block, "utf-8")

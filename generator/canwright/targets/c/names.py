@@ -88,7 +88,7 @@ class Names:
         return self.upper("command", self.short(command))
 
     def short(self, name: str) -> str:
-        """The name of a command or a message, with the short name of the command if it has one."""
+        """The short form of the name of a command or a message, if it has one."""
         return self._short.get(name, name)
 
     def type_stem(self, type_: Type) -> str:
@@ -164,8 +164,7 @@ def _long_names(edition: Edition) -> Iterator[NameProblem]:
         if other != name and path not in reported:
             reported.add(path)
             text = f"the first {SIGNIFICANT} characters of `{name}` in C ({what}) are those of `{other}`"
-            item = "give the command a `short_name`" if path[:1] == ("commands",) else "rename it"
-            yield NameProblem(path, text, f"{item}: {_excess(name, other)} characters less before they differ")
+            yield NameProblem(path, text, f"use a name with {_excess(name, other)} characters less, or `short_name`")
 
 
 def _excess(name: str, other: str) -> int:
