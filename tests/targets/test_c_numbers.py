@@ -24,6 +24,7 @@ TYPES = {
     "fine": "{raw: u8, scale: 0.0001}",
     "nothing": "{raw: u8, scale: 0.0001, raw_range: 3..4}",
     "coarse": "{raw: i8, scale: 1000000}",
+    "middle": "{raw: u25, scale: 7/3}",
     "wide": "{raw: i64, scale: 0.01}",
     "wider": "{raw: u64, scale: 1/3}",
     "seven": "{raw: i56, scale: 33/2048}",
