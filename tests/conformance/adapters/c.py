@@ -132,6 +132,11 @@ class CAdapter(Adapter):
         answer = self._ask("milli", type_name, *self._known(parameters), direction, str(number))
         return answer if isinstance(answer, Refused) else int(answer[0])
 
+    def single(self, type_name: str, direction: str, number: int, parameters: Parameters) -> int | Refused:
+        """`to` the bits of a float, or `from` them."""
+        answer = self._ask("single", type_name, *self._known(parameters), direction, str(number))
+        return answer if isinstance(answer, Refused) else int(answer[0])
+
     def _encode(
         self, message: Message, node: int | None, parameters: Parameters, is_value: bool, words: list[str]
     ) -> Encoded | Refused:

@@ -48,7 +48,8 @@ class _Harness:
             prefix=self._prefix,
             parameters=[self._parameter(p.name) for p in self._edition.parameters],
             layouts=[self._layout(layout) for layout in with_fields],
-            milli=[t for t in map(self._milli, self._edition.types) if t],
+            milli=[t for t in (self._conversion(t, "milli", "milli") for t in self._edition.types) if t],
+            single=[t for t in (self._conversion(t, "float", "value") for t in self._edition.types) if t],
             messages=[self._message(m) for m in self._edition.all_messages()],
             filters=list(self._filters()),
             directions=[d for d in map(self._direction, Direction) if d],
@@ -131,17 +132,18 @@ class _Harness:
             "from": self._from(from_) if from_ else "",
         }
 
-    def _milli(self, type_: Type) -> dict[str, Any] | None:
+    def _conversion(self, type_: Type, ending: str, number: str) -> dict[str, Any] | None:
+        """The pair of functions `_to_ENDING` and `_from_ENDING`, whose parameter is called `number`."""
         c = self._in_c.lower(self._in_c.type_stem(type_))
-        to, from_ = self._functions.get(f"{c}_to_milli"), self._functions.get(f"{c}_from_milli")
+        to, from_ = self._functions.get(f"{c}_to_{ending}"), self._functions.get(f"{c}_from_{ending}")
         if to is None or from_ is None:
             return None
-        arguments = {"milli": "milli", "raw": "raw", "parameters": "known"}
+        arguments = {number: number, "raw": "raw", "parameters": "known"}
         return {
             "name": type_.name,
             "kind": to.types[to.parameters.index("raw")],
             "signed": type_.encoding is Encoding.SIGNED,
-            "milli_kind": from_.types[from_.parameters.index("milli")],
+            "number_kind": from_.types[from_.parameters.index(number)],
             "to": to.call(arguments),
             "to_fails": "status" in to.result,
             "from": from_.call(arguments),
