@@ -79,7 +79,7 @@ def test_names_that_differ_too_late(tmp_path: Path) -> None:
             hint,
         )
         for direction, name, other in (
-            ("request", "request_decode", "request_encode"),
+            ("request", "request_encode", "request_t"),
             ("reply", "reply_encode", "reply_t"),
         )
     ]
