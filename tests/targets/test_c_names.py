@@ -66,6 +66,27 @@ def test_clashes_within_an_edition(old: str, new: str, wanted: list[str], tmp_pa
     assert [d.message for d in found if d.rule == "name-collision" and " in C" in d.message] == wanted
 
 
+def test_names_that_differ_too_late(tmp_path: Path) -> None:
+    """`short_name` is the remedy that changes C alone."""
+    long = "x" * 48
+    found = [d for d in findings(tmp_path, MINIMAL.replace("dim:", f"{long}:")) if " in C" in d.message]
+    hint = "use a shorter name, or `short_name` for a command"
+    assert [(d.rule, d.message, d.hint) for d in found] == [
+        (
+            "name-collision",
+            f"the first 63 characters of `lamp_v1_{long}_{name}` in C (the {direction} of `{long}`) are those of "
+            f"`lamp_v1_{long}_{other}`",
+            hint,
+        )
+        for direction, name, other in (
+            ("request", "request_encode", "request_t"),
+            ("reply", "reply_encode", "reply_t"),
+        )
+    ]
+    text = MINIMAL.replace("dim:", f"{long}:\n    short_name: {long[:45]}")
+    assert not [d for d in findings(tmp_path, text) if " in C" in d.message]
+
+
 def test_clashes_between_editions(tmp_path: Path) -> None:
     (tmp_path / "one.yaml").write_text(MINIMAL.replace("dim:", "a_dim:"), "utf-8")
     (tmp_path / "other.yaml").write_text(MINIMAL.replace("edition: v1", "edition: v1-a"), "utf-8")

@@ -164,13 +164,7 @@ def _long_names(edition: Edition) -> Iterator[NameProblem]:
         if other != name and path not in reported:
             reported.add(path)
             text = f"the first {SIGNIFICANT} characters of `{name}` in C ({what}) are those of `{other}`"
-            yield NameProblem(path, text, f"use a name with {_excess(name, other)} characters less, or `short_name`")
-
-
-def _excess(name: str, other: str) -> int:
-    """How many characters too late two names differ."""
-    same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(name, other, strict=False))
-    return len(list(same)) - SIGNIFICANT + 1
+            yield NameProblem(path, text, "use a shorter name, or `short_name` for a command")
 
 
 def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
