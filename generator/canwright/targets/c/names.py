@@ -31,7 +31,7 @@ LOWER_CASE_MACROS = (
 RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS}".split())
 
 TYPE_ENDINGS = ("_valid", "_name", "_to_milli", "_from_milli", "_to_double", "_from_double")
-LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack")
+LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack", "_same")
 MESSAGE_ENDINGS = ("_encode", "_decode")
 ADDRESS_ENDINGS = ("_request_id", "_request_node", "_reply_id", "_reply_node")
 PATTERN_ENDINGS = ("_match", "_stamp")
@@ -40,6 +40,7 @@ EDITION_NAMES = (
     *("parameters_t", "field_t", "field_name", "command_t", "command_name", "command_effects", "command_available"),
     *("any_request_t", "any_reply_t", "identify_request", "identify_reply", "decode_request", "decode_reply"),
     *("check_reply", "H", "SPEC", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
+    *("selftest", "selftest_message", "selftest_t", "SELFTEST_H"),
 )
 
 
