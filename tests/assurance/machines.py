@@ -92,9 +92,12 @@ class Avr(Machine):
 
     def run(self, program: Path) -> str:
         output = _run([tool("simavr"), "-m", self.mcu, "-f", "16000000", program])
-        lines = re.findall(r"^\x1b\[32m(.*?)\.*\s*(?:\x1b\[0m)?$", output, flags=re.M)
-        return "".join(f"{line}\n" for line in lines)
+        lines = (_COLOUR.sub("", line).rstrip() for line in output.splitlines() if _COLOUR.search(line))
+        return "".join(f"{line.removesuffix('.')}\n" for line in lines if line.endswith("."))
 
+
+_COLOUR = re.compile(r"\x1b\[\d+m")
+"""simavr shows sent bytes in colour, and a line feed as a point."""
 
 _FLAGS = ("-Os", "-g0", "-Wall", "-Wextra", "-Werror")
 

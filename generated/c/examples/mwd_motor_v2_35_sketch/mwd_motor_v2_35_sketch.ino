@@ -30,7 +30,6 @@ static void show_value(const char *field, long value, const char *unit)
     Serial.print(field);
     Serial.print(" = ");
     Serial.print(value);
-    Serial.print(' ');
     Serial.println(unit);
 }
 
@@ -69,13 +68,13 @@ static canwright_status_t exchange()
         show_value("temperature", (long)received.temperature, "");
         int32_t value_iq = 0;
         if (mwd_motor_v2_35_torque_current_to_milli(&value_iq, received.iq, &parameters) == CANWRIGHT_OK) {
-            show_value("iq", (long)value_iq, "thousandths of A");
+            show_value("iq", (long)value_iq, " thousandths of A");
         }
         show_value("speed", (long)received.speed, "");
         int32_t value_encoder = 0;
         if (mwd_motor_v2_35_encoder_position_to_milli(&value_encoder, received.encoder,
             &parameters) == CANWRIGHT_OK) {
-            show_value("encoder", (long)value_encoder, "thousandths of deg");
+            show_value("encoder", (long)value_encoder, " thousandths of deg");
         }
     }
     return status;

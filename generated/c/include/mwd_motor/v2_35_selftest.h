@@ -26,6 +26,7 @@
 #endif
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_set_power_request_same(
     const mwd_motor_v2_35_set_power_request_t *one, const mwd_motor_v2_35_set_power_request_t *other)
 {
@@ -33,6 +34,7 @@ static inline bool mwd_motor_v2_35_set_power_request_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_motion_feedback_same(
     const mwd_motor_v2_35_motion_feedback_t *one, const mwd_motor_v2_35_motion_feedback_t *other)
 {
@@ -41,6 +43,7 @@ static inline bool mwd_motor_v2_35_motion_feedback_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_set_torque_request_same(
     const mwd_motor_v2_35_set_torque_request_t *one, const mwd_motor_v2_35_set_torque_request_t *other)
 {
@@ -48,6 +51,7 @@ static inline bool mwd_motor_v2_35_set_torque_request_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_set_speed_request_same(
     const mwd_motor_v2_35_set_speed_request_t *one, const mwd_motor_v2_35_set_speed_request_t *other)
 {
@@ -55,6 +59,7 @@ static inline bool mwd_motor_v2_35_set_speed_request_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_move_to_angle_request_same(
     const mwd_motor_v2_35_move_to_angle_request_t *one, const mwd_motor_v2_35_move_to_angle_request_t *other)
 {
@@ -62,6 +67,7 @@ static inline bool mwd_motor_v2_35_move_to_angle_request_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_move_to_angle_at_speed_request_same(
     const mwd_motor_v2_35_move_to_angle_at_speed_request_t *one,
     const mwd_motor_v2_35_move_to_angle_at_speed_request_t *other)
@@ -70,6 +76,7 @@ static inline bool mwd_motor_v2_35_move_to_angle_at_speed_request_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_turn_to_angle_request_same(
     const mwd_motor_v2_35_turn_to_angle_request_t *one, const mwd_motor_v2_35_turn_to_angle_request_t *other)
 {
@@ -77,6 +84,7 @@ static inline bool mwd_motor_v2_35_turn_to_angle_request_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_turn_to_angle_at_speed_request_same(
     const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *one,
     const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *other)
@@ -86,6 +94,7 @@ static inline bool mwd_motor_v2_35_turn_to_angle_at_speed_request_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_move_by_angle_request_same(
     const mwd_motor_v2_35_move_by_angle_request_t *one, const mwd_motor_v2_35_move_by_angle_request_t *other)
 {
@@ -93,6 +102,7 @@ static inline bool mwd_motor_v2_35_move_by_angle_request_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_move_by_angle_at_speed_request_same(
     const mwd_motor_v2_35_move_by_angle_at_speed_request_t *one,
     const mwd_motor_v2_35_move_by_angle_at_speed_request_t *other)
@@ -101,6 +111,7 @@ static inline bool mwd_motor_v2_35_move_by_angle_at_speed_request_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_pid_gains_same(
     const mwd_motor_v2_35_pid_gains_t *one, const mwd_motor_v2_35_pid_gains_t *other)
 {
@@ -109,6 +120,7 @@ static inline bool mwd_motor_v2_35_pid_gains_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_read_acceleration_reply_same(
     const mwd_motor_v2_35_read_acceleration_reply_t *one, const mwd_motor_v2_35_read_acceleration_reply_t *other)
 {
@@ -116,6 +128,7 @@ static inline bool mwd_motor_v2_35_read_acceleration_reply_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_write_acceleration_ram_same(
     const mwd_motor_v2_35_write_acceleration_ram_t *one, const mwd_motor_v2_35_write_acceleration_ram_t *other)
 {
@@ -123,6 +136,7 @@ static inline bool mwd_motor_v2_35_write_acceleration_ram_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_read_encoder_reply_same(
     const mwd_motor_v2_35_read_encoder_reply_t *one, const mwd_motor_v2_35_read_encoder_reply_t *other)
 {
@@ -131,6 +145,7 @@ static inline bool mwd_motor_v2_35_read_encoder_reply_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_write_encoder_offset_rom_same(
     const mwd_motor_v2_35_write_encoder_offset_rom_t *one, const mwd_motor_v2_35_write_encoder_offset_rom_t *other)
 {
@@ -138,6 +153,7 @@ static inline bool mwd_motor_v2_35_write_encoder_offset_rom_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_write_position_as_zero_rom_reply_same(
     const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *one,
     const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *other)
@@ -146,6 +162,7 @@ static inline bool mwd_motor_v2_35_write_position_as_zero_rom_reply_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_read_multi_turn_angle_reply_same(
     const mwd_motor_v2_35_read_multi_turn_angle_reply_t *one,
     const mwd_motor_v2_35_read_multi_turn_angle_reply_t *other)
@@ -154,6 +171,7 @@ static inline bool mwd_motor_v2_35_read_multi_turn_angle_reply_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_read_single_turn_angle_reply_same(
     const mwd_motor_v2_35_read_single_turn_angle_reply_t *one,
     const mwd_motor_v2_35_read_single_turn_angle_reply_t *other)
@@ -162,6 +180,7 @@ static inline bool mwd_motor_v2_35_read_single_turn_angle_reply_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_status_1_same(
     const mwd_motor_v2_35_status_1_t *one, const mwd_motor_v2_35_status_1_t *other)
 {
@@ -169,6 +188,7 @@ static inline bool mwd_motor_v2_35_status_1_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_read_status_3_reply_same(
     const mwd_motor_v2_35_read_status_3_reply_t *one, const mwd_motor_v2_35_read_status_3_reply_t *other)
 {
@@ -177,6 +197,7 @@ static inline bool mwd_motor_v2_35_read_status_3_reply_same(
 }
 
 /** True for messages with equal fields. */
+CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_broadcast_torque_request_same(
     const mwd_motor_v2_35_broadcast_torque_request_t *one, const mwd_motor_v2_35_broadcast_torque_request_t *other)
 {
@@ -203,6 +224,7 @@ typedef struct {
 } mwd_motor_v2_35_selftest_t;
 
 /** Decodes a frame as one message, and encodes the message with the raw integers of an entry. */
+CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_selftest_message(
     mwd_motor_v2_35_selftest_t *result, const canwright_frame_t *frame, uint16_t message, uint16_t raws,
     uint32_t node, const mwd_motor_v2_35_parameters_t *parameters)
@@ -573,13 +595,14 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_set_power_request_same(&found.raws_set_power_request,
                 &wanted.raws_set_power_request);
         }
-        (void)mwd_motor_v2_35_set_power_request_check(&field, &wanted.raws_set_power_request);
+        if (mwd_motor_v2_35_set_power_request_check(&field, &wanted.raws_set_power_request) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_set_power_request_encode(&result->written, node,
             &wanted.raws_set_power_request);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_SET_POWER && request.node == result->node
-                && mwd_motor_v2_35_set_power_request_same(&request.as.set_power_request,
-                &wanted.raws_set_power_request);
+                && mwd_motor_v2_35_set_power_request_same(&request.as.set_power, &wanted.raws_set_power_request);
         }
         break;
     case 7u: /* reply of set_power */
@@ -591,12 +614,14 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
-        (void)mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters);
+        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_set_power_reply_encode(&result->written, node, &wanted.raws_motion_feedback,
             parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_SET_POWER && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.motion_feedback, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_same(&reply.as.set_power, &wanted.raws_motion_feedback);
         }
         break;
     case 8u: /* request of set_torque */
@@ -608,13 +633,14 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_set_torque_request_same(&found.raws_set_torque_request,
                 &wanted.raws_set_torque_request);
         }
-        (void)mwd_motor_v2_35_set_torque_request_check(&field, &wanted.raws_set_torque_request);
+        if (mwd_motor_v2_35_set_torque_request_check(&field, &wanted.raws_set_torque_request) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_set_torque_request_encode(&result->written, node,
             &wanted.raws_set_torque_request);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_SET_TORQUE && request.node == result->node
-                && mwd_motor_v2_35_set_torque_request_same(&request.as.set_torque_request,
-                &wanted.raws_set_torque_request);
+                && mwd_motor_v2_35_set_torque_request_same(&request.as.set_torque, &wanted.raws_set_torque_request);
         }
         break;
     case 9u: /* reply of set_torque */
@@ -626,12 +652,14 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
-        (void)mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters);
+        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_set_torque_reply_encode(&result->written, node,
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_SET_TORQUE && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.motion_feedback, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_same(&reply.as.set_torque, &wanted.raws_motion_feedback);
         }
         break;
     case 10u: /* request of set_speed */
@@ -647,8 +675,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             &wanted.raws_set_speed_request);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_SET_SPEED && request.node == result->node
-                && mwd_motor_v2_35_set_speed_request_same(&request.as.set_speed_request,
-                &wanted.raws_set_speed_request);
+                && mwd_motor_v2_35_set_speed_request_same(&request.as.set_speed, &wanted.raws_set_speed_request);
         }
         break;
     case 11u: /* reply of set_speed */
@@ -660,12 +687,14 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
-        (void)mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters);
+        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_set_speed_reply_encode(&result->written, node, &wanted.raws_motion_feedback,
             parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_SET_SPEED && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.motion_feedback, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_same(&reply.as.set_speed, &wanted.raws_motion_feedback);
         }
         break;
     case 12u: /* request of move_to_angle */
@@ -682,7 +711,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_35_move_to_angle_request_same(&request.as.move_to_angle_request,
+                && mwd_motor_v2_35_move_to_angle_request_same(&request.as.move_to_angle,
                 &wanted.raws_move_to_angle_request);
         }
         break;
@@ -695,12 +724,14 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
-        (void)mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters);
+        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_move_to_angle_reply_encode(&result->written, node,
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.motion_feedback, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_same(&reply.as.move_to_angle, &wanted.raws_motion_feedback);
         }
         break;
     case 14u: /* request of move_to_angle_at_speed */
@@ -717,7 +748,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_35_move_to_angle_at_speed_request_same(&request.as.move_to_angle_at_speed_request,
+                && mwd_motor_v2_35_move_to_angle_at_speed_request_same(&request.as.move_to_angle_at_speed,
                 &wanted.raws_move_to_angle_at_speed_request);
         }
         break;
@@ -730,12 +761,15 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
-        (void)mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters);
+        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_move_to_angle_at_speed_reply_encode(&result->written, node,
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED
-                && reply.node == result->node && mwd_motor_v2_35_motion_feedback_same(&reply.as.motion_feedback,
+                && reply.node == result->node
+                && mwd_motor_v2_35_motion_feedback_same(&reply.as.move_to_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -748,13 +782,15 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_turn_to_angle_request_same(&found.raws_turn_to_angle_request,
                 &wanted.raws_turn_to_angle_request);
         }
-        (void)mwd_motor_v2_35_turn_to_angle_request_check(&field, &wanted.raws_turn_to_angle_request);
+        if (mwd_motor_v2_35_turn_to_angle_request_check(&field, &wanted.raws_turn_to_angle_request) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_turn_to_angle_request_encode(&result->written, node,
             &wanted.raws_turn_to_angle_request);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_35_turn_to_angle_request_same(&request.as.turn_to_angle_request,
+                && mwd_motor_v2_35_turn_to_angle_request_same(&request.as.turn_to_angle,
                 &wanted.raws_turn_to_angle_request);
         }
         break;
@@ -767,12 +803,14 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
-        (void)mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters);
+        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_turn_to_angle_reply_encode(&result->written, node,
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.motion_feedback, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_same(&reply.as.turn_to_angle, &wanted.raws_motion_feedback);
         }
         break;
     case 18u: /* request of turn_to_angle_at_speed */
@@ -784,14 +822,16 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_turn_to_angle_at_speed_request_same(&found.raws_turn_to_angle_at_speed_request,
                 &wanted.raws_turn_to_angle_at_speed_request);
         }
-        (void)mwd_motor_v2_35_turn_to_angle_at_speed_request_check(&field,
-            &wanted.raws_turn_to_angle_at_speed_request);
+        if (mwd_motor_v2_35_turn_to_angle_at_speed_request_check(&field,
+            &wanted.raws_turn_to_angle_at_speed_request) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_turn_to_angle_at_speed_request_encode(&result->written, node,
             &wanted.raws_turn_to_angle_at_speed_request);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_35_turn_to_angle_at_speed_request_same(&request.as.turn_to_angle_at_speed_request,
+                && mwd_motor_v2_35_turn_to_angle_at_speed_request_same(&request.as.turn_to_angle_at_speed,
                 &wanted.raws_turn_to_angle_at_speed_request);
         }
         break;
@@ -804,12 +844,15 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
-        (void)mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters);
+        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_turn_to_angle_at_speed_reply_encode(&result->written, node,
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED
-                && reply.node == result->node && mwd_motor_v2_35_motion_feedback_same(&reply.as.motion_feedback,
+                && reply.node == result->node
+                && mwd_motor_v2_35_motion_feedback_same(&reply.as.turn_to_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -827,7 +870,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_35_move_by_angle_request_same(&request.as.move_by_angle_request,
+                && mwd_motor_v2_35_move_by_angle_request_same(&request.as.move_by_angle,
                 &wanted.raws_move_by_angle_request);
         }
         break;
@@ -840,12 +883,14 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
-        (void)mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters);
+        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_move_by_angle_reply_encode(&result->written, node,
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.motion_feedback, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_same(&reply.as.move_by_angle, &wanted.raws_motion_feedback);
         }
         break;
     case 22u: /* request of move_by_angle_at_speed */
@@ -862,7 +907,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_35_move_by_angle_at_speed_request_same(&request.as.move_by_angle_at_speed_request,
+                && mwd_motor_v2_35_move_by_angle_at_speed_request_same(&request.as.move_by_angle_at_speed,
                 &wanted.raws_move_by_angle_at_speed_request);
         }
         break;
@@ -875,12 +920,15 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
-        (void)mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters);
+        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_move_by_angle_at_speed_reply_encode(&result->written, node,
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED
-                && reply.node == result->node && mwd_motor_v2_35_motion_feedback_same(&reply.as.motion_feedback,
+                && reply.node == result->node
+                && mwd_motor_v2_35_motion_feedback_same(&reply.as.move_by_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -901,7 +949,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->encoded = mwd_motor_v2_35_read_pid_reply_encode(&result->written, node, &wanted.raws_pid_gains);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_PID && reply.node == result->node
-                && mwd_motor_v2_35_pid_gains_same(&reply.as.pid_gains, &wanted.raws_pid_gains);
+                && mwd_motor_v2_35_pid_gains_same(&reply.as.read_pid, &wanted.raws_pid_gains);
         }
         break;
     case 26u: /* request of write_pid_ram */
@@ -914,7 +962,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM
-                && request.node == result->node && mwd_motor_v2_35_pid_gains_same(&request.as.pid_gains,
+                && request.node == result->node && mwd_motor_v2_35_pid_gains_same(&request.as.write_pid_ram,
                 &wanted.raws_pid_gains);
         }
         break;
@@ -927,7 +975,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->encoded = mwd_motor_v2_35_write_pid_ram_reply_encode(&result->written, node, &wanted.raws_pid_gains);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM && reply.node == result->node
-                && mwd_motor_v2_35_pid_gains_same(&reply.as.pid_gains, &wanted.raws_pid_gains);
+                && mwd_motor_v2_35_pid_gains_same(&reply.as.write_pid_ram, &wanted.raws_pid_gains);
         }
         break;
     case 28u: /* request of write_pid_rom */
@@ -940,7 +988,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM
-                && request.node == result->node && mwd_motor_v2_35_pid_gains_same(&request.as.pid_gains,
+                && request.node == result->node && mwd_motor_v2_35_pid_gains_same(&request.as.write_pid_rom,
                 &wanted.raws_pid_gains);
         }
         break;
@@ -953,7 +1001,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->encoded = mwd_motor_v2_35_write_pid_rom_reply_encode(&result->written, node, &wanted.raws_pid_gains);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM && reply.node == result->node
-                && mwd_motor_v2_35_pid_gains_same(&reply.as.pid_gains, &wanted.raws_pid_gains);
+                && mwd_motor_v2_35_pid_gains_same(&reply.as.write_pid_rom, &wanted.raws_pid_gains);
         }
         break;
     case 30u: /* request of read_acceleration */
@@ -979,7 +1027,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION
                 && reply.node == result->node
-                && mwd_motor_v2_35_read_acceleration_reply_same(&reply.as.read_acceleration_reply,
+                && mwd_motor_v2_35_read_acceleration_reply_same(&reply.as.read_acceleration,
                 &wanted.raws_read_acceleration_reply);
         }
         break;
@@ -1037,13 +1085,15 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_read_encoder_reply_same(&found.raws_read_encoder_reply,
                 &wanted.raws_read_encoder_reply);
         }
-        (void)mwd_motor_v2_35_read_encoder_reply_check(&field, &wanted.raws_read_encoder_reply, parameters);
+        if (mwd_motor_v2_35_read_encoder_reply_check(&field, &wanted.raws_read_encoder_reply,
+            parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_read_encoder_reply_encode(&result->written, node,
             &wanted.raws_read_encoder_reply, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_ENCODER && reply.node == result->node
-                && mwd_motor_v2_35_read_encoder_reply_same(&reply.as.read_encoder_reply,
-                &wanted.raws_read_encoder_reply);
+                && mwd_motor_v2_35_read_encoder_reply_same(&reply.as.read_encoder, &wanted.raws_read_encoder_reply);
         }
         break;
     case 36u: /* request of write_encoder_offset_rom */
@@ -1055,8 +1105,10 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_write_encoder_offset_rom_same(&found.raws_write_encoder_offset_rom,
                 &wanted.raws_write_encoder_offset_rom);
         }
-        (void)mwd_motor_v2_35_write_encoder_offset_rom_check(&field, &wanted.raws_write_encoder_offset_rom,
-            parameters);
+        if (mwd_motor_v2_35_write_encoder_offset_rom_check(&field, &wanted.raws_write_encoder_offset_rom,
+            parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_write_encoder_offset_rom_request_encode(&result->written, node,
             &wanted.raws_write_encoder_offset_rom, parameters);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
@@ -1075,8 +1127,10 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_write_encoder_offset_rom_same(&found.raws_write_encoder_offset_rom,
                 &wanted.raws_write_encoder_offset_rom);
         }
-        (void)mwd_motor_v2_35_write_encoder_offset_rom_check(&field, &wanted.raws_write_encoder_offset_rom,
-            parameters);
+        if (mwd_motor_v2_35_write_encoder_offset_rom_check(&field, &wanted.raws_write_encoder_offset_rom,
+            parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_write_encoder_offset_rom_reply_encode(&result->written, node,
             &wanted.raws_write_encoder_offset_rom, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
@@ -1104,14 +1158,16 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_write_position_as_zero_rom_reply_same(&found.raws_write_position_as_zero_rom_reply,
                 &wanted.raws_write_position_as_zero_rom_reply);
         }
-        (void)mwd_motor_v2_35_write_position_as_zero_rom_reply_check(&field,
-            &wanted.raws_write_position_as_zero_rom_reply, parameters);
+        if (mwd_motor_v2_35_write_position_as_zero_rom_reply_check(&field,
+            &wanted.raws_write_position_as_zero_rom_reply, parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_write_position_as_zero_rom_reply_encode(&result->written, node,
             &wanted.raws_write_position_as_zero_rom_reply, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM
                 && reply.node == result->node
-                && mwd_motor_v2_35_write_position_as_zero_rom_reply_same(&reply.as.write_position_as_zero_rom_reply,
+                && mwd_motor_v2_35_write_position_as_zero_rom_reply_same(&reply.as.write_position_as_zero_rom,
                 &wanted.raws_write_position_as_zero_rom_reply);
         }
         break;
@@ -1133,13 +1189,16 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_read_multi_turn_angle_reply_same(&found.raws_read_multi_turn_angle_reply,
                 &wanted.raws_read_multi_turn_angle_reply);
         }
-        (void)mwd_motor_v2_35_read_multi_turn_angle_reply_check(&field, &wanted.raws_read_multi_turn_angle_reply);
+        if (mwd_motor_v2_35_read_multi_turn_angle_reply_check(&field,
+            &wanted.raws_read_multi_turn_angle_reply) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_read_multi_turn_angle_reply_encode(&result->written, node,
             &wanted.raws_read_multi_turn_angle_reply);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_35_read_multi_turn_angle_reply_same(&reply.as.read_multi_turn_angle_reply,
+                && mwd_motor_v2_35_read_multi_turn_angle_reply_same(&reply.as.read_multi_turn_angle,
                 &wanted.raws_read_multi_turn_angle_reply);
         }
         break;
@@ -1161,14 +1220,16 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_read_single_turn_angle_reply_same(&found.raws_read_single_turn_angle_reply,
                 &wanted.raws_read_single_turn_angle_reply);
         }
-        (void)mwd_motor_v2_35_read_single_turn_angle_reply_check(&field, &wanted.raws_read_single_turn_angle_reply,
-            parameters);
+        if (mwd_motor_v2_35_read_single_turn_angle_reply_check(&field, &wanted.raws_read_single_turn_angle_reply,
+            parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_read_single_turn_angle_reply_encode(&result->written, node,
             &wanted.raws_read_single_turn_angle_reply, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_35_read_single_turn_angle_reply_same(&reply.as.read_single_turn_angle_reply,
+                && mwd_motor_v2_35_read_single_turn_angle_reply_same(&reply.as.read_single_turn_angle,
                 &wanted.raws_read_single_turn_angle_reply);
         }
         break;
@@ -1203,11 +1264,13 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (result->decoded == CANWRIGHT_OK) {
             result->same = mwd_motor_v2_35_status_1_same(&found.raws_status_1, &wanted.raws_status_1);
         }
-        (void)mwd_motor_v2_35_status_1_check(&field, &wanted.raws_status_1);
+        if (mwd_motor_v2_35_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_read_status_1_reply_encode(&result->written, node, &wanted.raws_status_1);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1 && reply.node == result->node
-                && mwd_motor_v2_35_status_1_same(&reply.as.status_1, &wanted.raws_status_1);
+                && mwd_motor_v2_35_status_1_same(&reply.as.read_status_1, &wanted.raws_status_1);
         }
         break;
     case 48u: /* request of clear_errors */
@@ -1225,11 +1288,13 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (result->decoded == CANWRIGHT_OK) {
             result->same = mwd_motor_v2_35_status_1_same(&found.raws_status_1, &wanted.raws_status_1);
         }
-        (void)mwd_motor_v2_35_status_1_check(&field, &wanted.raws_status_1);
+        if (mwd_motor_v2_35_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_clear_errors_reply_encode(&result->written, node, &wanted.raws_status_1);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS && reply.node == result->node
-                && mwd_motor_v2_35_status_1_same(&reply.as.status_1, &wanted.raws_status_1);
+                && mwd_motor_v2_35_status_1_same(&reply.as.clear_errors, &wanted.raws_status_1);
         }
         break;
     case 50u: /* request of read_status_2 */
@@ -1250,12 +1315,14 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
-        (void)mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters);
+        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_read_status_2_reply_encode(&result->written, node,
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2 && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.motion_feedback, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_same(&reply.as.read_status_2, &wanted.raws_motion_feedback);
         }
         break;
     case 52u: /* request of read_status_3 */
@@ -1280,7 +1347,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             &wanted.raws_read_status_3_reply);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3 && reply.node == result->node
-                && mwd_motor_v2_35_read_status_3_reply_same(&reply.as.read_status_3_reply,
+                && mwd_motor_v2_35_read_status_3_reply_same(&reply.as.read_status_3,
                 &wanted.raws_read_status_3_reply);
         }
         break;
@@ -1293,13 +1360,16 @@ static inline void mwd_motor_v2_35_selftest_message(
             result->same = mwd_motor_v2_35_broadcast_torque_request_same(&found.raws_broadcast_torque_request,
                 &wanted.raws_broadcast_torque_request);
         }
-        (void)mwd_motor_v2_35_broadcast_torque_request_check(&field, &wanted.raws_broadcast_torque_request);
+        if (mwd_motor_v2_35_broadcast_torque_request_check(&field,
+            &wanted.raws_broadcast_torque_request) == CANWRIGHT_OK) {
+            field = MWD_MOTOR_V2_35_FIELD_NONE;
+        }
         result->encoded = mwd_motor_v2_35_broadcast_torque_request_encode(&result->written,
             &wanted.raws_broadcast_torque_request);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE
                 && request.node == result->node
-                && mwd_motor_v2_35_broadcast_torque_request_same(&request.as.broadcast_torque_request,
+                && mwd_motor_v2_35_broadcast_torque_request_same(&request.as.broadcast_torque,
                 &wanted.raws_broadcast_torque_request);
         }
         break;
@@ -1310,6 +1380,7 @@ static inline void mwd_motor_v2_35_selftest_message(
 }
 
 /** Runs the self-test; `result` describes the first case that failed. Returns the number of cases that failed. */
+CANWRIGHT_NONNULL
 static inline uint16_t mwd_motor_v2_35_selftest(canwright_selftest_t *result)
 {
     static const mwd_motor_v2_35_parameters_t known[] CANWRIGHT_FLASH = {

@@ -137,6 +137,7 @@ typedef struct {
 } canwright_golden_exchange_t;
 
 /** Copies an entry of a table in flash. */
+CANWRIGHT_NONNULL
 static inline void canwright_flash_read(void *entry, const void *table, size_t index, size_t size)
 {
     const uint8_t *from = (const uint8_t *)table + index * size;
@@ -148,9 +149,11 @@ static inline void canwright_flash_read(void *entry, const void *table, size_t i
 }
 
 /** A stored frame as the functions take it. */
+CANWRIGHT_NONNULL
 static inline void canwright_restore(canwright_frame_t *frame, const canwright_stored_t *stored, uint8_t dlc)
 {
     size_t i;
+    canwright_clear(frame);
     frame->id = stored->id;
     frame->dlc = dlc;
     for (i = 0u; i < CANWRIGHT_MAX_DATA; i++) {
@@ -159,12 +162,14 @@ static inline void canwright_restore(canwright_frame_t *frame, const canwright_s
 }
 
 /** True for equal frames; the data of a remote frame, which has none, are not compared. */
+CANWRIGHT_NONNULL
 static inline bool canwright_same_frame(const canwright_frame_t *one, const canwright_frame_t *other)
 {
     return one->id == other->id && ((one->id & CANWRIGHT_REMOTE) != 0u || canwright_same_data(one, other));
 }
 
 /** Counts a case. */
+CANWRIGHT_NONNULL
 static inline void canwright_selftest_count(
     canwright_selftest_t *result, canwright_step_t step, const canwright_frame_t *frame)
 {
