@@ -12,6 +12,7 @@ from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, Output, Specification
 from .bits import operand
+from .cxx import cxx_view
 from .examples import example
 from .selftest import self_test
 from .text import arguments, comment, defines, fold, in_comment, paragraph
@@ -94,6 +95,9 @@ def _headers(
     for one, view in editions:
         files[f"{view.file}.h"] = fold(env.get_template("edition.h.j2").render(e=view))
         files[f"{view.file}_float.h"] = fold(env.get_template("edition_float.h.j2").render(e=view))
+        files[f"{view.file}.hpp"] = fold(
+            env.get_template("edition.hpp.j2").render(e=view, x=cxx_view(one.edition, view))
+        )
         test = self_test(one.edition, one.frames, view)
         if test is not None:
             files[f"{view.file}_selftest.h"] = fold(env.get_template("edition_selftest.h.j2").render(e=view, t=test))
