@@ -148,7 +148,7 @@ def test_what_would_tell_only_reads_and_was_not_seen_yet(tmp_path: Path) -> None
     text = run(tmp_path, ["141#9A00000000000000", "141#9A1F540901000000"]).output
     assert "undecided, v2.35-2024-02 and v2.35 fit equally well" in text
     assert text.rstrip().endswith("read_status_1") and "set_power" not in text
-    assert "record the reply to read_param" in run(tmp_path, V2_36).output
+    assert "record the reply to read_control_parameter" in run(tmp_path, V2_36).output
     text = MINIMAL + "".join(
         f"  {name}:\n    code: 0x1{i}\n    effects: [{effects}]\n    reply: {{level: {{at: 2, type: level}}}}\n"
         for i, (name, effects) in enumerate((("burn", "burns"), ("read", "")), start=1)

@@ -89,7 +89,7 @@ CASES = {
         LATEST,
         "      key: {at: 2, raw: u8, constant: 0xFA, title: {en: Fixed byte, zh: 固定值}}\n",
         "",
-        "the spec accepts this frame: the request of save_settings",
+        "the spec accepts this frame: the request of save_stored_settings",
     ),
     "fewer nodes reply to all": (
         FIRST,

@@ -67,17 +67,17 @@ class _Harness:
             "decode": decode.call({**ARGUMENTS, direction.value: "any"}),
             "messages": [
                 {
-                    "enumerator": f"{self._prefix}command_{m.command}".upper(),
+                    "enumerator": self._names_of.command(m.command),
                     "layout": self._names(m.layout),
-                    "member": member(m.command),
+                    "member": member(self._names_of.short(m.command)),
                 }
                 for m in messages
             ],
         }
 
     def _message(self, message: Message) -> dict[str, Any]:
-        c = f"{self._prefix}{message.name}"
-        check = self._functions.get(f"{self._prefix}{message.layout.name}_check")
+        c = self._names_of.lower(message.name)
+        check = self._functions.get(self._names_of.lower(message.layout.name, "check"))
         return {
             "name": message.name,
             "command": message.command,
@@ -88,7 +88,7 @@ class _Harness:
         }
 
     def _names(self, layout: Layout) -> dict[str, str]:
-        return {"name": layout.name, "c": f"{self._prefix}{layout.name}"}
+        return {"name": layout.name, "c": self._names_of.lower(layout.name)}
 
     def _layout(self, layout: Layout) -> dict[str, Any]:
         fields = [self._field(field) for field in layout.fields if field.fixed is None]

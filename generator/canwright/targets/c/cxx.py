@@ -128,7 +128,12 @@ class _Cxx:
         used = [t for t in edition.types if (t.enum or t.flags) and self._names.lower(self._stem(t)) in self._types]
         choices = [p for p in edition.parameters if p.is_choice]
         free = _distinct(
-            (*(m.name for m in edition.all_messages()), *(p.name for p in choices), *map(self._stem, used)), OWN_NAMES
+            (
+                *(self._names.short(m.name) for m in edition.all_messages()),
+                *(p.name for p in choices),
+                *map(self._stem, used),
+            ),
+            OWN_NAMES,
         )
         self._message_names = {m.name: next(free) for m in edition.all_messages()}
         self._choices = {p.name: next(free) for p in choices}
@@ -154,8 +159,8 @@ class _Cxx:
 
     def _commands(self) -> EnumView:
         names = [command.name for command in self._edition.commands]
-        values = [self._names.upper("command", name) for name in ("none", *names)]
-        members = tuple(map(Enumerator, _distinct(("none", *names), ()), values))
+        values = [self._names.upper("command", "none"), *map(self._names.command, names)]
+        members = tuple(map(Enumerator, _distinct(("none", *map(self._names.short, names)), ()), values))
         function, c_type = self._names.lower("command_name"), self._names.lower("command_t")
         return EnumView("command", "int", "The commands.", members, function, c_type, "an empty text")
 

@@ -63,17 +63,37 @@ class Names:
 
     def __init__(self, edition: Edition) -> None:
         self._prefix = f"{edition.family}_{edition.identifier}".lower()
+        self._short = dict(_short_names(edition))
         self._types = _type_stems(edition)
 
-    def lower(self, *parts: str) -> str:
-        return "_".join((self._prefix, *parts)).lower()
+    def lower(self, name: str, *parts: str) -> str:
+        return self._joined(name, *parts).lower()
 
-    def upper(self, *parts: str) -> str:
-        return "_".join((self._prefix, *parts)).upper()
+    def upper(self, name: str, *parts: str) -> str:
+        return self._joined(name, *parts).upper()
+
+    def command(self, command: str) -> str:
+        """The enumerator of a command."""
+        return self.upper("command", self.short(command))
+
+    def short(self, name: str) -> str:
+        """The name of a command or a message, with the short name of the command if it has one."""
+        return self._short.get(name, name)
 
     def type_stem(self, type_: Type) -> str:
         """The part of the names of a type that stands for it: its name, `speed`, or with its raw format, `speed_i16`."""
         return self._types[type_.name]
+
+    def _joined(self, name: str, *parts: str) -> str:
+        return "_".join((self._prefix, self.short(name), *parts))
+
+
+def _short_names(edition: Edition) -> Iterator[tuple[str, str]]:
+    """The names of commands and messages, each with its short form."""
+    short = {command.name: command.short_name for command in edition.commands}
+    yield from short.items()
+    for message in edition.all_messages():
+        yield message.name, short[message.command] + message.name.removeprefix(message.command)
 
 
 def _type_stems(edition: Edition) -> Mapping[str, str]:
@@ -133,7 +153,8 @@ def _long_names(edition: Edition) -> Iterator[NameProblem]:
         if other != name and path not in reported:
             reported.add(path)
             text = f"the first {SIGNIFICANT} characters of `{name}` in C ({what}) are those of `{other}`"
-            yield NameProblem(path, text, f"shorten its name by {_excess(name, other)} characters")
+            item = "give the command a `short_name`" if path[:1] == ("commands",) else "rename it"
+            yield NameProblem(path, text, f"{item}: {_excess(name, other)} characters less before they differ")
 
 
 def _excess(name: str, other: str) -> int:
@@ -165,7 +186,7 @@ def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
         yield from ((names.lower(layout.name) + e, what, layout.path) for e in LAYOUT_ENDINGS)
         yield from ((names.upper("field", f.name), f"the field name `{f.name}`", f.path) for f in layout.fields)
     for command in edition.commands:
-        for name in (names.upper("command", command.name), names.upper(command.name, "code")):
+        for name in (names.command(command.name), names.upper(command.name, "code")):
             yield name, f"the command `{command.name}`", command.path
     for message in edition.all_messages():
         what = f"the {message.direction.value} of `{message.command}`"

@@ -197,7 +197,7 @@ class _SelfTest:
 
     def _case(self, message: Message, number: int) -> MessageCase:
         frame = self._by_name[self._names.lower(message.name)]
-        enumerator = self._names.upper("command", message.command)
+        enumerator = self._names.command(message.command)
         any_ = next(d for d in self._view.directions if d.word == message.direction.value)
         same = [f"{any_.word}.command == {enumerator}", f"{any_.word}.node == result->node"]
         if frame.struct:

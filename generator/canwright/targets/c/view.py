@@ -229,7 +229,7 @@ def _command(
         )
     return CommandView(
         name=command.name,
-        enumerator=names.upper("command", command.name),
+        enumerator=names.command(command.name),
         heading=english(command.title) + (f" ({command.manual})" if command.manual else ""),
         doc=tuple(_command_doc(edition, command)),
         code=code,
@@ -284,7 +284,7 @@ def _command_effects(names: Names, edition: Edition) -> list[EffectsView]:
     for command in edition.commands:
         if command.effects:
             value = " | ".join(names.upper("effect", effect.name) for effect in command.effects)
-            grouped.setdefault(value, []).append(names.upper("command", command.name))
+            grouped.setdefault(value, []).append(names.command(command.name))
     return [EffectsView(tuple(commands), value) for value, commands in grouped.items()]
 
 
@@ -299,7 +299,7 @@ def _availability(names: Names, edition: Edition) -> list[AvailabilityView]:
                 if value.name not in values
             ]
             if lacking:
-                grouped.setdefault(" && ".join(lacking), []).append(names.upper("command", command.name))
+                grouped.setdefault(" && ".join(lacking), []).append(names.command(command.name))
     return [AvailabilityView(tuple(commands), condition) for condition, commands in grouped.items()]
 
 
@@ -309,9 +309,8 @@ def _direction(
     contents: dict[Layout, list[ContentView]] = {}
     for message in edition.messages(direction):
         if views[message.layout].members or views[message.layout].depends:
-            enumerator = names.upper("command", message.command)
-            doc = f"With {enumerator}."
-            content = ContentView(enumerator, member(message.command), doc)
+            enumerator = names.command(message.command)
+            content = ContentView(enumerator, member(names.short(message.command)), f"With {enumerator}.")
             contents.setdefault(message.layout, []).append(content)
     return DirectionView(
         word=direction.value,
