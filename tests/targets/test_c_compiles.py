@@ -196,12 +196,14 @@ def cmake(*arguments: str | Path) -> str:
 @pytest.mark.parametrize("spec", WHOLE, ids=called)
 def test_the_programs_of_the_readme_compile(spec: Path, tmp_path: Path) -> None:
     folder = write([specification(spec)], tmp_path)
-    blocks = re.findall(r"```c\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
-    assert len(blocks) == (2 if list(folder.glob("examples/*.c")) else 0)
-    for number, block in enumerate(blocks):
-        unit = tmp_path / f"{number}.c"
-        unit.write_text(block, "utf-8")
-        ZIG.run("c99", *WARNINGS, f"-I{folder / 'include'}", "-c", unit, "-o", tmp_path / "unit.o")
+    has_examples = bool(list(folder.glob("examples/*.c")))
+    for language, standard, include, examples in (("c", "c99", "include", 2), ("cpp", "c++17", "src", 1)):
+        blocks = re.findall(rf"```{language}\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
+        assert len(blocks) == 1 + (examples if has_examples else 0)
+        for number, block in enumerate(blocks):
+            unit = tmp_path / f"{number}.{language}"
+            unit.write_text(block, "utf-8")
+            ZIG.run(standard, *WARNINGS, f"-I{folder / include}", "-c", unit, "-o", tmp_path / "unit.o")
 
 
 def test_cmake_serves_a_project_in_cxx_alone_and_keeps_editions_apart(tmp_path: Path) -> None:

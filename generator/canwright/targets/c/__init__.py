@@ -12,9 +12,9 @@ from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, Output, Specification
 from .bits import operand
-from .cxx import cxx_view
+from .cxx import cxx_example, cxx_view
 from .examples import example
-from .selftest import self_test
+from .selftest import has_self_test, self_test
 from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import EditionView, edition_view
 
@@ -68,6 +68,7 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
         headers=[view.header for _, view in views],
         families=families,
         has_examples=has_examples,
+        tested=[view.file for one, view in views if has_self_test(one)],
         version=PACKAGE_VERSION,
         library="_".join(family.name for family in families),
     )
@@ -83,7 +84,9 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
     files = (*PACKAGES, *(["examples/CMakeLists.txt"] * has_examples))
     for file in files if shown else ():
         e, x = shown[0]
-        yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x))
+        cxx = cxx_view(views[0][0].edition, e)
+        y = cxx_example(cxx, x.exchanges[0]) if x.exchanges else None
+        yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x, cxx=cxx, y=y))
 
 
 def _headers(
@@ -98,8 +101,8 @@ def _headers(
         files[f"{view.file}.hpp"] = fold(
             env.get_template("edition.hpp.j2").render(e=view, x=cxx_view(one.edition, view))
         )
-        test = self_test(one.edition, one.frames, view)
-        if test is not None:
+        if has_self_test(one):
+            test = self_test(one, view)
             files[f"{view.file}_selftest.h"] = fold(env.get_template("edition_selftest.h.j2").render(e=view, t=test))
     for file, text in files.items():
         yield Output(f"include/{family.name}/{file}", text)

@@ -11,6 +11,7 @@ from ...model.layout import Field, Layout
 from ...model.message import Message
 from ...model.types import Type
 from .conversions import ConversionView
+from .examples import ExchangeView
 from .names import RESERVED, Names, layouts, member
 from .text import english
 from .types import TypeView
@@ -113,6 +114,37 @@ class CxxView(NamedTuple):
     structs: tuple[StructView, ...]
     messages: tuple[MessageView, ...]
     any: tuple[AnyView, ...]
+
+
+class CxxExample(NamedTuple):
+    """The first exchange of the examples: its messages, and a field of the reply with its conversion to a value.
+
+    `tag` and `conversion` are empty if no field of the reply is a number with a scale.
+    """
+
+    request: MessageView
+    assignments: tuple[str, ...]
+    node: int
+    reply: MessageView
+    tag: str
+    conversion: Conversion | None
+
+
+def cxx_example(x: CxxView, exchange: ExchangeView) -> CxxExample:
+    """The example for the documents."""
+    frames = {m.frame.name: m for m in x.messages}
+    request, reply = frames[exchange.request.frame.name], frames[exchange.reply.frame.name]
+    tags = {tag.value: tag.name for tag in x.tags}
+    fields = next((s.fields for s in x.structs if s.name == f"{reply.frame.layout.name}_t"), ())
+    number = next((f for f in fields if f.conversions and not f.length), None)
+    return CxxExample(
+        request=request,
+        assignments=exchange.request.assignments,
+        node=exchange.node,
+        reply=reply,
+        tag=tags[number.tag] if number else "",
+        conversion=number.conversions[0] if number else None,
+    )
 
 
 def cxx_view(edition: Edition, view: EditionView) -> CxxView:

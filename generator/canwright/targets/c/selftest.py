@@ -13,6 +13,7 @@ from ...model.layout import Field, Layout
 from ...model.message import Direction, Message
 from ...semantics.decoder import Decoder, Identified
 from ...semantics.frame import CanFrame
+from ..base import Specification
 from .names import Names, member
 from .numbers import integer
 from .view import DirectionView, EditionView, FrameView
@@ -66,17 +67,19 @@ class SelfTestView(NamedTuple):
     parameters: tuple[str, ...]
     tables: tuple[Table, ...]
 
-    @property
-    def cases(self) -> int:
-        return sum(len(table.entries) for table in self.tables)
+
+def has_self_test(specification: Specification) -> bool:
+    """True if there are golden frames to replay."""
+    return specification.frames is not None and bool(specification.frames.frames)
 
 
-def self_test(edition: Edition, frames: GoldenFrames | None, view: EditionView) -> SelfTestView | None:
-    """The self-test; None without golden frames.
+def self_test(specification: Specification, view: EditionView) -> SelfTestView:
+    """The self-test of an edition with golden frames.
 
     Omitted are values in units, and raw integers that the members of a struct cannot contain.
     """
-    return _SelfTest(edition, frames, view).view() if frames is not None and frames.frames else None
+    assert specification.frames is not None
+    return _SelfTest(specification.edition, specification.frames, view).view()
 
 
 class _SelfTest:
