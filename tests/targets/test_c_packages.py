@@ -28,7 +28,7 @@ reply 141 A1 32 0 8 F4 1 E8 3
 temperature = 50
 iq = 33000 thousandths of A
 speed = 500
-encoder = 1000
+encoder = 5493 thousandths of deg
 ok
 """
 

@@ -12,8 +12,8 @@ from canwright.targets import c
 
 from ..assurance import machines
 from ..assurance.targets import MACHINES, Result, main, run, write
-from ..compilers import CORTEX_M0, STANDARDS, WARNINGS, ZIG, build
-from ..spec_texts import MINIMAL, SPECS, called
+from ..compilers import CORTEX_M0, STANDARDS, WARNINGS, ZIG, Compiler, build, each_compiler
+from ..spec_texts import MINIMAL, ROOT, SPECS, called
 from .test_c_compiles import MAIN
 
 STEPS = {"decode": 1, "fields": 2, "decode any": 3, "encode": 4, "reject frame": 5, "reject message": 6, "reply": 7}
@@ -68,19 +68,28 @@ def test_a_broken_header_fails(step: str, pattern: str, replacement: str, tmp_pa
     assert found.step == STEPS[step]
 
 
+UNIT = """\
+#include <mwd_motor/v2_35_selftest.h>
+#include <mwd_motor/v2_36_2025_03_selftest.h>
+uint16_t test(canwright_selftest_t *result);
+uint16_t test(canwright_selftest_t *result)
+{
+    const uint16_t failures = mwd_motor_v2_35_selftest(result);
+    return failures != 0u ? failures : mwd_motor_v2_36_2025_03_selftest(result);
+}
+"""
+
+
+@each_compiler
 @pytest.mark.parametrize("standard", STANDARDS)
-def test_bare_cortex_m0(standard: str, tmp_path: Path) -> None:
-    write(specification(MAIN), tmp_path)
+def test_no_warning(standard: str, compiler: Compiler, tmp_path: Path) -> None:
+    """With two editions in one unit; zig compiles for a Cortex-M0 without any library."""
     unit = tmp_path / "unit.c"
-    unit.write_text(
-        "#include <mwd_motor/v2_35_selftest.h>\n"
-        "uint16_t test(canwright_selftest_t *result);\n"
-        "uint16_t test(canwright_selftest_t *result)\n{\n    return mwd_motor_v2_35_selftest(result);\n}\n",
-        "utf-8",
-    )
+    unit.write_text(UNIT, "utf-8")
     language = ("-x", "c++") if standard.startswith("c++") else ()
-    flags = (*CORTEX_M0, *WARNINGS, "-Os", f"-I{tmp_path / 'include'}", *language)
-    ZIG.run(standard, *flags, "-c", unit, "-o", tmp_path / "unit.o")
+    machine = CORTEX_M0 if compiler is ZIG else ()
+    flags = (*machine, *WARNINGS, "-Os", f"-I{ROOT / 'generated/c/include'}", *language)
+    compiler.run(standard, *flags, "-c", unit, "-o", tmp_path / "unit.o")
 
 
 def test_without_golden_frames_there_is_none(tmp_path: Path) -> None:

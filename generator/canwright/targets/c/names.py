@@ -54,7 +54,7 @@ EDITION_NAMES = (
         "decode_reply",
     ),
     *("check_reply", "H", "SPEC", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
-    *("selftest", "selftest_message", "selftest_t", "SELFTEST_H"),
+    *("selftest", "selftest_message", "selftest_t", "SELFTEST_H", "HPP"),
 )
 
 
