@@ -35,7 +35,7 @@ def write(described_: Sequence[Specification], folder: Path) -> Path:
 
 def headers(described_: Sequence[Specification]) -> list[str]:
     names = [f"{d.edition.family}/{d.edition.identifier}" for d in described_]
-    return [f"{name}{part}.h" for name in names for part in ("", "_float")]
+    return [f"{name}{part}.h" for name in names for part in c.PARTS]
 
 
 def everything(include: Path, names: Sequence[str]) -> str:
@@ -197,9 +197,11 @@ def cmake(*arguments: str | Path) -> str:
 def test_the_programs_of_the_readme_compile(spec: Path, tmp_path: Path) -> None:
     folder = write([specification(spec)], tmp_path)
     has_examples = bool(list(folder.glob("examples/*.c")))
-    for language, standard, include, examples in (("c", "c99", "include", 2), ("cpp", "c++17", "src", 1)):
+    has_flags = any("_first_flag(" in header.read_text("utf-8") for header in folder.glob("include/*/v*.h"))
+    expected = {"c": 2 * has_examples + 2 + has_flags, "cpp": has_examples + 1}
+    for language, standard, include in (("c", "c99", "include"), ("cpp", "c++17", "src")):
         blocks = re.findall(rf"```{language}\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
-        assert len(blocks) == 1 + (examples if has_examples else 0)
+        assert len(blocks) == expected[language]
         for number, block in enumerate(blocks):
             unit = tmp_path / f"{number}.{language}"
             unit.write_text(block, "utf-8")

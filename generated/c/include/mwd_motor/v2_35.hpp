@@ -104,6 +104,12 @@ enum class error_flags : uint8_t {
     over_temperature = MWD_MOTOR_V2_35_ERROR_FLAGS_OVER_TEMPERATURE
 };
 
+/** The name of a value; a null pointer if it has none. */
+[[nodiscard]] static inline const char *name(error_flags value) noexcept
+{
+    return ::mwd_motor_v2_35_error_flags_name(static_cast<::uint8_t>(value));
+}
+
 /** The parameters of a node, all unknown at first. */
 struct parameters : ::mwd_motor_v2_35_parameters_t {
     constexpr parameters() noexcept : ::mwd_motor_v2_35_parameters_t{} {}

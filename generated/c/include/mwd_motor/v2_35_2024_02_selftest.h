@@ -27,7 +27,7 @@
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_brake_request_same(
+static inline bool mwd_motor_v2_35_2024_02_brake_request_matches(
     const mwd_motor_v2_35_2024_02_brake_request_t *one, const mwd_motor_v2_35_2024_02_brake_request_t *other)
 {
     return one->action == other->action;
@@ -35,7 +35,7 @@ static inline bool mwd_motor_v2_35_2024_02_brake_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_brake_reply_same(
+static inline bool mwd_motor_v2_35_2024_02_brake_reply_matches(
     const mwd_motor_v2_35_2024_02_brake_reply_t *one, const mwd_motor_v2_35_2024_02_brake_reply_t *other)
 {
     return one->state == other->state;
@@ -43,7 +43,7 @@ static inline bool mwd_motor_v2_35_2024_02_brake_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_set_power_request_same(
+static inline bool mwd_motor_v2_35_2024_02_set_power_request_matches(
     const mwd_motor_v2_35_2024_02_set_power_request_t *one, const mwd_motor_v2_35_2024_02_set_power_request_t *other)
 {
     return one->power == other->power;
@@ -51,7 +51,7 @@ static inline bool mwd_motor_v2_35_2024_02_set_power_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_motion_feedback_same(
+static inline bool mwd_motor_v2_35_2024_02_motion_feedback_matches(
     const mwd_motor_v2_35_2024_02_motion_feedback_t *one, const mwd_motor_v2_35_2024_02_motion_feedback_t *other)
 {
     return one->temperature == other->temperature && one->power == other->power && one->iq == other->iq
@@ -60,7 +60,7 @@ static inline bool mwd_motor_v2_35_2024_02_motion_feedback_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_set_torque_request_same(
+static inline bool mwd_motor_v2_35_2024_02_set_torque_request_matches(
     const mwd_motor_v2_35_2024_02_set_torque_request_t *one,
     const mwd_motor_v2_35_2024_02_set_torque_request_t *other)
 {
@@ -69,7 +69,7 @@ static inline bool mwd_motor_v2_35_2024_02_set_torque_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_set_speed_request_same(
+static inline bool mwd_motor_v2_35_2024_02_set_speed_request_matches(
     const mwd_motor_v2_35_2024_02_set_speed_request_t *one, const mwd_motor_v2_35_2024_02_set_speed_request_t *other)
 {
     return one->speed == other->speed;
@@ -77,7 +77,7 @@ static inline bool mwd_motor_v2_35_2024_02_set_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_set_speed_limited_request_same(
+static inline bool mwd_motor_v2_35_2024_02_set_speed_limited_request_matches(
     const mwd_motor_v2_35_2024_02_set_speed_limited_request_t *one,
     const mwd_motor_v2_35_2024_02_set_speed_limited_request_t *other)
 {
@@ -86,7 +86,7 @@ static inline bool mwd_motor_v2_35_2024_02_set_speed_limited_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_move_to_angle_request_same(
+static inline bool mwd_motor_v2_35_2024_02_move_to_angle_request_matches(
     const mwd_motor_v2_35_2024_02_move_to_angle_request_t *one,
     const mwd_motor_v2_35_2024_02_move_to_angle_request_t *other)
 {
@@ -95,7 +95,7 @@ static inline bool mwd_motor_v2_35_2024_02_move_to_angle_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_same(
+static inline bool mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_matches(
     const mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t *one,
     const mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t *other)
 {
@@ -104,7 +104,7 @@ static inline bool mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_turn_to_angle_request_same(
+static inline bool mwd_motor_v2_35_2024_02_turn_to_angle_request_matches(
     const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *one,
     const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *other)
 {
@@ -113,7 +113,7 @@ static inline bool mwd_motor_v2_35_2024_02_turn_to_angle_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_same(
+static inline bool mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_matches(
     const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *one,
     const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *other)
 {
@@ -123,7 +123,7 @@ static inline bool mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_move_by_angle_request_same(
+static inline bool mwd_motor_v2_35_2024_02_move_by_angle_request_matches(
     const mwd_motor_v2_35_2024_02_move_by_angle_request_t *one,
     const mwd_motor_v2_35_2024_02_move_by_angle_request_t *other)
 {
@@ -132,7 +132,7 @@ static inline bool mwd_motor_v2_35_2024_02_move_by_angle_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_same(
+static inline bool mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_matches(
     const mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t *one,
     const mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t *other)
 {
@@ -141,7 +141,7 @@ static inline bool mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_control_parameters_torque_limit_same(
+static inline bool mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(
     const mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t *one,
     const mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t *other)
 {
@@ -150,7 +150,7 @@ static inline bool mwd_motor_v2_35_2024_02_control_parameters_torque_limit_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_same(
+static inline bool mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(
     const mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t *one,
     const mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t *other)
 {
@@ -159,7 +159,7 @@ static inline bool mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_control_parameters_speed_limit_same(
+static inline bool mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(
     const mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t *one,
     const mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t *other)
 {
@@ -168,7 +168,7 @@ static inline bool mwd_motor_v2_35_2024_02_control_parameters_speed_limit_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_read_encoder_reply_same(
+static inline bool mwd_motor_v2_35_2024_02_read_encoder_reply_matches(
     const mwd_motor_v2_35_2024_02_read_encoder_reply_t *one,
     const mwd_motor_v2_35_2024_02_read_encoder_reply_t *other)
 {
@@ -178,7 +178,7 @@ static inline bool mwd_motor_v2_35_2024_02_read_encoder_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_write_encoder_offset_rom_same(
+static inline bool mwd_motor_v2_35_2024_02_write_encoder_offset_rom_matches(
     const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t *one,
     const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t *other)
 {
@@ -187,7 +187,7 @@ static inline bool mwd_motor_v2_35_2024_02_write_encoder_offset_rom_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_same(
+static inline bool mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_matches(
     const mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t *one,
     const mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t *other)
 {
@@ -196,7 +196,7 @@ static inline bool mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_same
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_same(
+static inline bool mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_matches(
     const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *one,
     const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *other)
 {
@@ -205,7 +205,7 @@ static inline bool mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_same(
+static inline bool mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_matches(
     const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *one,
     const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *other)
 {
@@ -214,7 +214,7 @@ static inline bool mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_set_angle_same(
+static inline bool mwd_motor_v2_35_2024_02_set_angle_matches(
     const mwd_motor_v2_35_2024_02_set_angle_t *one, const mwd_motor_v2_35_2024_02_set_angle_t *other)
 {
     return one->angle == other->angle;
@@ -222,7 +222,7 @@ static inline bool mwd_motor_v2_35_2024_02_set_angle_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_status_1_same(
+static inline bool mwd_motor_v2_35_2024_02_status_1_matches(
     const mwd_motor_v2_35_2024_02_status_1_t *one, const mwd_motor_v2_35_2024_02_status_1_t *other)
 {
     return one->temperature == other->temperature && one->voltage == other->voltage && one->current == other->current
@@ -231,7 +231,7 @@ static inline bool mwd_motor_v2_35_2024_02_status_1_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_read_status_3_reply_same(
+static inline bool mwd_motor_v2_35_2024_02_read_status_3_reply_matches(
     const mwd_motor_v2_35_2024_02_read_status_3_reply_t *one,
     const mwd_motor_v2_35_2024_02_read_status_3_reply_t *other)
 {
@@ -732,7 +732,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_brake_request_decode(&found.raws_brake_request, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_brake_request_same(&found.raws_brake_request,
+            result->same = mwd_motor_v2_35_2024_02_brake_request_matches(&found.raws_brake_request,
                 &wanted.raws_brake_request);
         }
         if (mwd_motor_v2_35_2024_02_brake_request_check(&field, &wanted.raws_brake_request) == CANWRIGHT_OK) {
@@ -742,7 +742,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             &wanted.raws_brake_request);
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE
-                && request.node == result->node && mwd_motor_v2_35_2024_02_brake_request_same(&request.as.brake,
+                && request.node == result->node && mwd_motor_v2_35_2024_02_brake_request_matches(&request.as.brake,
                 &wanted.raws_brake_request);
         }
         break;
@@ -750,7 +750,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         canwright_flash_read(&wanted.raws_brake_reply, raws_brake_reply, raws, sizeof wanted.raws_brake_reply);
         result->decoded = mwd_motor_v2_35_2024_02_brake_reply_decode(&found.raws_brake_reply, &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_brake_reply_same(&found.raws_brake_reply,
+            result->same = mwd_motor_v2_35_2024_02_brake_reply_matches(&found.raws_brake_reply,
                 &wanted.raws_brake_reply);
         }
         if (mwd_motor_v2_35_2024_02_brake_reply_check(&field, &wanted.raws_brake_reply) == CANWRIGHT_OK) {
@@ -760,7 +760,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             &wanted.raws_brake_reply);
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_brake_reply_same(&reply.as.brake, &wanted.raws_brake_reply);
+                && mwd_motor_v2_35_2024_02_brake_reply_matches(&reply.as.brake, &wanted.raws_brake_reply);
         }
         break;
     case 8u: /* request of set_power */
@@ -769,7 +769,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_power_request_decode(&found.raws_set_power_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_set_power_request_same(&found.raws_set_power_request,
+            result->same = mwd_motor_v2_35_2024_02_set_power_request_matches(&found.raws_set_power_request,
                 &wanted.raws_set_power_request);
         }
         if (mwd_motor_v2_35_2024_02_set_power_request_check(&field, &wanted.raws_set_power_request) == CANWRIGHT_OK) {
@@ -780,7 +780,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_set_power_request_same(&request.as.set_power,
+                && mwd_motor_v2_35_2024_02_set_power_request_matches(&request.as.set_power,
                 &wanted.raws_set_power_request);
         }
         break;
@@ -790,7 +790,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_power_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -801,7 +801,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_same(&reply.as.set_power,
+                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.set_power,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -811,7 +811,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_torque_request_decode(&found.raws_set_torque_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_set_torque_request_same(&found.raws_set_torque_request,
+            result->same = mwd_motor_v2_35_2024_02_set_torque_request_matches(&found.raws_set_torque_request,
                 &wanted.raws_set_torque_request);
         }
         if (mwd_motor_v2_35_2024_02_set_torque_request_check(&field,
@@ -823,7 +823,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_set_torque_request_same(&request.as.set_torque,
+                && mwd_motor_v2_35_2024_02_set_torque_request_matches(&request.as.set_torque,
                 &wanted.raws_set_torque_request);
         }
         break;
@@ -833,7 +833,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_torque_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -844,7 +844,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_same(&reply.as.set_torque,
+                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.set_torque,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -854,7 +854,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_speed_request_decode(&found.raws_set_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_set_speed_request_same(&found.raws_set_speed_request,
+            result->same = mwd_motor_v2_35_2024_02_set_speed_request_matches(&found.raws_set_speed_request,
                 &wanted.raws_set_speed_request);
         }
         result->encoded = mwd_motor_v2_35_2024_02_set_speed_request_encode(&result->written, node,
@@ -862,7 +862,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_set_speed_request_same(&request.as.set_speed,
+                && mwd_motor_v2_35_2024_02_set_speed_request_matches(&request.as.set_speed,
                 &wanted.raws_set_speed_request);
         }
         break;
@@ -872,7 +872,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_speed_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -883,7 +883,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_same(&reply.as.set_speed,
+                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.set_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -893,7 +893,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_speed_limited_request_decode(&found.raws_set_speed_limited_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_set_speed_limited_request_same(&found.raws_set_speed_limited_request,
+            result->same = mwd_motor_v2_35_2024_02_set_speed_limited_request_matches(&found.raws_set_speed_limited_request,
                 &wanted.raws_set_speed_limited_request);
         }
         if (mwd_motor_v2_35_2024_02_set_speed_limited_request_check(&field,
@@ -905,7 +905,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_set_speed_limited_request_same(&request.as.set_speed_limited,
+                && mwd_motor_v2_35_2024_02_set_speed_limited_request_matches(&request.as.set_speed_limited,
                 &wanted.raws_set_speed_limited_request);
         }
         break;
@@ -915,7 +915,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_speed_limited_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -927,7 +927,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_motion_feedback_same(&reply.as.set_speed_limited,
+                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.set_speed_limited,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -937,7 +937,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_move_to_angle_request_decode(&found.raws_move_to_angle_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_move_to_angle_request_same(&found.raws_move_to_angle_request,
+            result->same = mwd_motor_v2_35_2024_02_move_to_angle_request_matches(&found.raws_move_to_angle_request,
                 &wanted.raws_move_to_angle_request);
         }
         result->encoded = mwd_motor_v2_35_2024_02_move_to_angle_request_encode(&result->written, node,
@@ -945,7 +945,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_move_to_angle_request_same(&request.as.move_to_angle,
+                && mwd_motor_v2_35_2024_02_move_to_angle_request_matches(&request.as.move_to_angle,
                 &wanted.raws_move_to_angle_request);
         }
         break;
@@ -955,7 +955,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_move_to_angle_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -966,7 +966,8 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_same(&reply.as.move_to_angle,
+                && reply.node == result->node
+                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.move_to_angle,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -976,7 +977,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_decode(&found.raws_move_to_angle_at_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_same(&found.raws_move_to_angle_at_speed_request,
+            result->same = mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_matches(&found.raws_move_to_angle_at_speed_request,
                 &wanted.raws_move_to_angle_at_speed_request);
         }
         result->encoded = mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_encode(&result->written, node,
@@ -984,7 +985,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_same(&request.as.move_to_angle_at_speed,
+                && mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_matches(&request.as.move_to_angle_at_speed,
                 &wanted.raws_move_to_angle_at_speed_request);
         }
         break;
@@ -994,7 +995,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1006,7 +1007,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_motion_feedback_same(&reply.as.move_to_angle_at_speed,
+                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.move_to_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1016,7 +1017,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_turn_to_angle_request_decode(&found.raws_turn_to_angle_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_turn_to_angle_request_same(&found.raws_turn_to_angle_request,
+            result->same = mwd_motor_v2_35_2024_02_turn_to_angle_request_matches(&found.raws_turn_to_angle_request,
                 &wanted.raws_turn_to_angle_request);
         }
         if (mwd_motor_v2_35_2024_02_turn_to_angle_request_check(&field,
@@ -1028,7 +1029,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_turn_to_angle_request_same(&request.as.turn_to_angle,
+                && mwd_motor_v2_35_2024_02_turn_to_angle_request_matches(&request.as.turn_to_angle,
                 &wanted.raws_turn_to_angle_request);
         }
         break;
@@ -1038,7 +1039,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_turn_to_angle_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1049,7 +1050,8 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_same(&reply.as.turn_to_angle,
+                && reply.node == result->node
+                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.turn_to_angle,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1059,7 +1061,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_decode(&found.raws_turn_to_angle_at_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_same(&found.raws_turn_to_angle_at_speed_request,
+            result->same = mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_matches(&found.raws_turn_to_angle_at_speed_request,
                 &wanted.raws_turn_to_angle_at_speed_request);
         }
         if (mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_check(&field,
@@ -1071,7 +1073,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_same(&request.as.turn_to_angle_at_speed,
+                && mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_matches(&request.as.turn_to_angle_at_speed,
                 &wanted.raws_turn_to_angle_at_speed_request);
         }
         break;
@@ -1081,7 +1083,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1093,7 +1095,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_motion_feedback_same(&reply.as.turn_to_angle_at_speed,
+                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.turn_to_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1103,7 +1105,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_move_by_angle_request_decode(&found.raws_move_by_angle_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_move_by_angle_request_same(&found.raws_move_by_angle_request,
+            result->same = mwd_motor_v2_35_2024_02_move_by_angle_request_matches(&found.raws_move_by_angle_request,
                 &wanted.raws_move_by_angle_request);
         }
         result->encoded = mwd_motor_v2_35_2024_02_move_by_angle_request_encode(&result->written, node,
@@ -1111,7 +1113,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_move_by_angle_request_same(&request.as.move_by_angle,
+                && mwd_motor_v2_35_2024_02_move_by_angle_request_matches(&request.as.move_by_angle,
                 &wanted.raws_move_by_angle_request);
         }
         break;
@@ -1121,7 +1123,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_move_by_angle_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1132,7 +1134,8 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_same(&reply.as.move_by_angle,
+                && reply.node == result->node
+                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.move_by_angle,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1142,7 +1145,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_decode(&found.raws_move_by_angle_at_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_same(&found.raws_move_by_angle_at_speed_request,
+            result->same = mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_matches(&found.raws_move_by_angle_at_speed_request,
                 &wanted.raws_move_by_angle_at_speed_request);
         }
         result->encoded = mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_encode(&result->written, node,
@@ -1150,7 +1153,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_same(&request.as.move_by_angle_at_speed,
+                && mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_matches(&request.as.move_by_angle_at_speed,
                 &wanted.raws_move_by_angle_at_speed_request);
         }
         break;
@@ -1160,7 +1163,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1172,7 +1175,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_motion_feedback_same(&reply.as.move_by_angle_at_speed,
+                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.move_by_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1191,7 +1194,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_decode(&found.raws_control_parameters_torque_limit,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_torque_limit_same(&found.raws_control_parameters_torque_limit,
+            result->same = mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(&found.raws_control_parameters_torque_limit,
                 &wanted.raws_control_parameters_torque_limit);
         }
         result->encoded = mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_encode(&result->written, node,
@@ -1199,7 +1202,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_TORQUE_LIMIT
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_torque_limit_same(&reply.as.read_param_torque_limit,
+                && mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(&reply.as.read_param_torque_limit,
                 &wanted.raws_control_parameters_torque_limit);
         }
         break;
@@ -1220,7 +1223,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_decode(&found.raws_control_parameters_acceleration_limit,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_same(&found.raws_control_parameters_acceleration_limit,
+            result->same = mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(&found.raws_control_parameters_acceleration_limit,
                 &wanted.raws_control_parameters_acceleration_limit);
         }
         result->encoded = mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_encode(&result->written, node,
@@ -1228,7 +1231,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_ACCELERATION_LIMIT
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_same(&reply.as.read_param_acceleration_limit,
+                && mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(&reply.as.read_param_acceleration_limit,
                 &wanted.raws_control_parameters_acceleration_limit);
         }
         break;
@@ -1247,7 +1250,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_decode(&found.raws_control_parameters_speed_limit,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_speed_limit_same(&found.raws_control_parameters_speed_limit,
+            result->same = mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(&found.raws_control_parameters_speed_limit,
                 &wanted.raws_control_parameters_speed_limit);
         }
         result->encoded = mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_encode(&result->written, node,
@@ -1255,7 +1258,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_SPEED_LIMIT
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_speed_limit_same(&reply.as.read_param_speed_limit,
+                && mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(&reply.as.read_param_speed_limit,
                 &wanted.raws_control_parameters_speed_limit);
         }
         break;
@@ -1265,7 +1268,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_param_torque_limit_request_decode(&found.raws_control_parameters_torque_limit,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_torque_limit_same(&found.raws_control_parameters_torque_limit,
+            result->same = mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(&found.raws_control_parameters_torque_limit,
                 &wanted.raws_control_parameters_torque_limit);
         }
         result->encoded = mwd_motor_v2_35_2024_02_set_param_torque_limit_request_encode(&result->written, node,
@@ -1273,7 +1276,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_torque_limit_same(&request.as.set_param_torque_limit,
+                && mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(&request.as.set_param_torque_limit,
                 &wanted.raws_control_parameters_torque_limit);
         }
         break;
@@ -1283,7 +1286,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_decode(&found.raws_control_parameters_torque_limit,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_torque_limit_same(&found.raws_control_parameters_torque_limit,
+            result->same = mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(&found.raws_control_parameters_torque_limit,
                 &wanted.raws_control_parameters_torque_limit);
         }
         result->encoded = mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_encode(&result->written, node,
@@ -1291,7 +1294,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_torque_limit_same(&reply.as.set_param_torque_limit,
+                && mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(&reply.as.set_param_torque_limit,
                 &wanted.raws_control_parameters_torque_limit);
         }
         break;
@@ -1302,7 +1305,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_decode(&found.raws_control_parameters_acceleration_limit,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_same(&found.raws_control_parameters_acceleration_limit,
+            result->same = mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(&found.raws_control_parameters_acceleration_limit,
                 &wanted.raws_control_parameters_acceleration_limit);
         }
         result->encoded = mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_encode(&result->written, node,
@@ -1310,7 +1313,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_same(&request.as.set_param_acceleration_limit,
+                && mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(&request.as.set_param_acceleration_limit,
                 &wanted.raws_control_parameters_acceleration_limit);
         }
         break;
@@ -1321,7 +1324,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_decode(&found.raws_control_parameters_acceleration_limit,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_same(&found.raws_control_parameters_acceleration_limit,
+            result->same = mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(&found.raws_control_parameters_acceleration_limit,
                 &wanted.raws_control_parameters_acceleration_limit);
         }
         result->encoded = mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_encode(&result->written, node,
@@ -1329,7 +1332,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_same(&reply.as.set_param_acceleration_limit,
+                && mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(&reply.as.set_param_acceleration_limit,
                 &wanted.raws_control_parameters_acceleration_limit);
         }
         break;
@@ -1339,7 +1342,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_param_speed_limit_request_decode(&found.raws_control_parameters_speed_limit,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_speed_limit_same(&found.raws_control_parameters_speed_limit,
+            result->same = mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(&found.raws_control_parameters_speed_limit,
                 &wanted.raws_control_parameters_speed_limit);
         }
         result->encoded = mwd_motor_v2_35_2024_02_set_param_speed_limit_request_encode(&result->written, node,
@@ -1347,7 +1350,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_speed_limit_same(&request.as.set_param_speed_limit,
+                && mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(&request.as.set_param_speed_limit,
                 &wanted.raws_control_parameters_speed_limit);
         }
         break;
@@ -1357,7 +1360,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_decode(&found.raws_control_parameters_speed_limit,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_speed_limit_same(&found.raws_control_parameters_speed_limit,
+            result->same = mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(&found.raws_control_parameters_speed_limit,
                 &wanted.raws_control_parameters_speed_limit);
         }
         result->encoded = mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_encode(&result->written, node,
@@ -1365,7 +1368,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_speed_limit_same(&reply.as.set_param_speed_limit,
+                && mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(&reply.as.set_param_speed_limit,
                 &wanted.raws_control_parameters_speed_limit);
         }
         break;
@@ -1384,7 +1387,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_read_encoder_reply_decode(&found.raws_read_encoder_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_read_encoder_reply_same(&found.raws_read_encoder_reply,
+            result->same = mwd_motor_v2_35_2024_02_read_encoder_reply_matches(&found.raws_read_encoder_reply,
                 &wanted.raws_read_encoder_reply);
         }
         if (mwd_motor_v2_35_2024_02_read_encoder_reply_check(&field, &wanted.raws_read_encoder_reply,
@@ -1396,7 +1399,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_read_encoder_reply_same(&reply.as.read_encoder,
+                && mwd_motor_v2_35_2024_02_read_encoder_reply_matches(&reply.as.read_encoder,
                 &wanted.raws_read_encoder_reply);
         }
         break;
@@ -1406,7 +1409,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_decode(&found.raws_write_encoder_offset_rom,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_same(&found.raws_write_encoder_offset_rom,
+            result->same = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_matches(&found.raws_write_encoder_offset_rom,
                 &wanted.raws_write_encoder_offset_rom);
         }
         if (mwd_motor_v2_35_2024_02_write_encoder_offset_rom_check(&field, &wanted.raws_write_encoder_offset_rom,
@@ -1418,7 +1421,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM
                 && request.node == result->node
-                && mwd_motor_v2_35_2024_02_write_encoder_offset_rom_same(&request.as.write_encoder_offset_rom,
+                && mwd_motor_v2_35_2024_02_write_encoder_offset_rom_matches(&request.as.write_encoder_offset_rom,
                 &wanted.raws_write_encoder_offset_rom);
         }
         break;
@@ -1428,7 +1431,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_decode(&found.raws_write_encoder_offset_rom,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_same(&found.raws_write_encoder_offset_rom,
+            result->same = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_matches(&found.raws_write_encoder_offset_rom,
                 &wanted.raws_write_encoder_offset_rom);
         }
         if (mwd_motor_v2_35_2024_02_write_encoder_offset_rom_check(&field, &wanted.raws_write_encoder_offset_rom,
@@ -1440,7 +1443,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_write_encoder_offset_rom_same(&reply.as.write_encoder_offset_rom,
+                && mwd_motor_v2_35_2024_02_write_encoder_offset_rom_matches(&reply.as.write_encoder_offset_rom,
                 &wanted.raws_write_encoder_offset_rom);
         }
         break;
@@ -1459,7 +1462,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_decode(&found.raws_write_position_as_zero_rom_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_same(&found.raws_write_position_as_zero_rom_reply,
+            result->same = mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_matches(&found.raws_write_position_as_zero_rom_reply,
                 &wanted.raws_write_position_as_zero_rom_reply);
         }
         if (mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_check(&field,
@@ -1471,7 +1474,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_same(&reply.as.write_position_as_zero_rom,
+                && mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_matches(&reply.as.write_position_as_zero_rom,
                 &wanted.raws_write_position_as_zero_rom_reply);
         }
         break;
@@ -1490,7 +1493,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_decode(&found.raws_read_multi_turn_angle_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_same(&found.raws_read_multi_turn_angle_reply,
+            result->same = mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_matches(&found.raws_read_multi_turn_angle_reply,
                 &wanted.raws_read_multi_turn_angle_reply);
         }
         if (mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_check(&field,
@@ -1502,7 +1505,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_same(&reply.as.read_multi_turn_angle,
+                && mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_matches(&reply.as.read_multi_turn_angle,
                 &wanted.raws_read_multi_turn_angle_reply);
         }
         break;
@@ -1521,7 +1524,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_decode(&found.raws_read_single_turn_angle_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_same(&found.raws_read_single_turn_angle_reply,
+            result->same = mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_matches(&found.raws_read_single_turn_angle_reply,
                 &wanted.raws_read_single_turn_angle_reply);
         }
         if (mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_check(&field,
@@ -1533,7 +1536,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_same(&reply.as.read_single_turn_angle,
+                && mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_matches(&reply.as.read_single_turn_angle,
                 &wanted.raws_read_single_turn_angle_reply);
         }
         break;
@@ -1542,13 +1545,13 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_set_angle_request_decode(&found.raws_set_angle, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_set_angle_same(&found.raws_set_angle, &wanted.raws_set_angle);
+            result->same = mwd_motor_v2_35_2024_02_set_angle_matches(&found.raws_set_angle, &wanted.raws_set_angle);
         }
         result->encoded = mwd_motor_v2_35_2024_02_set_angle_request_encode(&result->written, node,
             &wanted.raws_set_angle);
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE
-                && request.node == result->node && mwd_motor_v2_35_2024_02_set_angle_same(&request.as.set_angle,
+                && request.node == result->node && mwd_motor_v2_35_2024_02_set_angle_matches(&request.as.set_angle,
                 &wanted.raws_set_angle);
         }
         break;
@@ -1556,13 +1559,13 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         canwright_flash_read(&wanted.raws_set_angle, raws_set_angle, raws, sizeof wanted.raws_set_angle);
         result->decoded = mwd_motor_v2_35_2024_02_set_angle_reply_decode(&found.raws_set_angle, &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_set_angle_same(&found.raws_set_angle, &wanted.raws_set_angle);
+            result->same = mwd_motor_v2_35_2024_02_set_angle_matches(&found.raws_set_angle, &wanted.raws_set_angle);
         }
         result->encoded = mwd_motor_v2_35_2024_02_set_angle_reply_encode(&result->written, node,
             &wanted.raws_set_angle);
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_set_angle_same(&reply.as.set_angle,
+                && reply.node == result->node && mwd_motor_v2_35_2024_02_set_angle_matches(&reply.as.set_angle,
                 &wanted.raws_set_angle);
         }
         break;
@@ -1580,7 +1583,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_read_status_1_reply_decode(&found.raws_status_1, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_status_1_same(&found.raws_status_1, &wanted.raws_status_1);
+            result->same = mwd_motor_v2_35_2024_02_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
         }
         if (mwd_motor_v2_35_2024_02_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
@@ -1589,7 +1592,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             &wanted.raws_status_1);
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_status_1_same(&reply.as.read_status_1,
+                && reply.node == result->node && mwd_motor_v2_35_2024_02_status_1_matches(&reply.as.read_status_1,
                 &wanted.raws_status_1);
         }
         break;
@@ -1607,7 +1610,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_clear_errors_reply_decode(&found.raws_status_1, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_status_1_same(&found.raws_status_1, &wanted.raws_status_1);
+            result->same = mwd_motor_v2_35_2024_02_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
         }
         if (mwd_motor_v2_35_2024_02_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
@@ -1616,7 +1619,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             &wanted.raws_status_1);
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_status_1_same(&reply.as.clear_errors,
+                && reply.node == result->node && mwd_motor_v2_35_2024_02_status_1_matches(&reply.as.clear_errors,
                 &wanted.raws_status_1);
         }
         break;
@@ -1635,7 +1638,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_read_status_2_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1646,7 +1649,8 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_same(&reply.as.read_status_2,
+                && reply.node == result->node
+                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.read_status_2,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1665,7 +1669,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         result->decoded = mwd_motor_v2_35_2024_02_read_status_3_reply_decode(&found.raws_read_status_3_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_read_status_3_reply_same(&found.raws_read_status_3_reply,
+            result->same = mwd_motor_v2_35_2024_02_read_status_3_reply_matches(&found.raws_read_status_3_reply,
                 &wanted.raws_read_status_3_reply);
         }
         result->encoded = mwd_motor_v2_35_2024_02_read_status_3_reply_encode(&result->written, node,
@@ -1673,7 +1677,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3
                 && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_read_status_3_reply_same(&reply.as.read_status_3,
+                && mwd_motor_v2_35_2024_02_read_status_3_reply_matches(&reply.as.read_status_3,
                 &wanted.raws_read_status_3_reply);
         }
         break;

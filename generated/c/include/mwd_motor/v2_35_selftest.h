@@ -27,7 +27,7 @@
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_set_power_request_same(
+static inline bool mwd_motor_v2_35_set_power_request_matches(
     const mwd_motor_v2_35_set_power_request_t *one, const mwd_motor_v2_35_set_power_request_t *other)
 {
     return one->power == other->power;
@@ -35,7 +35,7 @@ static inline bool mwd_motor_v2_35_set_power_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_motion_feedback_same(
+static inline bool mwd_motor_v2_35_motion_feedback_matches(
     const mwd_motor_v2_35_motion_feedback_t *one, const mwd_motor_v2_35_motion_feedback_t *other)
 {
     return one->temperature == other->temperature && one->power == other->power && one->iq == other->iq
@@ -44,7 +44,7 @@ static inline bool mwd_motor_v2_35_motion_feedback_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_set_torque_request_same(
+static inline bool mwd_motor_v2_35_set_torque_request_matches(
     const mwd_motor_v2_35_set_torque_request_t *one, const mwd_motor_v2_35_set_torque_request_t *other)
 {
     return one->iq == other->iq;
@@ -52,7 +52,7 @@ static inline bool mwd_motor_v2_35_set_torque_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_set_speed_request_same(
+static inline bool mwd_motor_v2_35_set_speed_request_matches(
     const mwd_motor_v2_35_set_speed_request_t *one, const mwd_motor_v2_35_set_speed_request_t *other)
 {
     return one->speed == other->speed;
@@ -60,7 +60,7 @@ static inline bool mwd_motor_v2_35_set_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_move_to_angle_request_same(
+static inline bool mwd_motor_v2_35_move_to_angle_request_matches(
     const mwd_motor_v2_35_move_to_angle_request_t *one, const mwd_motor_v2_35_move_to_angle_request_t *other)
 {
     return one->angle == other->angle;
@@ -68,7 +68,7 @@ static inline bool mwd_motor_v2_35_move_to_angle_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_move_to_angle_at_speed_request_same(
+static inline bool mwd_motor_v2_35_move_to_angle_at_speed_request_matches(
     const mwd_motor_v2_35_move_to_angle_at_speed_request_t *one,
     const mwd_motor_v2_35_move_to_angle_at_speed_request_t *other)
 {
@@ -77,7 +77,7 @@ static inline bool mwd_motor_v2_35_move_to_angle_at_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_turn_to_angle_request_same(
+static inline bool mwd_motor_v2_35_turn_to_angle_request_matches(
     const mwd_motor_v2_35_turn_to_angle_request_t *one, const mwd_motor_v2_35_turn_to_angle_request_t *other)
 {
     return one->spin_direction == other->spin_direction && one->angle == other->angle;
@@ -85,7 +85,7 @@ static inline bool mwd_motor_v2_35_turn_to_angle_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_turn_to_angle_at_speed_request_same(
+static inline bool mwd_motor_v2_35_turn_to_angle_at_speed_request_matches(
     const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *one,
     const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *other)
 {
@@ -95,7 +95,7 @@ static inline bool mwd_motor_v2_35_turn_to_angle_at_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_move_by_angle_request_same(
+static inline bool mwd_motor_v2_35_move_by_angle_request_matches(
     const mwd_motor_v2_35_move_by_angle_request_t *one, const mwd_motor_v2_35_move_by_angle_request_t *other)
 {
     return one->increment == other->increment;
@@ -103,7 +103,7 @@ static inline bool mwd_motor_v2_35_move_by_angle_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_move_by_angle_at_speed_request_same(
+static inline bool mwd_motor_v2_35_move_by_angle_at_speed_request_matches(
     const mwd_motor_v2_35_move_by_angle_at_speed_request_t *one,
     const mwd_motor_v2_35_move_by_angle_at_speed_request_t *other)
 {
@@ -112,7 +112,7 @@ static inline bool mwd_motor_v2_35_move_by_angle_at_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_pid_gains_same(
+static inline bool mwd_motor_v2_35_pid_gains_matches(
     const mwd_motor_v2_35_pid_gains_t *one, const mwd_motor_v2_35_pid_gains_t *other)
 {
     return one->angle_kp == other->angle_kp && one->angle_ki == other->angle_ki && one->speed_kp == other->speed_kp
@@ -121,7 +121,7 @@ static inline bool mwd_motor_v2_35_pid_gains_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_read_acceleration_reply_same(
+static inline bool mwd_motor_v2_35_read_acceleration_reply_matches(
     const mwd_motor_v2_35_read_acceleration_reply_t *one, const mwd_motor_v2_35_read_acceleration_reply_t *other)
 {
     return one->acceleration == other->acceleration;
@@ -129,7 +129,7 @@ static inline bool mwd_motor_v2_35_read_acceleration_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_write_acceleration_ram_same(
+static inline bool mwd_motor_v2_35_write_acceleration_ram_matches(
     const mwd_motor_v2_35_write_acceleration_ram_t *one, const mwd_motor_v2_35_write_acceleration_ram_t *other)
 {
     return one->acceleration == other->acceleration;
@@ -137,7 +137,7 @@ static inline bool mwd_motor_v2_35_write_acceleration_ram_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_read_encoder_reply_same(
+static inline bool mwd_motor_v2_35_read_encoder_reply_matches(
     const mwd_motor_v2_35_read_encoder_reply_t *one, const mwd_motor_v2_35_read_encoder_reply_t *other)
 {
     return one->encoder == other->encoder && one->encoder_measured == other->encoder_measured
@@ -146,7 +146,7 @@ static inline bool mwd_motor_v2_35_read_encoder_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_write_encoder_offset_rom_same(
+static inline bool mwd_motor_v2_35_write_encoder_offset_rom_matches(
     const mwd_motor_v2_35_write_encoder_offset_rom_t *one, const mwd_motor_v2_35_write_encoder_offset_rom_t *other)
 {
     return one->encoder_offset == other->encoder_offset;
@@ -154,7 +154,7 @@ static inline bool mwd_motor_v2_35_write_encoder_offset_rom_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_write_position_as_zero_rom_reply_same(
+static inline bool mwd_motor_v2_35_write_position_as_zero_rom_reply_matches(
     const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *one,
     const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *other)
 {
@@ -163,7 +163,7 @@ static inline bool mwd_motor_v2_35_write_position_as_zero_rom_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_read_multi_turn_angle_reply_same(
+static inline bool mwd_motor_v2_35_read_multi_turn_angle_reply_matches(
     const mwd_motor_v2_35_read_multi_turn_angle_reply_t *one,
     const mwd_motor_v2_35_read_multi_turn_angle_reply_t *other)
 {
@@ -172,7 +172,7 @@ static inline bool mwd_motor_v2_35_read_multi_turn_angle_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_read_single_turn_angle_reply_same(
+static inline bool mwd_motor_v2_35_read_single_turn_angle_reply_matches(
     const mwd_motor_v2_35_read_single_turn_angle_reply_t *one,
     const mwd_motor_v2_35_read_single_turn_angle_reply_t *other)
 {
@@ -181,7 +181,7 @@ static inline bool mwd_motor_v2_35_read_single_turn_angle_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_status_1_same(
+static inline bool mwd_motor_v2_35_status_1_matches(
     const mwd_motor_v2_35_status_1_t *one, const mwd_motor_v2_35_status_1_t *other)
 {
     return one->temperature == other->temperature && one->voltage == other->voltage && one->errors == other->errors;
@@ -189,7 +189,7 @@ static inline bool mwd_motor_v2_35_status_1_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_read_status_3_reply_same(
+static inline bool mwd_motor_v2_35_read_status_3_reply_matches(
     const mwd_motor_v2_35_read_status_3_reply_t *one, const mwd_motor_v2_35_read_status_3_reply_t *other)
 {
     return one->temperature == other->temperature && one->phase_a == other->phase_a && one->phase_b == other->phase_b
@@ -198,7 +198,7 @@ static inline bool mwd_motor_v2_35_read_status_3_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_broadcast_torque_request_same(
+static inline bool mwd_motor_v2_35_broadcast_torque_request_matches(
     const mwd_motor_v2_35_broadcast_torque_request_t *one, const mwd_motor_v2_35_broadcast_torque_request_t *other)
 {
     return one->iq[0] == other->iq[0] && one->iq[1] == other->iq[1] && one->iq[2] == other->iq[2]
@@ -592,7 +592,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_set_power_request_decode(&found.raws_set_power_request, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_set_power_request_same(&found.raws_set_power_request,
+            result->same = mwd_motor_v2_35_set_power_request_matches(&found.raws_set_power_request,
                 &wanted.raws_set_power_request);
         }
         if (mwd_motor_v2_35_set_power_request_check(&field, &wanted.raws_set_power_request) == CANWRIGHT_OK) {
@@ -602,7 +602,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             &wanted.raws_set_power_request);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_SET_POWER && request.node == result->node
-                && mwd_motor_v2_35_set_power_request_same(&request.as.set_power, &wanted.raws_set_power_request);
+                && mwd_motor_v2_35_set_power_request_matches(&request.as.set_power, &wanted.raws_set_power_request);
         }
         break;
     case 7u: /* reply of set_power */
@@ -611,7 +611,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_set_power_reply_decode(&found.raws_motion_feedback, &result->node, frame,
             parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
@@ -621,7 +621,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_SET_POWER && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.set_power, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.set_power, &wanted.raws_motion_feedback);
         }
         break;
     case 8u: /* request of set_torque */
@@ -630,7 +630,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_set_torque_request_decode(&found.raws_set_torque_request, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_set_torque_request_same(&found.raws_set_torque_request,
+            result->same = mwd_motor_v2_35_set_torque_request_matches(&found.raws_set_torque_request,
                 &wanted.raws_set_torque_request);
         }
         if (mwd_motor_v2_35_set_torque_request_check(&field, &wanted.raws_set_torque_request) == CANWRIGHT_OK) {
@@ -640,7 +640,8 @@ static inline void mwd_motor_v2_35_selftest_message(
             &wanted.raws_set_torque_request);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_SET_TORQUE && request.node == result->node
-                && mwd_motor_v2_35_set_torque_request_same(&request.as.set_torque, &wanted.raws_set_torque_request);
+                && mwd_motor_v2_35_set_torque_request_matches(&request.as.set_torque,
+                &wanted.raws_set_torque_request);
         }
         break;
     case 9u: /* reply of set_torque */
@@ -649,7 +650,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_set_torque_reply_decode(&found.raws_motion_feedback, &result->node, frame,
             parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
@@ -659,7 +660,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_SET_TORQUE && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.set_torque, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.set_torque, &wanted.raws_motion_feedback);
         }
         break;
     case 10u: /* request of set_speed */
@@ -668,14 +669,14 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_set_speed_request_decode(&found.raws_set_speed_request, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_set_speed_request_same(&found.raws_set_speed_request,
+            result->same = mwd_motor_v2_35_set_speed_request_matches(&found.raws_set_speed_request,
                 &wanted.raws_set_speed_request);
         }
         result->encoded = mwd_motor_v2_35_set_speed_request_encode(&result->written, node,
             &wanted.raws_set_speed_request);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_SET_SPEED && request.node == result->node
-                && mwd_motor_v2_35_set_speed_request_same(&request.as.set_speed, &wanted.raws_set_speed_request);
+                && mwd_motor_v2_35_set_speed_request_matches(&request.as.set_speed, &wanted.raws_set_speed_request);
         }
         break;
     case 11u: /* reply of set_speed */
@@ -684,7 +685,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_set_speed_reply_decode(&found.raws_motion_feedback, &result->node, frame,
             parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
@@ -694,7 +695,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_SET_SPEED && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.set_speed, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.set_speed, &wanted.raws_motion_feedback);
         }
         break;
     case 12u: /* request of move_to_angle */
@@ -703,7 +704,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_move_to_angle_request_decode(&found.raws_move_to_angle_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_move_to_angle_request_same(&found.raws_move_to_angle_request,
+            result->same = mwd_motor_v2_35_move_to_angle_request_matches(&found.raws_move_to_angle_request,
                 &wanted.raws_move_to_angle_request);
         }
         result->encoded = mwd_motor_v2_35_move_to_angle_request_encode(&result->written, node,
@@ -711,7 +712,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_35_move_to_angle_request_same(&request.as.move_to_angle,
+                && mwd_motor_v2_35_move_to_angle_request_matches(&request.as.move_to_angle,
                 &wanted.raws_move_to_angle_request);
         }
         break;
@@ -721,7 +722,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_move_to_angle_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
@@ -731,7 +732,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.move_to_angle, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.move_to_angle, &wanted.raws_motion_feedback);
         }
         break;
     case 14u: /* request of move_to_angle_at_speed */
@@ -740,7 +741,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_move_to_angle_at_speed_request_decode(&found.raws_move_to_angle_at_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_move_to_angle_at_speed_request_same(&found.raws_move_to_angle_at_speed_request,
+            result->same = mwd_motor_v2_35_move_to_angle_at_speed_request_matches(&found.raws_move_to_angle_at_speed_request,
                 &wanted.raws_move_to_angle_at_speed_request);
         }
         result->encoded = mwd_motor_v2_35_move_to_angle_at_speed_request_encode(&result->written, node,
@@ -748,7 +749,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_35_move_to_angle_at_speed_request_same(&request.as.move_to_angle_at_speed,
+                && mwd_motor_v2_35_move_to_angle_at_speed_request_matches(&request.as.move_to_angle_at_speed,
                 &wanted.raws_move_to_angle_at_speed_request);
         }
         break;
@@ -758,7 +759,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_move_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
@@ -769,7 +770,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.move_to_angle_at_speed,
+                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.move_to_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -779,7 +780,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_turn_to_angle_request_decode(&found.raws_turn_to_angle_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_turn_to_angle_request_same(&found.raws_turn_to_angle_request,
+            result->same = mwd_motor_v2_35_turn_to_angle_request_matches(&found.raws_turn_to_angle_request,
                 &wanted.raws_turn_to_angle_request);
         }
         if (mwd_motor_v2_35_turn_to_angle_request_check(&field, &wanted.raws_turn_to_angle_request) == CANWRIGHT_OK) {
@@ -790,7 +791,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_35_turn_to_angle_request_same(&request.as.turn_to_angle,
+                && mwd_motor_v2_35_turn_to_angle_request_matches(&request.as.turn_to_angle,
                 &wanted.raws_turn_to_angle_request);
         }
         break;
@@ -800,7 +801,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_turn_to_angle_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
@@ -810,7 +811,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.turn_to_angle, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.turn_to_angle, &wanted.raws_motion_feedback);
         }
         break;
     case 18u: /* request of turn_to_angle_at_speed */
@@ -819,7 +820,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_turn_to_angle_at_speed_request_decode(&found.raws_turn_to_angle_at_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_turn_to_angle_at_speed_request_same(&found.raws_turn_to_angle_at_speed_request,
+            result->same = mwd_motor_v2_35_turn_to_angle_at_speed_request_matches(&found.raws_turn_to_angle_at_speed_request,
                 &wanted.raws_turn_to_angle_at_speed_request);
         }
         if (mwd_motor_v2_35_turn_to_angle_at_speed_request_check(&field,
@@ -831,7 +832,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_35_turn_to_angle_at_speed_request_same(&request.as.turn_to_angle_at_speed,
+                && mwd_motor_v2_35_turn_to_angle_at_speed_request_matches(&request.as.turn_to_angle_at_speed,
                 &wanted.raws_turn_to_angle_at_speed_request);
         }
         break;
@@ -841,7 +842,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_turn_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
@@ -852,7 +853,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.turn_to_angle_at_speed,
+                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.turn_to_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -862,7 +863,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_move_by_angle_request_decode(&found.raws_move_by_angle_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_move_by_angle_request_same(&found.raws_move_by_angle_request,
+            result->same = mwd_motor_v2_35_move_by_angle_request_matches(&found.raws_move_by_angle_request,
                 &wanted.raws_move_by_angle_request);
         }
         result->encoded = mwd_motor_v2_35_move_by_angle_request_encode(&result->written, node,
@@ -870,7 +871,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_35_move_by_angle_request_same(&request.as.move_by_angle,
+                && mwd_motor_v2_35_move_by_angle_request_matches(&request.as.move_by_angle,
                 &wanted.raws_move_by_angle_request);
         }
         break;
@@ -880,7 +881,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_move_by_angle_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
@@ -890,7 +891,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.move_by_angle, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.move_by_angle, &wanted.raws_motion_feedback);
         }
         break;
     case 22u: /* request of move_by_angle_at_speed */
@@ -899,7 +900,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_move_by_angle_at_speed_request_decode(&found.raws_move_by_angle_at_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_move_by_angle_at_speed_request_same(&found.raws_move_by_angle_at_speed_request,
+            result->same = mwd_motor_v2_35_move_by_angle_at_speed_request_matches(&found.raws_move_by_angle_at_speed_request,
                 &wanted.raws_move_by_angle_at_speed_request);
         }
         result->encoded = mwd_motor_v2_35_move_by_angle_at_speed_request_encode(&result->written, node,
@@ -907,7 +908,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_35_move_by_angle_at_speed_request_same(&request.as.move_by_angle_at_speed,
+                && mwd_motor_v2_35_move_by_angle_at_speed_request_matches(&request.as.move_by_angle_at_speed,
                 &wanted.raws_move_by_angle_at_speed_request);
         }
         break;
@@ -917,7 +918,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_move_by_angle_at_speed_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
@@ -928,7 +929,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.move_by_angle_at_speed,
+                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.move_by_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -944,25 +945,25 @@ static inline void mwd_motor_v2_35_selftest_message(
         canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
         result->decoded = mwd_motor_v2_35_read_pid_reply_decode(&found.raws_pid_gains, &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_35_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_35_read_pid_reply_encode(&result->written, node, &wanted.raws_pid_gains);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_PID && reply.node == result->node
-                && mwd_motor_v2_35_pid_gains_same(&reply.as.read_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_35_pid_gains_matches(&reply.as.read_pid, &wanted.raws_pid_gains);
         }
         break;
     case 26u: /* request of write_pid_ram */
         canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
         result->decoded = mwd_motor_v2_35_write_pid_ram_request_decode(&found.raws_pid_gains, &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_35_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_35_write_pid_ram_request_encode(&result->written, node,
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM
-                && request.node == result->node && mwd_motor_v2_35_pid_gains_same(&request.as.write_pid_ram,
+                && request.node == result->node && mwd_motor_v2_35_pid_gains_matches(&request.as.write_pid_ram,
                 &wanted.raws_pid_gains);
         }
         break;
@@ -970,25 +971,25 @@ static inline void mwd_motor_v2_35_selftest_message(
         canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
         result->decoded = mwd_motor_v2_35_write_pid_ram_reply_decode(&found.raws_pid_gains, &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_35_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_35_write_pid_ram_reply_encode(&result->written, node, &wanted.raws_pid_gains);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM && reply.node == result->node
-                && mwd_motor_v2_35_pid_gains_same(&reply.as.write_pid_ram, &wanted.raws_pid_gains);
+                && mwd_motor_v2_35_pid_gains_matches(&reply.as.write_pid_ram, &wanted.raws_pid_gains);
         }
         break;
     case 28u: /* request of write_pid_rom */
         canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
         result->decoded = mwd_motor_v2_35_write_pid_rom_request_decode(&found.raws_pid_gains, &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_35_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_35_write_pid_rom_request_encode(&result->written, node,
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM
-                && request.node == result->node && mwd_motor_v2_35_pid_gains_same(&request.as.write_pid_rom,
+                && request.node == result->node && mwd_motor_v2_35_pid_gains_matches(&request.as.write_pid_rom,
                 &wanted.raws_pid_gains);
         }
         break;
@@ -996,12 +997,12 @@ static inline void mwd_motor_v2_35_selftest_message(
         canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
         result->decoded = mwd_motor_v2_35_write_pid_rom_reply_decode(&found.raws_pid_gains, &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_35_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_35_write_pid_rom_reply_encode(&result->written, node, &wanted.raws_pid_gains);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM && reply.node == result->node
-                && mwd_motor_v2_35_pid_gains_same(&reply.as.write_pid_rom, &wanted.raws_pid_gains);
+                && mwd_motor_v2_35_pid_gains_matches(&reply.as.write_pid_rom, &wanted.raws_pid_gains);
         }
         break;
     case 30u: /* request of read_acceleration */
@@ -1019,7 +1020,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_read_acceleration_reply_decode(&found.raws_read_acceleration_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_read_acceleration_reply_same(&found.raws_read_acceleration_reply,
+            result->same = mwd_motor_v2_35_read_acceleration_reply_matches(&found.raws_read_acceleration_reply,
                 &wanted.raws_read_acceleration_reply);
         }
         result->encoded = mwd_motor_v2_35_read_acceleration_reply_encode(&result->written, node,
@@ -1027,7 +1028,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION
                 && reply.node == result->node
-                && mwd_motor_v2_35_read_acceleration_reply_same(&reply.as.read_acceleration,
+                && mwd_motor_v2_35_read_acceleration_reply_matches(&reply.as.read_acceleration,
                 &wanted.raws_read_acceleration_reply);
         }
         break;
@@ -1037,7 +1038,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_write_acceleration_ram_request_decode(&found.raws_write_acceleration_ram,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_write_acceleration_ram_same(&found.raws_write_acceleration_ram,
+            result->same = mwd_motor_v2_35_write_acceleration_ram_matches(&found.raws_write_acceleration_ram,
                 &wanted.raws_write_acceleration_ram);
         }
         result->encoded = mwd_motor_v2_35_write_acceleration_ram_request_encode(&result->written, node,
@@ -1045,7 +1046,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM
                 && request.node == result->node
-                && mwd_motor_v2_35_write_acceleration_ram_same(&request.as.write_acceleration_ram,
+                && mwd_motor_v2_35_write_acceleration_ram_matches(&request.as.write_acceleration_ram,
                 &wanted.raws_write_acceleration_ram);
         }
         break;
@@ -1055,7 +1056,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_write_acceleration_ram_reply_decode(&found.raws_write_acceleration_ram,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_write_acceleration_ram_same(&found.raws_write_acceleration_ram,
+            result->same = mwd_motor_v2_35_write_acceleration_ram_matches(&found.raws_write_acceleration_ram,
                 &wanted.raws_write_acceleration_ram);
         }
         result->encoded = mwd_motor_v2_35_write_acceleration_ram_reply_encode(&result->written, node,
@@ -1063,7 +1064,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM
                 && reply.node == result->node
-                && mwd_motor_v2_35_write_acceleration_ram_same(&reply.as.write_acceleration_ram,
+                && mwd_motor_v2_35_write_acceleration_ram_matches(&reply.as.write_acceleration_ram,
                 &wanted.raws_write_acceleration_ram);
         }
         break;
@@ -1082,7 +1083,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_read_encoder_reply_decode(&found.raws_read_encoder_reply, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_read_encoder_reply_same(&found.raws_read_encoder_reply,
+            result->same = mwd_motor_v2_35_read_encoder_reply_matches(&found.raws_read_encoder_reply,
                 &wanted.raws_read_encoder_reply);
         }
         if (mwd_motor_v2_35_read_encoder_reply_check(&field, &wanted.raws_read_encoder_reply,
@@ -1093,7 +1094,8 @@ static inline void mwd_motor_v2_35_selftest_message(
             &wanted.raws_read_encoder_reply, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_ENCODER && reply.node == result->node
-                && mwd_motor_v2_35_read_encoder_reply_same(&reply.as.read_encoder, &wanted.raws_read_encoder_reply);
+                && mwd_motor_v2_35_read_encoder_reply_matches(&reply.as.read_encoder,
+                &wanted.raws_read_encoder_reply);
         }
         break;
     case 36u: /* request of write_encoder_offset_rom */
@@ -1102,7 +1104,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_write_encoder_offset_rom_request_decode(&found.raws_write_encoder_offset_rom,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_write_encoder_offset_rom_same(&found.raws_write_encoder_offset_rom,
+            result->same = mwd_motor_v2_35_write_encoder_offset_rom_matches(&found.raws_write_encoder_offset_rom,
                 &wanted.raws_write_encoder_offset_rom);
         }
         if (mwd_motor_v2_35_write_encoder_offset_rom_check(&field, &wanted.raws_write_encoder_offset_rom,
@@ -1114,7 +1116,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM
                 && request.node == result->node
-                && mwd_motor_v2_35_write_encoder_offset_rom_same(&request.as.write_encoder_offset_rom,
+                && mwd_motor_v2_35_write_encoder_offset_rom_matches(&request.as.write_encoder_offset_rom,
                 &wanted.raws_write_encoder_offset_rom);
         }
         break;
@@ -1124,7 +1126,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_write_encoder_offset_rom_reply_decode(&found.raws_write_encoder_offset_rom,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_write_encoder_offset_rom_same(&found.raws_write_encoder_offset_rom,
+            result->same = mwd_motor_v2_35_write_encoder_offset_rom_matches(&found.raws_write_encoder_offset_rom,
                 &wanted.raws_write_encoder_offset_rom);
         }
         if (mwd_motor_v2_35_write_encoder_offset_rom_check(&field, &wanted.raws_write_encoder_offset_rom,
@@ -1136,7 +1138,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM
                 && reply.node == result->node
-                && mwd_motor_v2_35_write_encoder_offset_rom_same(&reply.as.write_encoder_offset_rom,
+                && mwd_motor_v2_35_write_encoder_offset_rom_matches(&reply.as.write_encoder_offset_rom,
                 &wanted.raws_write_encoder_offset_rom);
         }
         break;
@@ -1155,7 +1157,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_write_position_as_zero_rom_reply_decode(&found.raws_write_position_as_zero_rom_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_write_position_as_zero_rom_reply_same(&found.raws_write_position_as_zero_rom_reply,
+            result->same = mwd_motor_v2_35_write_position_as_zero_rom_reply_matches(&found.raws_write_position_as_zero_rom_reply,
                 &wanted.raws_write_position_as_zero_rom_reply);
         }
         if (mwd_motor_v2_35_write_position_as_zero_rom_reply_check(&field,
@@ -1167,7 +1169,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM
                 && reply.node == result->node
-                && mwd_motor_v2_35_write_position_as_zero_rom_reply_same(&reply.as.write_position_as_zero_rom,
+                && mwd_motor_v2_35_write_position_as_zero_rom_reply_matches(&reply.as.write_position_as_zero_rom,
                 &wanted.raws_write_position_as_zero_rom_reply);
         }
         break;
@@ -1186,7 +1188,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_read_multi_turn_angle_reply_decode(&found.raws_read_multi_turn_angle_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_read_multi_turn_angle_reply_same(&found.raws_read_multi_turn_angle_reply,
+            result->same = mwd_motor_v2_35_read_multi_turn_angle_reply_matches(&found.raws_read_multi_turn_angle_reply,
                 &wanted.raws_read_multi_turn_angle_reply);
         }
         if (mwd_motor_v2_35_read_multi_turn_angle_reply_check(&field,
@@ -1198,7 +1200,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_35_read_multi_turn_angle_reply_same(&reply.as.read_multi_turn_angle,
+                && mwd_motor_v2_35_read_multi_turn_angle_reply_matches(&reply.as.read_multi_turn_angle,
                 &wanted.raws_read_multi_turn_angle_reply);
         }
         break;
@@ -1217,7 +1219,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_read_single_turn_angle_reply_decode(&found.raws_read_single_turn_angle_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_read_single_turn_angle_reply_same(&found.raws_read_single_turn_angle_reply,
+            result->same = mwd_motor_v2_35_read_single_turn_angle_reply_matches(&found.raws_read_single_turn_angle_reply,
                 &wanted.raws_read_single_turn_angle_reply);
         }
         if (mwd_motor_v2_35_read_single_turn_angle_reply_check(&field, &wanted.raws_read_single_turn_angle_reply,
@@ -1229,7 +1231,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_35_read_single_turn_angle_reply_same(&reply.as.read_single_turn_angle,
+                && mwd_motor_v2_35_read_single_turn_angle_reply_matches(&reply.as.read_single_turn_angle,
                 &wanted.raws_read_single_turn_angle_reply);
         }
         break;
@@ -1262,7 +1264,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         canwright_flash_read(&wanted.raws_status_1, raws_status_1, raws, sizeof wanted.raws_status_1);
         result->decoded = mwd_motor_v2_35_read_status_1_reply_decode(&found.raws_status_1, &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_status_1_same(&found.raws_status_1, &wanted.raws_status_1);
+            result->same = mwd_motor_v2_35_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
         }
         if (mwd_motor_v2_35_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_35_FIELD_NONE;
@@ -1270,7 +1272,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->encoded = mwd_motor_v2_35_read_status_1_reply_encode(&result->written, node, &wanted.raws_status_1);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1 && reply.node == result->node
-                && mwd_motor_v2_35_status_1_same(&reply.as.read_status_1, &wanted.raws_status_1);
+                && mwd_motor_v2_35_status_1_matches(&reply.as.read_status_1, &wanted.raws_status_1);
         }
         break;
     case 48u: /* request of clear_errors */
@@ -1286,7 +1288,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         canwright_flash_read(&wanted.raws_status_1, raws_status_1, raws, sizeof wanted.raws_status_1);
         result->decoded = mwd_motor_v2_35_clear_errors_reply_decode(&found.raws_status_1, &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_status_1_same(&found.raws_status_1, &wanted.raws_status_1);
+            result->same = mwd_motor_v2_35_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
         }
         if (mwd_motor_v2_35_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_35_FIELD_NONE;
@@ -1294,7 +1296,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->encoded = mwd_motor_v2_35_clear_errors_reply_encode(&result->written, node, &wanted.raws_status_1);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS && reply.node == result->node
-                && mwd_motor_v2_35_status_1_same(&reply.as.clear_errors, &wanted.raws_status_1);
+                && mwd_motor_v2_35_status_1_matches(&reply.as.clear_errors, &wanted.raws_status_1);
         }
         break;
     case 50u: /* request of read_status_2 */
@@ -1312,7 +1314,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_read_status_2_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
@@ -1322,7 +1324,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2 && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_same(&reply.as.read_status_2, &wanted.raws_motion_feedback);
+                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.read_status_2, &wanted.raws_motion_feedback);
         }
         break;
     case 52u: /* request of read_status_3 */
@@ -1340,14 +1342,14 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_read_status_3_reply_decode(&found.raws_read_status_3_reply, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_read_status_3_reply_same(&found.raws_read_status_3_reply,
+            result->same = mwd_motor_v2_35_read_status_3_reply_matches(&found.raws_read_status_3_reply,
                 &wanted.raws_read_status_3_reply);
         }
         result->encoded = mwd_motor_v2_35_read_status_3_reply_encode(&result->written, node,
             &wanted.raws_read_status_3_reply);
         if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3 && reply.node == result->node
-                && mwd_motor_v2_35_read_status_3_reply_same(&reply.as.read_status_3,
+                && mwd_motor_v2_35_read_status_3_reply_matches(&reply.as.read_status_3,
                 &wanted.raws_read_status_3_reply);
         }
         break;
@@ -1357,7 +1359,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         result->decoded = mwd_motor_v2_35_broadcast_torque_request_decode(&found.raws_broadcast_torque_request,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_broadcast_torque_request_same(&found.raws_broadcast_torque_request,
+            result->same = mwd_motor_v2_35_broadcast_torque_request_matches(&found.raws_broadcast_torque_request,
                 &wanted.raws_broadcast_torque_request);
         }
         if (mwd_motor_v2_35_broadcast_torque_request_check(&field,
@@ -1369,7 +1371,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE
                 && request.node == result->node
-                && mwd_motor_v2_35_broadcast_torque_request_same(&request.as.broadcast_torque,
+                && mwd_motor_v2_35_broadcast_torque_request_matches(&request.as.broadcast_torque,
                 &wanted.raws_broadcast_torque_request);
         }
         break;

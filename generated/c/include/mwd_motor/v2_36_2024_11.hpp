@@ -157,6 +157,12 @@ enum class error_flags : uint8_t {
     input_lost = MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_INPUT_LOST
 };
 
+/** The name of a value; a null pointer if it has none. */
+[[nodiscard]] static inline const char *name(error_flags value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_error_flags_name(static_cast<::uint8_t>(value));
+}
+
 /** The parameters of a node, all unknown at first. */
 struct parameters : ::mwd_motor_v2_36_2024_11_parameters_t {
     constexpr parameters() noexcept : ::mwd_motor_v2_36_2024_11_parameters_t{} {}

@@ -27,7 +27,7 @@
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_brake_request_same(
+static inline bool mwd_motor_v2_36_2024_11_brake_request_matches(
     const mwd_motor_v2_36_2024_11_brake_request_t *one, const mwd_motor_v2_36_2024_11_brake_request_t *other)
 {
     return one->action == other->action;
@@ -35,7 +35,7 @@ static inline bool mwd_motor_v2_36_2024_11_brake_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_brake_reply_same(
+static inline bool mwd_motor_v2_36_2024_11_brake_reply_matches(
     const mwd_motor_v2_36_2024_11_brake_reply_t *one, const mwd_motor_v2_36_2024_11_brake_reply_t *other)
 {
     return one->state == other->state;
@@ -43,7 +43,7 @@ static inline bool mwd_motor_v2_36_2024_11_brake_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_set_power_request_same(
+static inline bool mwd_motor_v2_36_2024_11_set_power_request_matches(
     const mwd_motor_v2_36_2024_11_set_power_request_t *one, const mwd_motor_v2_36_2024_11_set_power_request_t *other)
 {
     return one->power == other->power;
@@ -51,7 +51,7 @@ static inline bool mwd_motor_v2_36_2024_11_set_power_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_motion_feedback_same(
+static inline bool mwd_motor_v2_36_2024_11_motion_feedback_matches(
     const mwd_motor_v2_36_2024_11_motion_feedback_t *one, const mwd_motor_v2_36_2024_11_motion_feedback_t *other)
 {
     return one->temperature == other->temperature && one->power == other->power && one->iq == other->iq
@@ -60,7 +60,7 @@ static inline bool mwd_motor_v2_36_2024_11_motion_feedback_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_set_torque_request_same(
+static inline bool mwd_motor_v2_36_2024_11_set_torque_request_matches(
     const mwd_motor_v2_36_2024_11_set_torque_request_t *one,
     const mwd_motor_v2_36_2024_11_set_torque_request_t *other)
 {
@@ -69,7 +69,7 @@ static inline bool mwd_motor_v2_36_2024_11_set_torque_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_set_speed_request_same(
+static inline bool mwd_motor_v2_36_2024_11_set_speed_request_matches(
     const mwd_motor_v2_36_2024_11_set_speed_request_t *one, const mwd_motor_v2_36_2024_11_set_speed_request_t *other)
 {
     return one->iq_limit == other->iq_limit && one->speed == other->speed;
@@ -77,7 +77,7 @@ static inline bool mwd_motor_v2_36_2024_11_set_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_move_to_angle_request_same(
+static inline bool mwd_motor_v2_36_2024_11_move_to_angle_request_matches(
     const mwd_motor_v2_36_2024_11_move_to_angle_request_t *one,
     const mwd_motor_v2_36_2024_11_move_to_angle_request_t *other)
 {
@@ -86,7 +86,7 @@ static inline bool mwd_motor_v2_36_2024_11_move_to_angle_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_same(
+static inline bool mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_matches(
     const mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t *one,
     const mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t *other)
 {
@@ -95,7 +95,7 @@ static inline bool mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_turn_to_angle_request_same(
+static inline bool mwd_motor_v2_36_2024_11_turn_to_angle_request_matches(
     const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *one,
     const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *other)
 {
@@ -104,7 +104,7 @@ static inline bool mwd_motor_v2_36_2024_11_turn_to_angle_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_same(
+static inline bool mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_matches(
     const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *one,
     const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *other)
 {
@@ -114,7 +114,7 @@ static inline bool mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_move_by_angle_request_same(
+static inline bool mwd_motor_v2_36_2024_11_move_by_angle_request_matches(
     const mwd_motor_v2_36_2024_11_move_by_angle_request_t *one,
     const mwd_motor_v2_36_2024_11_move_by_angle_request_t *other)
 {
@@ -123,7 +123,7 @@ static inline bool mwd_motor_v2_36_2024_11_move_by_angle_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_same(
+static inline bool mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_matches(
     const mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t *one,
     const mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t *other)
 {
@@ -132,7 +132,7 @@ static inline bool mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_pid_gains_same(
+static inline bool mwd_motor_v2_36_2024_11_pid_gains_matches(
     const mwd_motor_v2_36_2024_11_pid_gains_t *one, const mwd_motor_v2_36_2024_11_pid_gains_t *other)
 {
     return one->kp == other->kp && one->ki == other->ki && one->kd == other->kd;
@@ -140,7 +140,7 @@ static inline bool mwd_motor_v2_36_2024_11_pid_gains_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_same(
+static inline bool mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(
     const mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t *one,
     const mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t *other)
 {
@@ -149,7 +149,7 @@ static inline bool mwd_motor_v2_36_2024_11_control_parameters_max_torque_current
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_control_parameters_max_speed_same(
+static inline bool mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(
     const mwd_motor_v2_36_2024_11_control_parameters_max_speed_t *one,
     const mwd_motor_v2_36_2024_11_control_parameters_max_speed_t *other)
 {
@@ -158,7 +158,7 @@ static inline bool mwd_motor_v2_36_2024_11_control_parameters_max_speed_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_control_parameters_max_angle_same(
+static inline bool mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(
     const mwd_motor_v2_36_2024_11_control_parameters_max_angle_t *one,
     const mwd_motor_v2_36_2024_11_control_parameters_max_angle_t *other)
 {
@@ -167,7 +167,7 @@ static inline bool mwd_motor_v2_36_2024_11_control_parameters_max_angle_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_control_parameters_current_ramp_same(
+static inline bool mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(
     const mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t *one,
     const mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t *other)
 {
@@ -176,7 +176,7 @@ static inline bool mwd_motor_v2_36_2024_11_control_parameters_current_ramp_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_same(
+static inline bool mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(
     const mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t *one,
     const mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t *other)
 {
@@ -185,7 +185,7 @@ static inline bool mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_read_encoder_reply_same(
+static inline bool mwd_motor_v2_36_2024_11_read_encoder_reply_matches(
     const mwd_motor_v2_36_2024_11_read_encoder_reply_t *one,
     const mwd_motor_v2_36_2024_11_read_encoder_reply_t *other)
 {
@@ -195,7 +195,7 @@ static inline bool mwd_motor_v2_36_2024_11_read_encoder_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_same(
+static inline bool mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_matches(
     const mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t *one,
     const mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t *other)
 {
@@ -204,7 +204,7 @@ static inline bool mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_same
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_same(
+static inline bool mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_matches(
     const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *one,
     const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *other)
 {
@@ -213,7 +213,7 @@ static inline bool mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_same(
+static inline bool mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_matches(
     const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *one,
     const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *other)
 {
@@ -222,7 +222,7 @@ static inline bool mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_set_angle_same(
+static inline bool mwd_motor_v2_36_2024_11_set_angle_matches(
     const mwd_motor_v2_36_2024_11_set_angle_t *one, const mwd_motor_v2_36_2024_11_set_angle_t *other)
 {
     return one->angle == other->angle;
@@ -230,7 +230,7 @@ static inline bool mwd_motor_v2_36_2024_11_set_angle_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_status_1_same(
+static inline bool mwd_motor_v2_36_2024_11_status_1_matches(
     const mwd_motor_v2_36_2024_11_status_1_t *one, const mwd_motor_v2_36_2024_11_status_1_t *other)
 {
     return one->temperature == other->temperature && one->voltage == other->voltage && one->current == other->current
@@ -239,7 +239,7 @@ static inline bool mwd_motor_v2_36_2024_11_status_1_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_read_status_3_reply_same(
+static inline bool mwd_motor_v2_36_2024_11_read_status_3_reply_matches(
     const mwd_motor_v2_36_2024_11_read_status_3_reply_t *one,
     const mwd_motor_v2_36_2024_11_read_status_3_reply_t *other)
 {
@@ -730,7 +730,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_brake_request_decode(&found.raws_brake_request, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_brake_request_same(&found.raws_brake_request,
+            result->same = mwd_motor_v2_36_2024_11_brake_request_matches(&found.raws_brake_request,
                 &wanted.raws_brake_request);
         }
         if (mwd_motor_v2_36_2024_11_brake_request_check(&field, &wanted.raws_brake_request) == CANWRIGHT_OK) {
@@ -740,7 +740,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             &wanted.raws_brake_request);
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE
-                && request.node == result->node && mwd_motor_v2_36_2024_11_brake_request_same(&request.as.brake,
+                && request.node == result->node && mwd_motor_v2_36_2024_11_brake_request_matches(&request.as.brake,
                 &wanted.raws_brake_request);
         }
         break;
@@ -748,7 +748,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         canwright_flash_read(&wanted.raws_brake_reply, raws_brake_reply, raws, sizeof wanted.raws_brake_reply);
         result->decoded = mwd_motor_v2_36_2024_11_brake_reply_decode(&found.raws_brake_reply, &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_brake_reply_same(&found.raws_brake_reply,
+            result->same = mwd_motor_v2_36_2024_11_brake_reply_matches(&found.raws_brake_reply,
                 &wanted.raws_brake_reply);
         }
         if (mwd_motor_v2_36_2024_11_brake_reply_check(&field, &wanted.raws_brake_reply) == CANWRIGHT_OK) {
@@ -758,7 +758,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             &wanted.raws_brake_reply);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_brake_reply_same(&reply.as.brake, &wanted.raws_brake_reply);
+                && mwd_motor_v2_36_2024_11_brake_reply_matches(&reply.as.brake, &wanted.raws_brake_reply);
         }
         break;
     case 8u: /* request of set_power */
@@ -767,7 +767,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_power_request_decode(&found.raws_set_power_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_set_power_request_same(&found.raws_set_power_request,
+            result->same = mwd_motor_v2_36_2024_11_set_power_request_matches(&found.raws_set_power_request,
                 &wanted.raws_set_power_request);
         }
         if (mwd_motor_v2_36_2024_11_set_power_request_check(&field, &wanted.raws_set_power_request) == CANWRIGHT_OK) {
@@ -778,7 +778,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_set_power_request_same(&request.as.set_power,
+                && mwd_motor_v2_36_2024_11_set_power_request_matches(&request.as.set_power,
                 &wanted.raws_set_power_request);
         }
         break;
@@ -788,7 +788,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_power_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -799,7 +799,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_same(&reply.as.set_power,
+                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.set_power,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -809,7 +809,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_torque_request_decode(&found.raws_set_torque_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_set_torque_request_same(&found.raws_set_torque_request,
+            result->same = mwd_motor_v2_36_2024_11_set_torque_request_matches(&found.raws_set_torque_request,
                 &wanted.raws_set_torque_request);
         }
         if (mwd_motor_v2_36_2024_11_set_torque_request_check(&field,
@@ -821,7 +821,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_set_torque_request_same(&request.as.set_torque,
+                && mwd_motor_v2_36_2024_11_set_torque_request_matches(&request.as.set_torque,
                 &wanted.raws_set_torque_request);
         }
         break;
@@ -831,7 +831,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_torque_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -842,7 +842,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_same(&reply.as.set_torque,
+                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.set_torque,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -852,7 +852,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_speed_request_decode(&found.raws_set_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_set_speed_request_same(&found.raws_set_speed_request,
+            result->same = mwd_motor_v2_36_2024_11_set_speed_request_matches(&found.raws_set_speed_request,
                 &wanted.raws_set_speed_request);
         }
         if (mwd_motor_v2_36_2024_11_set_speed_request_check(&field, &wanted.raws_set_speed_request) == CANWRIGHT_OK) {
@@ -863,7 +863,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_set_speed_request_same(&request.as.set_speed,
+                && mwd_motor_v2_36_2024_11_set_speed_request_matches(&request.as.set_speed,
                 &wanted.raws_set_speed_request);
         }
         break;
@@ -873,7 +873,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_speed_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -884,7 +884,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_same(&reply.as.set_speed,
+                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.set_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -894,7 +894,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_move_to_angle_request_decode(&found.raws_move_to_angle_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_move_to_angle_request_same(&found.raws_move_to_angle_request,
+            result->same = mwd_motor_v2_36_2024_11_move_to_angle_request_matches(&found.raws_move_to_angle_request,
                 &wanted.raws_move_to_angle_request);
         }
         result->encoded = mwd_motor_v2_36_2024_11_move_to_angle_request_encode(&result->written, node,
@@ -902,7 +902,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_move_to_angle_request_same(&request.as.move_to_angle,
+                && mwd_motor_v2_36_2024_11_move_to_angle_request_matches(&request.as.move_to_angle,
                 &wanted.raws_move_to_angle_request);
         }
         break;
@@ -912,7 +912,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_move_to_angle_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -923,7 +923,8 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_same(&reply.as.move_to_angle,
+                && reply.node == result->node
+                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.move_to_angle,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -933,7 +934,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_decode(&found.raws_move_to_angle_at_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_same(&found.raws_move_to_angle_at_speed_request,
+            result->same = mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_matches(&found.raws_move_to_angle_at_speed_request,
                 &wanted.raws_move_to_angle_at_speed_request);
         }
         result->encoded = mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_encode(&result->written, node,
@@ -941,7 +942,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_same(&request.as.move_to_angle_at_speed,
+                && mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_matches(&request.as.move_to_angle_at_speed,
                 &wanted.raws_move_to_angle_at_speed_request);
         }
         break;
@@ -951,7 +952,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_move_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -963,7 +964,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_motion_feedback_same(&reply.as.move_to_angle_at_speed,
+                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.move_to_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -973,7 +974,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_turn_to_angle_request_decode(&found.raws_turn_to_angle_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_turn_to_angle_request_same(&found.raws_turn_to_angle_request,
+            result->same = mwd_motor_v2_36_2024_11_turn_to_angle_request_matches(&found.raws_turn_to_angle_request,
                 &wanted.raws_turn_to_angle_request);
         }
         if (mwd_motor_v2_36_2024_11_turn_to_angle_request_check(&field,
@@ -985,7 +986,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_turn_to_angle_request_same(&request.as.turn_to_angle,
+                && mwd_motor_v2_36_2024_11_turn_to_angle_request_matches(&request.as.turn_to_angle,
                 &wanted.raws_turn_to_angle_request);
         }
         break;
@@ -995,7 +996,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_turn_to_angle_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1006,7 +1007,8 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_same(&reply.as.turn_to_angle,
+                && reply.node == result->node
+                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.turn_to_angle,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1016,7 +1018,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_decode(&found.raws_turn_to_angle_at_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_same(&found.raws_turn_to_angle_at_speed_request,
+            result->same = mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_matches(&found.raws_turn_to_angle_at_speed_request,
                 &wanted.raws_turn_to_angle_at_speed_request);
         }
         if (mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_check(&field,
@@ -1028,7 +1030,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_same(&request.as.turn_to_angle_at_speed,
+                && mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_matches(&request.as.turn_to_angle_at_speed,
                 &wanted.raws_turn_to_angle_at_speed_request);
         }
         break;
@@ -1038,7 +1040,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1050,7 +1052,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_motion_feedback_same(&reply.as.turn_to_angle_at_speed,
+                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.turn_to_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1060,7 +1062,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_move_by_angle_request_decode(&found.raws_move_by_angle_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_move_by_angle_request_same(&found.raws_move_by_angle_request,
+            result->same = mwd_motor_v2_36_2024_11_move_by_angle_request_matches(&found.raws_move_by_angle_request,
                 &wanted.raws_move_by_angle_request);
         }
         result->encoded = mwd_motor_v2_36_2024_11_move_by_angle_request_encode(&result->written, node,
@@ -1068,7 +1070,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_move_by_angle_request_same(&request.as.move_by_angle,
+                && mwd_motor_v2_36_2024_11_move_by_angle_request_matches(&request.as.move_by_angle,
                 &wanted.raws_move_by_angle_request);
         }
         break;
@@ -1078,7 +1080,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_move_by_angle_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1089,7 +1091,8 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_same(&reply.as.move_by_angle,
+                && reply.node == result->node
+                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.move_by_angle,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1099,7 +1102,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_decode(&found.raws_move_by_angle_at_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_same(&found.raws_move_by_angle_at_speed_request,
+            result->same = mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_matches(&found.raws_move_by_angle_at_speed_request,
                 &wanted.raws_move_by_angle_at_speed_request);
         }
         result->encoded = mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_encode(&result->written, node,
@@ -1107,7 +1110,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_same(&request.as.move_by_angle_at_speed,
+                && mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_matches(&request.as.move_by_angle_at_speed,
                 &wanted.raws_move_by_angle_at_speed_request);
         }
         break;
@@ -1117,7 +1120,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_move_by_angle_at_speed_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1129,7 +1132,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_motion_feedback_same(&reply.as.move_by_angle_at_speed,
+                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.move_by_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1147,14 +1150,14 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_param_angle_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_angle_pid_reply_encode(&result->written, node,
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_ANGLE_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_same(&reply.as.read_param_angle_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2024_11_pid_gains_matches(&reply.as.read_param_angle_pid, &wanted.raws_pid_gains);
         }
         break;
     case 28u: /* request of read_control_parameter_speed_pid */
@@ -1171,14 +1174,14 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_param_speed_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_speed_pid_reply_encode(&result->written, node,
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_same(&reply.as.read_param_speed_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2024_11_pid_gains_matches(&reply.as.read_param_speed_pid, &wanted.raws_pid_gains);
         }
         break;
     case 30u: /* request of read_control_parameter_current_pid */
@@ -1195,14 +1198,15 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_param_current_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_current_pid_reply_encode(&result->written, node,
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_same(&reply.as.read_param_current_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2024_11_pid_gains_matches(&reply.as.read_param_current_pid,
+                &wanted.raws_pid_gains);
         }
         break;
     case 32u: /* request of read_control_parameter_max_torque_current */
@@ -1222,7 +1226,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_param_max_torque_current_reply_decode(&found.raws_control_parameters_max_torque_current,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_same(&found.raws_control_parameters_max_torque_current,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(&found.raws_control_parameters_max_torque_current,
                 &wanted.raws_control_parameters_max_torque_current);
         }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_max_torque_current_reply_encode(&result->written, node,
@@ -1230,7 +1234,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_same(&reply.as.read_param_max_torque_current,
+                && mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(&reply.as.read_param_max_torque_current,
                 &wanted.raws_control_parameters_max_torque_current);
         }
         break;
@@ -1249,7 +1253,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_param_max_speed_reply_decode(&found.raws_control_parameters_max_speed,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_speed_same(&found.raws_control_parameters_max_speed,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(&found.raws_control_parameters_max_speed,
                 &wanted.raws_control_parameters_max_speed);
         }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_max_speed_reply_encode(&result->written, node,
@@ -1257,7 +1261,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_speed_same(&reply.as.read_param_max_speed,
+                && mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(&reply.as.read_param_max_speed,
                 &wanted.raws_control_parameters_max_speed);
         }
         break;
@@ -1276,7 +1280,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_param_max_angle_reply_decode(&found.raws_control_parameters_max_angle,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_angle_same(&found.raws_control_parameters_max_angle,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(&found.raws_control_parameters_max_angle,
                 &wanted.raws_control_parameters_max_angle);
         }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_max_angle_reply_encode(&result->written, node,
@@ -1284,7 +1288,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_angle_same(&reply.as.read_param_max_angle,
+                && mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(&reply.as.read_param_max_angle,
                 &wanted.raws_control_parameters_max_angle);
         }
         break;
@@ -1303,7 +1307,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_param_current_ramp_reply_decode(&found.raws_control_parameters_current_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_current_ramp_same(&found.raws_control_parameters_current_ramp,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(&found.raws_control_parameters_current_ramp,
                 &wanted.raws_control_parameters_current_ramp);
         }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_current_ramp_reply_encode(&result->written, node,
@@ -1311,7 +1315,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_RAMP
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_current_ramp_same(&reply.as.read_param_current_ramp,
+                && mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(&reply.as.read_param_current_ramp,
                 &wanted.raws_control_parameters_current_ramp);
         }
         break;
@@ -1330,7 +1334,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_param_speed_ramp_reply_decode(&found.raws_control_parameters_speed_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_same(&found.raws_control_parameters_speed_ramp,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(&found.raws_control_parameters_speed_ramp,
                 &wanted.raws_control_parameters_speed_ramp);
         }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_speed_ramp_reply_encode(&result->written, node,
@@ -1338,7 +1342,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_RAMP
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_same(&reply.as.read_param_speed_ramp,
+                && mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(&reply.as.read_param_speed_ramp,
                 &wanted.raws_control_parameters_speed_ramp);
         }
         break;
@@ -1347,14 +1351,14 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_angle_pid_request_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_angle_pid_request_encode(&result->written, node,
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_same(&request.as.set_param_angle_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2024_11_pid_gains_matches(&request.as.set_param_angle_pid, &wanted.raws_pid_gains);
         }
         break;
     case 43u: /* reply of write_control_parameter_ram_angle_pid */
@@ -1362,14 +1366,14 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_angle_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_angle_pid_reply_encode(&result->written, node,
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_pid_gains_same(&reply.as.set_param_angle_pid,
-                &wanted.raws_pid_gains);
+                && reply.node == result->node
+                && mwd_motor_v2_36_2024_11_pid_gains_matches(&reply.as.set_param_angle_pid, &wanted.raws_pid_gains);
         }
         break;
     case 44u: /* request of write_control_parameter_ram_speed_pid */
@@ -1377,14 +1381,14 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_speed_pid_request_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_speed_pid_request_encode(&result->written, node,
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_same(&request.as.set_param_speed_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2024_11_pid_gains_matches(&request.as.set_param_speed_pid, &wanted.raws_pid_gains);
         }
         break;
     case 45u: /* reply of write_control_parameter_ram_speed_pid */
@@ -1392,14 +1396,14 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_speed_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_speed_pid_reply_encode(&result->written, node,
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_pid_gains_same(&reply.as.set_param_speed_pid,
-                &wanted.raws_pid_gains);
+                && reply.node == result->node
+                && mwd_motor_v2_36_2024_11_pid_gains_matches(&reply.as.set_param_speed_pid, &wanted.raws_pid_gains);
         }
         break;
     case 46u: /* request of write_control_parameter_ram_current_pid */
@@ -1407,14 +1411,15 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_current_pid_request_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_current_pid_request_encode(&result->written, node,
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_same(&request.as.set_param_current_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2024_11_pid_gains_matches(&request.as.set_param_current_pid,
+                &wanted.raws_pid_gains);
         }
         break;
     case 47u: /* reply of write_control_parameter_ram_current_pid */
@@ -1422,14 +1427,14 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_current_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_current_pid_reply_encode(&result->written, node,
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_same(&reply.as.set_param_current_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2024_11_pid_gains_matches(&reply.as.set_param_current_pid, &wanted.raws_pid_gains);
         }
         break;
     case 48u: /* request of write_control_parameter_ram_max_torque_current */
@@ -1439,7 +1444,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_max_torque_current_request_decode(&found.raws_control_parameters_max_torque_current,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_same(&found.raws_control_parameters_max_torque_current,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(&found.raws_control_parameters_max_torque_current,
                 &wanted.raws_control_parameters_max_torque_current);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_max_torque_current_request_encode(&result->written, node,
@@ -1447,7 +1452,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_same(&request.as.set_param_max_torque_current,
+                && mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(&request.as.set_param_max_torque_current,
                 &wanted.raws_control_parameters_max_torque_current);
         }
         break;
@@ -1458,7 +1463,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_max_torque_current_reply_decode(&found.raws_control_parameters_max_torque_current,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_same(&found.raws_control_parameters_max_torque_current,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(&found.raws_control_parameters_max_torque_current,
                 &wanted.raws_control_parameters_max_torque_current);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_max_torque_current_reply_encode(&result->written, node,
@@ -1466,7 +1471,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_same(&reply.as.set_param_max_torque_current,
+                && mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(&reply.as.set_param_max_torque_current,
                 &wanted.raws_control_parameters_max_torque_current);
         }
         break;
@@ -1476,7 +1481,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_max_speed_request_decode(&found.raws_control_parameters_max_speed,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_speed_same(&found.raws_control_parameters_max_speed,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(&found.raws_control_parameters_max_speed,
                 &wanted.raws_control_parameters_max_speed);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_max_speed_request_encode(&result->written, node,
@@ -1484,7 +1489,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_speed_same(&request.as.set_param_max_speed,
+                && mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(&request.as.set_param_max_speed,
                 &wanted.raws_control_parameters_max_speed);
         }
         break;
@@ -1494,7 +1499,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_max_speed_reply_decode(&found.raws_control_parameters_max_speed,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_speed_same(&found.raws_control_parameters_max_speed,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(&found.raws_control_parameters_max_speed,
                 &wanted.raws_control_parameters_max_speed);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_max_speed_reply_encode(&result->written, node,
@@ -1502,7 +1507,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_speed_same(&reply.as.set_param_max_speed,
+                && mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(&reply.as.set_param_max_speed,
                 &wanted.raws_control_parameters_max_speed);
         }
         break;
@@ -1512,7 +1517,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_max_angle_request_decode(&found.raws_control_parameters_max_angle,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_angle_same(&found.raws_control_parameters_max_angle,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(&found.raws_control_parameters_max_angle,
                 &wanted.raws_control_parameters_max_angle);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_max_angle_request_encode(&result->written, node,
@@ -1520,7 +1525,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_angle_same(&request.as.set_param_max_angle,
+                && mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(&request.as.set_param_max_angle,
                 &wanted.raws_control_parameters_max_angle);
         }
         break;
@@ -1530,7 +1535,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_max_angle_reply_decode(&found.raws_control_parameters_max_angle,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_angle_same(&found.raws_control_parameters_max_angle,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(&found.raws_control_parameters_max_angle,
                 &wanted.raws_control_parameters_max_angle);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_max_angle_reply_encode(&result->written, node,
@@ -1538,7 +1543,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_angle_same(&reply.as.set_param_max_angle,
+                && mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(&reply.as.set_param_max_angle,
                 &wanted.raws_control_parameters_max_angle);
         }
         break;
@@ -1548,7 +1553,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_current_ramp_request_decode(&found.raws_control_parameters_current_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_current_ramp_same(&found.raws_control_parameters_current_ramp,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(&found.raws_control_parameters_current_ramp,
                 &wanted.raws_control_parameters_current_ramp);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_current_ramp_request_encode(&result->written, node,
@@ -1556,7 +1561,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_current_ramp_same(&request.as.set_param_current_ramp,
+                && mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(&request.as.set_param_current_ramp,
                 &wanted.raws_control_parameters_current_ramp);
         }
         break;
@@ -1566,7 +1571,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_current_ramp_reply_decode(&found.raws_control_parameters_current_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_current_ramp_same(&found.raws_control_parameters_current_ramp,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(&found.raws_control_parameters_current_ramp,
                 &wanted.raws_control_parameters_current_ramp);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_current_ramp_reply_encode(&result->written, node,
@@ -1574,7 +1579,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_current_ramp_same(&reply.as.set_param_current_ramp,
+                && mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(&reply.as.set_param_current_ramp,
                 &wanted.raws_control_parameters_current_ramp);
         }
         break;
@@ -1584,7 +1589,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_speed_ramp_request_decode(&found.raws_control_parameters_speed_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_same(&found.raws_control_parameters_speed_ramp,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(&found.raws_control_parameters_speed_ramp,
                 &wanted.raws_control_parameters_speed_ramp);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_speed_ramp_request_encode(&result->written, node,
@@ -1592,7 +1597,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP
                 && request.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_same(&request.as.set_param_speed_ramp,
+                && mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(&request.as.set_param_speed_ramp,
                 &wanted.raws_control_parameters_speed_ramp);
         }
         break;
@@ -1602,7 +1607,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_param_speed_ramp_reply_decode(&found.raws_control_parameters_speed_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_same(&found.raws_control_parameters_speed_ramp,
+            result->same = mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(&found.raws_control_parameters_speed_ramp,
                 &wanted.raws_control_parameters_speed_ramp);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_speed_ramp_reply_encode(&result->written, node,
@@ -1610,7 +1615,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_same(&reply.as.set_param_speed_ramp,
+                && mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(&reply.as.set_param_speed_ramp,
                 &wanted.raws_control_parameters_speed_ramp);
         }
         break;
@@ -1629,7 +1634,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_encoder_reply_decode(&found.raws_read_encoder_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_read_encoder_reply_same(&found.raws_read_encoder_reply,
+            result->same = mwd_motor_v2_36_2024_11_read_encoder_reply_matches(&found.raws_read_encoder_reply,
                 &wanted.raws_read_encoder_reply);
         }
         if (mwd_motor_v2_36_2024_11_read_encoder_reply_check(&field, &wanted.raws_read_encoder_reply,
@@ -1641,7 +1646,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_read_encoder_reply_same(&reply.as.read_encoder,
+                && mwd_motor_v2_36_2024_11_read_encoder_reply_matches(&reply.as.read_encoder,
                 &wanted.raws_read_encoder_reply);
         }
         break;
@@ -1660,7 +1665,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_decode(&found.raws_write_position_as_zero_rom_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_same(&found.raws_write_position_as_zero_rom_reply,
+            result->same = mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_matches(&found.raws_write_position_as_zero_rom_reply,
                 &wanted.raws_write_position_as_zero_rom_reply);
         }
         if (mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_check(&field,
@@ -1672,7 +1677,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_same(&reply.as.write_position_as_zero_rom,
+                && mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_matches(&reply.as.write_position_as_zero_rom,
                 &wanted.raws_write_position_as_zero_rom_reply);
         }
         break;
@@ -1691,7 +1696,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_decode(&found.raws_read_multi_turn_angle_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_same(&found.raws_read_multi_turn_angle_reply,
+            result->same = mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_matches(&found.raws_read_multi_turn_angle_reply,
                 &wanted.raws_read_multi_turn_angle_reply);
         }
         if (mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_check(&field,
@@ -1703,7 +1708,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_same(&reply.as.read_multi_turn_angle,
+                && mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_matches(&reply.as.read_multi_turn_angle,
                 &wanted.raws_read_multi_turn_angle_reply);
         }
         break;
@@ -1722,7 +1727,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_decode(&found.raws_read_single_turn_angle_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_same(&found.raws_read_single_turn_angle_reply,
+            result->same = mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_matches(&found.raws_read_single_turn_angle_reply,
                 &wanted.raws_read_single_turn_angle_reply);
         }
         if (mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_check(&field,
@@ -1734,7 +1739,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_same(&reply.as.read_single_turn_angle,
+                && mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_matches(&reply.as.read_single_turn_angle,
                 &wanted.raws_read_single_turn_angle_reply);
         }
         break;
@@ -1743,13 +1748,13 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_set_angle_request_decode(&found.raws_set_angle, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_set_angle_same(&found.raws_set_angle, &wanted.raws_set_angle);
+            result->same = mwd_motor_v2_36_2024_11_set_angle_matches(&found.raws_set_angle, &wanted.raws_set_angle);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_angle_request_encode(&result->written, node,
             &wanted.raws_set_angle);
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE
-                && request.node == result->node && mwd_motor_v2_36_2024_11_set_angle_same(&request.as.set_angle,
+                && request.node == result->node && mwd_motor_v2_36_2024_11_set_angle_matches(&request.as.set_angle,
                 &wanted.raws_set_angle);
         }
         break;
@@ -1757,13 +1762,13 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         canwright_flash_read(&wanted.raws_set_angle, raws_set_angle, raws, sizeof wanted.raws_set_angle);
         result->decoded = mwd_motor_v2_36_2024_11_set_angle_reply_decode(&found.raws_set_angle, &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_set_angle_same(&found.raws_set_angle, &wanted.raws_set_angle);
+            result->same = mwd_motor_v2_36_2024_11_set_angle_matches(&found.raws_set_angle, &wanted.raws_set_angle);
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_angle_reply_encode(&result->written, node,
             &wanted.raws_set_angle);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_set_angle_same(&reply.as.set_angle,
+                && reply.node == result->node && mwd_motor_v2_36_2024_11_set_angle_matches(&reply.as.set_angle,
                 &wanted.raws_set_angle);
         }
         break;
@@ -1781,7 +1786,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_status_1_reply_decode(&found.raws_status_1, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_status_1_same(&found.raws_status_1, &wanted.raws_status_1);
+            result->same = mwd_motor_v2_36_2024_11_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
         }
         if (mwd_motor_v2_36_2024_11_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
@@ -1790,7 +1795,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             &wanted.raws_status_1);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_status_1_same(&reply.as.read_status_1,
+                && reply.node == result->node && mwd_motor_v2_36_2024_11_status_1_matches(&reply.as.read_status_1,
                 &wanted.raws_status_1);
         }
         break;
@@ -1808,7 +1813,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_clear_errors_reply_decode(&found.raws_status_1, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_status_1_same(&found.raws_status_1, &wanted.raws_status_1);
+            result->same = mwd_motor_v2_36_2024_11_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
         }
         if (mwd_motor_v2_36_2024_11_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
@@ -1817,7 +1822,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             &wanted.raws_status_1);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_status_1_same(&reply.as.clear_errors,
+                && reply.node == result->node && mwd_motor_v2_36_2024_11_status_1_matches(&reply.as.clear_errors,
                 &wanted.raws_status_1);
         }
         break;
@@ -1836,7 +1841,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_status_2_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1847,7 +1852,8 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_same(&reply.as.read_status_2,
+                && reply.node == result->node
+                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.read_status_2,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1866,7 +1872,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         result->decoded = mwd_motor_v2_36_2024_11_read_status_3_reply_decode(&found.raws_read_status_3_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_read_status_3_reply_same(&found.raws_read_status_3_reply,
+            result->same = mwd_motor_v2_36_2024_11_read_status_3_reply_matches(&found.raws_read_status_3_reply,
                 &wanted.raws_read_status_3_reply);
         }
         result->encoded = mwd_motor_v2_36_2024_11_read_status_3_reply_encode(&result->written, node,
@@ -1874,7 +1880,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3
                 && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_read_status_3_reply_same(&reply.as.read_status_3,
+                && mwd_motor_v2_36_2024_11_read_status_3_reply_matches(&reply.as.read_status_3,
                 &wanted.raws_read_status_3_reply);
         }
         break;

@@ -183,11 +183,23 @@ enum class error_flags : uint8_t {
     input_lost = MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_INPUT_LOST
 };
 
+/** The name of a value; a null pointer if it has none. */
+[[nodiscard]] static inline const char *name(error_flags value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_error_flags_name(static_cast<::uint8_t>(value));
+}
+
 /** align_state: Calibration state. */
 enum class align_state : uint8_t {
     succeeded = MWD_MOTOR_V2_36_2025_03_ALIGN_STATE_SUCCEEDED,
     phase_reversed = MWD_MOTOR_V2_36_2025_03_ALIGN_STATE_PHASE_REVERSED
 };
+
+/** The name of a value; a null pointer if it has none. */
+[[nodiscard]] static inline const char *name(align_state value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_align_state_name(static_cast<::uint8_t>(value));
+}
 
 /** bus_type: Bus type. */
 enum class bus_type : uint8_t {

@@ -27,7 +27,7 @@
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_brake_request_same(
+static inline bool mwd_motor_v2_36_2025_03_brake_request_matches(
     const mwd_motor_v2_36_2025_03_brake_request_t *one, const mwd_motor_v2_36_2025_03_brake_request_t *other)
 {
     return one->action == other->action;
@@ -35,7 +35,7 @@ static inline bool mwd_motor_v2_36_2025_03_brake_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_brake_reply_same(
+static inline bool mwd_motor_v2_36_2025_03_brake_reply_matches(
     const mwd_motor_v2_36_2025_03_brake_reply_t *one, const mwd_motor_v2_36_2025_03_brake_reply_t *other)
 {
     return one->state == other->state;
@@ -43,7 +43,7 @@ static inline bool mwd_motor_v2_36_2025_03_brake_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_set_power_request_same(
+static inline bool mwd_motor_v2_36_2025_03_set_power_request_matches(
     const mwd_motor_v2_36_2025_03_set_power_request_t *one, const mwd_motor_v2_36_2025_03_set_power_request_t *other)
 {
     return one->power == other->power;
@@ -51,7 +51,7 @@ static inline bool mwd_motor_v2_36_2025_03_set_power_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_motion_feedback_same(
+static inline bool mwd_motor_v2_36_2025_03_motion_feedback_matches(
     const mwd_motor_v2_36_2025_03_motion_feedback_t *one, const mwd_motor_v2_36_2025_03_motion_feedback_t *other)
 {
     return one->temperature == other->temperature && one->power == other->power && one->iq == other->iq
@@ -60,7 +60,7 @@ static inline bool mwd_motor_v2_36_2025_03_motion_feedback_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_set_torque_request_same(
+static inline bool mwd_motor_v2_36_2025_03_set_torque_request_matches(
     const mwd_motor_v2_36_2025_03_set_torque_request_t *one,
     const mwd_motor_v2_36_2025_03_set_torque_request_t *other)
 {
@@ -69,7 +69,7 @@ static inline bool mwd_motor_v2_36_2025_03_set_torque_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_set_speed_request_same(
+static inline bool mwd_motor_v2_36_2025_03_set_speed_request_matches(
     const mwd_motor_v2_36_2025_03_set_speed_request_t *one, const mwd_motor_v2_36_2025_03_set_speed_request_t *other)
 {
     return one->iq_limit == other->iq_limit && one->speed == other->speed;
@@ -77,7 +77,7 @@ static inline bool mwd_motor_v2_36_2025_03_set_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_move_to_angle_request_same(
+static inline bool mwd_motor_v2_36_2025_03_move_to_angle_request_matches(
     const mwd_motor_v2_36_2025_03_move_to_angle_request_t *one,
     const mwd_motor_v2_36_2025_03_move_to_angle_request_t *other)
 {
@@ -86,7 +86,7 @@ static inline bool mwd_motor_v2_36_2025_03_move_to_angle_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_same(
+static inline bool mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_matches(
     const mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t *one,
     const mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t *other)
 {
@@ -95,7 +95,7 @@ static inline bool mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_turn_to_angle_request_same(
+static inline bool mwd_motor_v2_36_2025_03_turn_to_angle_request_matches(
     const mwd_motor_v2_36_2025_03_turn_to_angle_request_t *one,
     const mwd_motor_v2_36_2025_03_turn_to_angle_request_t *other)
 {
@@ -104,7 +104,7 @@ static inline bool mwd_motor_v2_36_2025_03_turn_to_angle_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_same(
+static inline bool mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_matches(
     const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t *one,
     const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t *other)
 {
@@ -114,7 +114,7 @@ static inline bool mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_move_by_angle_request_same(
+static inline bool mwd_motor_v2_36_2025_03_move_by_angle_request_matches(
     const mwd_motor_v2_36_2025_03_move_by_angle_request_t *one,
     const mwd_motor_v2_36_2025_03_move_by_angle_request_t *other)
 {
@@ -123,7 +123,7 @@ static inline bool mwd_motor_v2_36_2025_03_move_by_angle_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_same(
+static inline bool mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_matches(
     const mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t *one,
     const mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t *other)
 {
@@ -132,7 +132,7 @@ static inline bool mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_pid_gains_same(
+static inline bool mwd_motor_v2_36_2025_03_pid_gains_matches(
     const mwd_motor_v2_36_2025_03_pid_gains_t *one, const mwd_motor_v2_36_2025_03_pid_gains_t *other)
 {
     return one->kp == other->kp && one->ki == other->ki && one->kd == other->kd;
@@ -140,7 +140,7 @@ static inline bool mwd_motor_v2_36_2025_03_pid_gains_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_same(
+static inline bool mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(
     const mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t *one,
     const mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t *other)
 {
@@ -149,7 +149,7 @@ static inline bool mwd_motor_v2_36_2025_03_control_parameters_max_torque_current
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_control_parameters_max_speed_same(
+static inline bool mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(
     const mwd_motor_v2_36_2025_03_control_parameters_max_speed_t *one,
     const mwd_motor_v2_36_2025_03_control_parameters_max_speed_t *other)
 {
@@ -158,7 +158,7 @@ static inline bool mwd_motor_v2_36_2025_03_control_parameters_max_speed_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_control_parameters_upper_angle_same(
+static inline bool mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(
     const mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t *one,
     const mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t *other)
 {
@@ -167,7 +167,7 @@ static inline bool mwd_motor_v2_36_2025_03_control_parameters_upper_angle_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_control_parameters_lower_angle_same(
+static inline bool mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(
     const mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t *one,
     const mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t *other)
 {
@@ -176,7 +176,7 @@ static inline bool mwd_motor_v2_36_2025_03_control_parameters_lower_angle_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_same(
+static inline bool mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(
     const mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t *one,
     const mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t *other)
 {
@@ -185,7 +185,7 @@ static inline bool mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_read_encoder_reply_same(
+static inline bool mwd_motor_v2_36_2025_03_read_encoder_reply_matches(
     const mwd_motor_v2_36_2025_03_read_encoder_reply_t *one,
     const mwd_motor_v2_36_2025_03_read_encoder_reply_t *other)
 {
@@ -195,7 +195,7 @@ static inline bool mwd_motor_v2_36_2025_03_read_encoder_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_calibrate_encoder_reply_same(
+static inline bool mwd_motor_v2_36_2025_03_calibrate_encoder_reply_matches(
     const mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t *one,
     const mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t *other)
 {
@@ -205,7 +205,7 @@ static inline bool mwd_motor_v2_36_2025_03_calibrate_encoder_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_same(
+static inline bool mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_matches(
     const mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t *one,
     const mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t *other)
 {
@@ -214,7 +214,7 @@ static inline bool mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_same
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_same(
+static inline bool mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_matches(
     const mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t *one,
     const mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t *other)
 {
@@ -223,7 +223,7 @@ static inline bool mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_same(
+static inline bool mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_matches(
     const mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t *one,
     const mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t *other)
 {
@@ -232,7 +232,7 @@ static inline bool mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_status_1_same(
+static inline bool mwd_motor_v2_36_2025_03_status_1_matches(
     const mwd_motor_v2_36_2025_03_status_1_t *one, const mwd_motor_v2_36_2025_03_status_1_t *other)
 {
     return one->temperature == other->temperature && one->voltage == other->voltage && one->current == other->current
@@ -241,7 +241,7 @@ static inline bool mwd_motor_v2_36_2025_03_status_1_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_read_status_3_reply_same(
+static inline bool mwd_motor_v2_36_2025_03_read_status_3_reply_matches(
     const mwd_motor_v2_36_2025_03_read_status_3_reply_t *one,
     const mwd_motor_v2_36_2025_03_read_status_3_reply_t *other)
 {
@@ -251,7 +251,7 @@ static inline bool mwd_motor_v2_36_2025_03_read_status_3_reply_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_driver_id_same(
+static inline bool mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(
     const mwd_motor_v2_36_2025_03_stored_settings_driver_id_t *one,
     const mwd_motor_v2_36_2025_03_stored_settings_driver_id_t *other)
 {
@@ -260,7 +260,7 @@ static inline bool mwd_motor_v2_36_2025_03_stored_settings_driver_id_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_bus_type_same(
+static inline bool mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(
     const mwd_motor_v2_36_2025_03_stored_settings_bus_type_t *one,
     const mwd_motor_v2_36_2025_03_stored_settings_bus_type_t *other)
 {
@@ -269,7 +269,7 @@ static inline bool mwd_motor_v2_36_2025_03_stored_settings_bus_type_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_same(
+static inline bool mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(
     const mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t *one,
     const mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t *other)
 {
@@ -278,7 +278,7 @@ static inline bool mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_same(
+static inline bool mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(
     const mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t *one,
     const mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t *other)
 {
@@ -287,7 +287,7 @@ static inline bool mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_max_power_same(
+static inline bool mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(
     const mwd_motor_v2_36_2025_03_stored_settings_max_power_t *one,
     const mwd_motor_v2_36_2025_03_stored_settings_max_power_t *other)
 {
@@ -296,7 +296,7 @@ static inline bool mwd_motor_v2_36_2025_03_stored_settings_max_power_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_max_speed_same(
+static inline bool mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(
     const mwd_motor_v2_36_2025_03_stored_settings_max_speed_t *one,
     const mwd_motor_v2_36_2025_03_stored_settings_max_speed_t *other)
 {
@@ -305,7 +305,7 @@ static inline bool mwd_motor_v2_36_2025_03_stored_settings_max_speed_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_max_angle_same(
+static inline bool mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(
     const mwd_motor_v2_36_2025_03_stored_settings_max_angle_t *one,
     const mwd_motor_v2_36_2025_03_stored_settings_max_angle_t *other)
 {
@@ -314,7 +314,7 @@ static inline bool mwd_motor_v2_36_2025_03_stored_settings_max_angle_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_current_ramp_same(
+static inline bool mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(
     const mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t *one,
     const mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t *other)
 {
@@ -323,7 +323,7 @@ static inline bool mwd_motor_v2_36_2025_03_stored_settings_current_ramp_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_same(
+static inline bool mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(
     const mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t *one,
     const mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t *other)
 {
@@ -332,7 +332,7 @@ static inline bool mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_same(
 
 /** True for messages with equal fields. */
 CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_save_settings_reply_same(
+static inline bool mwd_motor_v2_36_2025_03_save_settings_reply_matches(
     const mwd_motor_v2_36_2025_03_save_settings_reply_t *one,
     const mwd_motor_v2_36_2025_03_save_settings_reply_t *other)
 {
@@ -920,7 +920,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_brake_request_decode(&found.raws_brake_request, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_brake_request_same(&found.raws_brake_request,
+            result->same = mwd_motor_v2_36_2025_03_brake_request_matches(&found.raws_brake_request,
                 &wanted.raws_brake_request);
         }
         if (mwd_motor_v2_36_2025_03_brake_request_check(&field, &wanted.raws_brake_request) == CANWRIGHT_OK) {
@@ -930,7 +930,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_brake_request);
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE
-                && request.node == result->node && mwd_motor_v2_36_2025_03_brake_request_same(&request.as.brake,
+                && request.node == result->node && mwd_motor_v2_36_2025_03_brake_request_matches(&request.as.brake,
                 &wanted.raws_brake_request);
         }
         break;
@@ -938,7 +938,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         canwright_flash_read(&wanted.raws_brake_reply, raws_brake_reply, raws, sizeof wanted.raws_brake_reply);
         result->decoded = mwd_motor_v2_36_2025_03_brake_reply_decode(&found.raws_brake_reply, &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_brake_reply_same(&found.raws_brake_reply,
+            result->same = mwd_motor_v2_36_2025_03_brake_reply_matches(&found.raws_brake_reply,
                 &wanted.raws_brake_reply);
         }
         if (mwd_motor_v2_36_2025_03_brake_reply_check(&field, &wanted.raws_brake_reply) == CANWRIGHT_OK) {
@@ -948,7 +948,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_brake_reply);
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_brake_reply_same(&reply.as.brake, &wanted.raws_brake_reply);
+                && mwd_motor_v2_36_2025_03_brake_reply_matches(&reply.as.brake, &wanted.raws_brake_reply);
         }
         break;
     case 8u: /* request of set_power */
@@ -957,7 +957,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_power_request_decode(&found.raws_set_power_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_set_power_request_same(&found.raws_set_power_request,
+            result->same = mwd_motor_v2_36_2025_03_set_power_request_matches(&found.raws_set_power_request,
                 &wanted.raws_set_power_request);
         }
         if (mwd_motor_v2_36_2025_03_set_power_request_check(&field, &wanted.raws_set_power_request) == CANWRIGHT_OK) {
@@ -968,7 +968,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_set_power_request_same(&request.as.set_power,
+                && mwd_motor_v2_36_2025_03_set_power_request_matches(&request.as.set_power,
                 &wanted.raws_set_power_request);
         }
         break;
@@ -978,7 +978,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_power_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -989,7 +989,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_same(&reply.as.set_power,
+                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.set_power,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -999,7 +999,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_torque_request_decode(&found.raws_set_torque_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_set_torque_request_same(&found.raws_set_torque_request,
+            result->same = mwd_motor_v2_36_2025_03_set_torque_request_matches(&found.raws_set_torque_request,
                 &wanted.raws_set_torque_request);
         }
         if (mwd_motor_v2_36_2025_03_set_torque_request_check(&field,
@@ -1011,7 +1011,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_set_torque_request_same(&request.as.set_torque,
+                && mwd_motor_v2_36_2025_03_set_torque_request_matches(&request.as.set_torque,
                 &wanted.raws_set_torque_request);
         }
         break;
@@ -1021,7 +1021,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_torque_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1032,7 +1032,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_same(&reply.as.set_torque,
+                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.set_torque,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1042,7 +1042,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_speed_request_decode(&found.raws_set_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_set_speed_request_same(&found.raws_set_speed_request,
+            result->same = mwd_motor_v2_36_2025_03_set_speed_request_matches(&found.raws_set_speed_request,
                 &wanted.raws_set_speed_request);
         }
         if (mwd_motor_v2_36_2025_03_set_speed_request_check(&field, &wanted.raws_set_speed_request) == CANWRIGHT_OK) {
@@ -1053,7 +1053,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_set_speed_request_same(&request.as.set_speed,
+                && mwd_motor_v2_36_2025_03_set_speed_request_matches(&request.as.set_speed,
                 &wanted.raws_set_speed_request);
         }
         break;
@@ -1063,7 +1063,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_speed_reply_decode(&found.raws_motion_feedback, &result->node,
             frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1074,7 +1074,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_same(&reply.as.set_speed,
+                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.set_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1084,7 +1084,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_move_to_angle_request_decode(&found.raws_move_to_angle_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_move_to_angle_request_same(&found.raws_move_to_angle_request,
+            result->same = mwd_motor_v2_36_2025_03_move_to_angle_request_matches(&found.raws_move_to_angle_request,
                 &wanted.raws_move_to_angle_request);
         }
         result->encoded = mwd_motor_v2_36_2025_03_move_to_angle_request_encode(&result->written, node,
@@ -1092,7 +1092,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_move_to_angle_request_same(&request.as.move_to_angle,
+                && mwd_motor_v2_36_2025_03_move_to_angle_request_matches(&request.as.move_to_angle,
                 &wanted.raws_move_to_angle_request);
         }
         break;
@@ -1102,7 +1102,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_move_to_angle_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1113,7 +1113,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_same(&reply.as.move_to_angle,
+                && reply.node == result->node
+                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.move_to_angle,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1123,7 +1124,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_decode(&found.raws_move_to_angle_at_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_same(&found.raws_move_to_angle_at_speed_request,
+            result->same = mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_matches(&found.raws_move_to_angle_at_speed_request,
                 &wanted.raws_move_to_angle_at_speed_request);
         }
         result->encoded = mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_encode(&result->written, node,
@@ -1131,7 +1132,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_same(&request.as.move_to_angle_at_speed,
+                && mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_matches(&request.as.move_to_angle_at_speed,
                 &wanted.raws_move_to_angle_at_speed_request);
         }
         break;
@@ -1141,7 +1142,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_move_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1153,7 +1154,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_motion_feedback_same(&reply.as.move_to_angle_at_speed,
+                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.move_to_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1163,7 +1164,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_turn_to_angle_request_decode(&found.raws_turn_to_angle_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_turn_to_angle_request_same(&found.raws_turn_to_angle_request,
+            result->same = mwd_motor_v2_36_2025_03_turn_to_angle_request_matches(&found.raws_turn_to_angle_request,
                 &wanted.raws_turn_to_angle_request);
         }
         if (mwd_motor_v2_36_2025_03_turn_to_angle_request_check(&field,
@@ -1175,7 +1176,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_turn_to_angle_request_same(&request.as.turn_to_angle,
+                && mwd_motor_v2_36_2025_03_turn_to_angle_request_matches(&request.as.turn_to_angle,
                 &wanted.raws_turn_to_angle_request);
         }
         break;
@@ -1185,7 +1186,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_turn_to_angle_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1196,7 +1197,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_same(&reply.as.turn_to_angle,
+                && reply.node == result->node
+                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.turn_to_angle,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1206,7 +1208,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_decode(&found.raws_turn_to_angle_at_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_same(&found.raws_turn_to_angle_at_speed_request,
+            result->same = mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_matches(&found.raws_turn_to_angle_at_speed_request,
                 &wanted.raws_turn_to_angle_at_speed_request);
         }
         if (mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_check(&field,
@@ -1218,7 +1220,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_same(&request.as.turn_to_angle_at_speed,
+                && mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_matches(&request.as.turn_to_angle_at_speed,
                 &wanted.raws_turn_to_angle_at_speed_request);
         }
         break;
@@ -1228,7 +1230,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1240,7 +1242,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_motion_feedback_same(&reply.as.turn_to_angle_at_speed,
+                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.turn_to_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1250,7 +1252,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_move_by_angle_request_decode(&found.raws_move_by_angle_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_move_by_angle_request_same(&found.raws_move_by_angle_request,
+            result->same = mwd_motor_v2_36_2025_03_move_by_angle_request_matches(&found.raws_move_by_angle_request,
                 &wanted.raws_move_by_angle_request);
         }
         result->encoded = mwd_motor_v2_36_2025_03_move_by_angle_request_encode(&result->written, node,
@@ -1258,7 +1260,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_move_by_angle_request_same(&request.as.move_by_angle,
+                && mwd_motor_v2_36_2025_03_move_by_angle_request_matches(&request.as.move_by_angle,
                 &wanted.raws_move_by_angle_request);
         }
         break;
@@ -1268,7 +1270,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_move_by_angle_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1279,7 +1281,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_same(&reply.as.move_by_angle,
+                && reply.node == result->node
+                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.move_by_angle,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1289,7 +1292,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_decode(&found.raws_move_by_angle_at_speed_request,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_same(&found.raws_move_by_angle_at_speed_request,
+            result->same = mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_matches(&found.raws_move_by_angle_at_speed_request,
                 &wanted.raws_move_by_angle_at_speed_request);
         }
         result->encoded = mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_encode(&result->written, node,
@@ -1297,7 +1300,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_same(&request.as.move_by_angle_at_speed,
+                && mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_matches(&request.as.move_by_angle_at_speed,
                 &wanted.raws_move_by_angle_at_speed_request);
         }
         break;
@@ -1307,7 +1310,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_move_by_angle_at_speed_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -1319,7 +1322,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_motion_feedback_same(&reply.as.move_by_angle_at_speed,
+                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.move_by_angle_at_speed,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -1337,7 +1340,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_param_angle_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -1347,7 +1350,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&reply.as.read_param_angle_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.read_param_angle_pid, &wanted.raws_pid_gains);
         }
         break;
     case 28u: /* request of read_control_parameter_speed_pid */
@@ -1364,7 +1367,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_param_speed_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -1374,7 +1377,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&reply.as.read_param_speed_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.read_param_speed_pid, &wanted.raws_pid_gains);
         }
         break;
     case 30u: /* request of read_control_parameter_current_pid */
@@ -1391,7 +1394,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_param_current_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -1401,7 +1404,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_CURRENT_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&reply.as.read_param_current_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.read_param_current_pid,
+                &wanted.raws_pid_gains);
         }
         break;
     case 32u: /* request of read_control_parameter_max_torque_current */
@@ -1421,7 +1425,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_param_max_torque_current_reply_decode(&found.raws_control_parameters_max_torque_current,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_same(&found.raws_control_parameters_max_torque_current,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(&found.raws_control_parameters_max_torque_current,
                 &wanted.raws_control_parameters_max_torque_current);
         }
         if (mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_check(&field,
@@ -1433,7 +1437,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_same(&reply.as.read_param_max_torque_current,
+                && mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(&reply.as.read_param_max_torque_current,
                 &wanted.raws_control_parameters_max_torque_current);
         }
         break;
@@ -1452,7 +1456,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_param_max_speed_reply_decode(&found.raws_control_parameters_max_speed,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_speed_same(&found.raws_control_parameters_max_speed,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(&found.raws_control_parameters_max_speed,
                 &wanted.raws_control_parameters_max_speed);
         }
         if (mwd_motor_v2_36_2025_03_control_parameters_max_speed_check(&field,
@@ -1464,7 +1468,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_max_speed_same(&reply.as.read_param_max_speed,
+                && mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(&reply.as.read_param_max_speed,
                 &wanted.raws_control_parameters_max_speed);
         }
         break;
@@ -1483,7 +1487,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_param_upper_angle_reply_decode(&found.raws_control_parameters_upper_angle,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_upper_angle_same(&found.raws_control_parameters_upper_angle,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(&found.raws_control_parameters_upper_angle,
                 &wanted.raws_control_parameters_upper_angle);
         }
         result->encoded = mwd_motor_v2_36_2025_03_read_param_upper_angle_reply_encode(&result->written, node,
@@ -1491,7 +1495,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_UPPER_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_upper_angle_same(&reply.as.read_param_upper_angle,
+                && mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(&reply.as.read_param_upper_angle,
                 &wanted.raws_control_parameters_upper_angle);
         }
         break;
@@ -1510,7 +1514,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_param_lower_angle_reply_decode(&found.raws_control_parameters_lower_angle,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_lower_angle_same(&found.raws_control_parameters_lower_angle,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(&found.raws_control_parameters_lower_angle,
                 &wanted.raws_control_parameters_lower_angle);
         }
         result->encoded = mwd_motor_v2_36_2025_03_read_param_lower_angle_reply_encode(&result->written, node,
@@ -1518,7 +1522,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_LOWER_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_lower_angle_same(&reply.as.read_param_lower_angle,
+                && mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(&reply.as.read_param_lower_angle,
                 &wanted.raws_control_parameters_lower_angle);
         }
         break;
@@ -1537,7 +1541,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_param_speed_ramp_reply_decode(&found.raws_control_parameters_speed_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_same(&found.raws_control_parameters_speed_ramp,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(&found.raws_control_parameters_speed_ramp,
                 &wanted.raws_control_parameters_speed_ramp);
         }
         if (mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_check(&field,
@@ -1549,7 +1553,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_RAMP
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_same(&reply.as.read_param_speed_ramp,
+                && mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(&reply.as.read_param_speed_ramp,
                 &wanted.raws_control_parameters_speed_ramp);
         }
         break;
@@ -1558,7 +1562,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_angle_pid_request_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -1568,7 +1572,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&request.as.set_param_angle_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&request.as.set_param_angle_pid, &wanted.raws_pid_gains);
         }
         break;
     case 43u: /* reply of write_control_parameter_ram_angle_pid */
@@ -1576,7 +1580,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_angle_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -1585,8 +1589,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_pid_gains_same(&reply.as.set_param_angle_pid,
-                &wanted.raws_pid_gains);
+                && reply.node == result->node
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.set_param_angle_pid, &wanted.raws_pid_gains);
         }
         break;
     case 44u: /* request of write_control_parameter_ram_speed_pid */
@@ -1594,7 +1598,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_speed_pid_request_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -1604,7 +1608,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&request.as.set_param_speed_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&request.as.set_param_speed_pid, &wanted.raws_pid_gains);
         }
         break;
     case 45u: /* reply of write_control_parameter_ram_speed_pid */
@@ -1612,7 +1616,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_speed_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -1621,8 +1625,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_pid_gains);
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_pid_gains_same(&reply.as.set_param_speed_pid,
-                &wanted.raws_pid_gains);
+                && reply.node == result->node
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.set_param_speed_pid, &wanted.raws_pid_gains);
         }
         break;
     case 46u: /* request of write_control_parameter_ram_current_pid */
@@ -1630,7 +1634,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_current_pid_request_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -1640,7 +1644,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&request.as.set_param_current_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&request.as.set_param_current_pid,
+                &wanted.raws_pid_gains);
         }
         break;
     case 47u: /* reply of write_control_parameter_ram_current_pid */
@@ -1648,7 +1653,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_current_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -1658,7 +1663,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&reply.as.set_param_current_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.set_param_current_pid, &wanted.raws_pid_gains);
         }
         break;
     case 48u: /* request of write_control_parameter_ram_max_torque_current */
@@ -1668,7 +1673,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_max_torque_current_request_decode(&found.raws_control_parameters_max_torque_current,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_same(&found.raws_control_parameters_max_torque_current,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(&found.raws_control_parameters_max_torque_current,
                 &wanted.raws_control_parameters_max_torque_current);
         }
         if (mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_check(&field,
@@ -1680,7 +1685,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_same(&request.as.set_param_max_torque_current,
+                && mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(&request.as.set_param_max_torque_current,
                 &wanted.raws_control_parameters_max_torque_current);
         }
         break;
@@ -1691,7 +1696,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_max_torque_current_reply_decode(&found.raws_control_parameters_max_torque_current,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_same(&found.raws_control_parameters_max_torque_current,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(&found.raws_control_parameters_max_torque_current,
                 &wanted.raws_control_parameters_max_torque_current);
         }
         if (mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_check(&field,
@@ -1703,7 +1708,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_same(&reply.as.set_param_max_torque_current,
+                && mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(&reply.as.set_param_max_torque_current,
                 &wanted.raws_control_parameters_max_torque_current);
         }
         break;
@@ -1713,7 +1718,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_max_speed_request_decode(&found.raws_control_parameters_max_speed,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_speed_same(&found.raws_control_parameters_max_speed,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(&found.raws_control_parameters_max_speed,
                 &wanted.raws_control_parameters_max_speed);
         }
         if (mwd_motor_v2_36_2025_03_control_parameters_max_speed_check(&field,
@@ -1725,7 +1730,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_max_speed_same(&request.as.set_param_max_speed,
+                && mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(&request.as.set_param_max_speed,
                 &wanted.raws_control_parameters_max_speed);
         }
         break;
@@ -1735,7 +1740,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_max_speed_reply_decode(&found.raws_control_parameters_max_speed,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_speed_same(&found.raws_control_parameters_max_speed,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(&found.raws_control_parameters_max_speed,
                 &wanted.raws_control_parameters_max_speed);
         }
         if (mwd_motor_v2_36_2025_03_control_parameters_max_speed_check(&field,
@@ -1747,7 +1752,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_max_speed_same(&reply.as.set_param_max_speed,
+                && mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(&reply.as.set_param_max_speed,
                 &wanted.raws_control_parameters_max_speed);
         }
         break;
@@ -1757,7 +1762,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_upper_angle_request_decode(&found.raws_control_parameters_upper_angle,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_upper_angle_same(&found.raws_control_parameters_upper_angle,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(&found.raws_control_parameters_upper_angle,
                 &wanted.raws_control_parameters_upper_angle);
         }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_upper_angle_request_encode(&result->written, node,
@@ -1765,7 +1770,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_upper_angle_same(&request.as.set_param_upper_angle,
+                && mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(&request.as.set_param_upper_angle,
                 &wanted.raws_control_parameters_upper_angle);
         }
         break;
@@ -1775,7 +1780,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_upper_angle_reply_decode(&found.raws_control_parameters_upper_angle,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_upper_angle_same(&found.raws_control_parameters_upper_angle,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(&found.raws_control_parameters_upper_angle,
                 &wanted.raws_control_parameters_upper_angle);
         }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_upper_angle_reply_encode(&result->written, node,
@@ -1783,7 +1788,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_upper_angle_same(&reply.as.set_param_upper_angle,
+                && mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(&reply.as.set_param_upper_angle,
                 &wanted.raws_control_parameters_upper_angle);
         }
         break;
@@ -1793,7 +1798,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_lower_angle_request_decode(&found.raws_control_parameters_lower_angle,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_lower_angle_same(&found.raws_control_parameters_lower_angle,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(&found.raws_control_parameters_lower_angle,
                 &wanted.raws_control_parameters_lower_angle);
         }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_lower_angle_request_encode(&result->written, node,
@@ -1801,7 +1806,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_lower_angle_same(&request.as.set_param_lower_angle,
+                && mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(&request.as.set_param_lower_angle,
                 &wanted.raws_control_parameters_lower_angle);
         }
         break;
@@ -1811,7 +1816,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_lower_angle_reply_decode(&found.raws_control_parameters_lower_angle,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_lower_angle_same(&found.raws_control_parameters_lower_angle,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(&found.raws_control_parameters_lower_angle,
                 &wanted.raws_control_parameters_lower_angle);
         }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_lower_angle_reply_encode(&result->written, node,
@@ -1819,7 +1824,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_lower_angle_same(&reply.as.set_param_lower_angle,
+                && mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(&reply.as.set_param_lower_angle,
                 &wanted.raws_control_parameters_lower_angle);
         }
         break;
@@ -1829,7 +1834,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_speed_ramp_request_decode(&found.raws_control_parameters_speed_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_same(&found.raws_control_parameters_speed_ramp,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(&found.raws_control_parameters_speed_ramp,
                 &wanted.raws_control_parameters_speed_ramp);
         }
         if (mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_check(&field,
@@ -1841,7 +1846,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_same(&request.as.set_param_speed_ramp,
+                && mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(&request.as.set_param_speed_ramp,
                 &wanted.raws_control_parameters_speed_ramp);
         }
         break;
@@ -1851,7 +1856,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_set_param_speed_ramp_reply_decode(&found.raws_control_parameters_speed_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_same(&found.raws_control_parameters_speed_ramp,
+            result->same = mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(&found.raws_control_parameters_speed_ramp,
                 &wanted.raws_control_parameters_speed_ramp);
         }
         if (mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_check(&field,
@@ -1863,7 +1868,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_same(&reply.as.set_param_speed_ramp,
+                && mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(&reply.as.set_param_speed_ramp,
                 &wanted.raws_control_parameters_speed_ramp);
         }
         break;
@@ -1882,7 +1887,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_encoder_reply_decode(&found.raws_read_encoder_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_read_encoder_reply_same(&found.raws_read_encoder_reply,
+            result->same = mwd_motor_v2_36_2025_03_read_encoder_reply_matches(&found.raws_read_encoder_reply,
                 &wanted.raws_read_encoder_reply);
         }
         if (mwd_motor_v2_36_2025_03_read_encoder_reply_check(&field, &wanted.raws_read_encoder_reply,
@@ -1894,7 +1899,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_read_encoder_reply_same(&reply.as.read_encoder,
+                && mwd_motor_v2_36_2025_03_read_encoder_reply_matches(&reply.as.read_encoder,
                 &wanted.raws_read_encoder_reply);
         }
         break;
@@ -1913,7 +1918,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_calibrate_encoder_reply_decode(&found.raws_calibrate_encoder_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_calibrate_encoder_reply_same(&found.raws_calibrate_encoder_reply,
+            result->same = mwd_motor_v2_36_2025_03_calibrate_encoder_reply_matches(&found.raws_calibrate_encoder_reply,
                 &wanted.raws_calibrate_encoder_reply);
         }
         if (mwd_motor_v2_36_2025_03_calibrate_encoder_reply_check(&field,
@@ -1925,7 +1930,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_calibrate_encoder_reply_same(&reply.as.calibrate_encoder,
+                && mwd_motor_v2_36_2025_03_calibrate_encoder_reply_matches(&reply.as.calibrate_encoder,
                 &wanted.raws_calibrate_encoder_reply);
         }
         break;
@@ -1944,7 +1949,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_decode(&found.raws_write_position_as_zero_rom_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_same(&found.raws_write_position_as_zero_rom_reply,
+            result->same = mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_matches(&found.raws_write_position_as_zero_rom_reply,
                 &wanted.raws_write_position_as_zero_rom_reply);
         }
         if (mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_check(&field,
@@ -1956,7 +1961,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_same(&reply.as.write_position_as_zero_rom,
+                && mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_matches(&reply.as.write_position_as_zero_rom,
                 &wanted.raws_write_position_as_zero_rom_reply);
         }
         break;
@@ -1975,7 +1980,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_decode(&found.raws_read_multi_turn_angle_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_same(&found.raws_read_multi_turn_angle_reply,
+            result->same = mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_matches(&found.raws_read_multi_turn_angle_reply,
                 &wanted.raws_read_multi_turn_angle_reply);
         }
         if (mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_check(&field,
@@ -1987,7 +1992,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_same(&reply.as.read_multi_turn_angle,
+                && mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_matches(&reply.as.read_multi_turn_angle,
                 &wanted.raws_read_multi_turn_angle_reply);
         }
         break;
@@ -2006,7 +2011,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_decode(&found.raws_read_single_turn_angle_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_same(&found.raws_read_single_turn_angle_reply,
+            result->same = mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_matches(&found.raws_read_single_turn_angle_reply,
                 &wanted.raws_read_single_turn_angle_reply);
         }
         if (mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_check(&field,
@@ -2018,7 +2023,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_same(&reply.as.read_single_turn_angle,
+                && mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_matches(&reply.as.read_single_turn_angle,
                 &wanted.raws_read_single_turn_angle_reply);
         }
         break;
@@ -2054,7 +2059,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_status_1_reply_decode(&found.raws_status_1, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_status_1_same(&found.raws_status_1, &wanted.raws_status_1);
+            result->same = mwd_motor_v2_36_2025_03_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
         }
         if (mwd_motor_v2_36_2025_03_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -2063,7 +2068,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_status_1);
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_status_1_same(&reply.as.read_status_1,
+                && reply.node == result->node && mwd_motor_v2_36_2025_03_status_1_matches(&reply.as.read_status_1,
                 &wanted.raws_status_1);
         }
         break;
@@ -2081,7 +2086,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_clear_errors_reply_decode(&found.raws_status_1, &result->node,
             frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_status_1_same(&found.raws_status_1, &wanted.raws_status_1);
+            result->same = mwd_motor_v2_36_2025_03_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
         }
         if (mwd_motor_v2_36_2025_03_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -2090,7 +2095,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_status_1);
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_status_1_same(&reply.as.clear_errors,
+                && reply.node == result->node && mwd_motor_v2_36_2025_03_status_1_matches(&reply.as.clear_errors,
                 &wanted.raws_status_1);
         }
         break;
@@ -2109,7 +2114,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_status_2_reply_decode(&found.raws_motion_feedback,
             &result->node, frame, parameters);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_same(&found.raws_motion_feedback,
+            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
                 &wanted.raws_motion_feedback);
         }
         if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
@@ -2120,7 +2125,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
             &wanted.raws_motion_feedback, parameters);
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_same(&reply.as.read_status_2,
+                && reply.node == result->node
+                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.read_status_2,
                 &wanted.raws_motion_feedback);
         }
         break;
@@ -2139,7 +2145,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_status_3_reply_decode(&found.raws_read_status_3_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_read_status_3_reply_same(&found.raws_read_status_3_reply,
+            result->same = mwd_motor_v2_36_2025_03_read_status_3_reply_matches(&found.raws_read_status_3_reply,
                 &wanted.raws_read_status_3_reply);
         }
         result->encoded = mwd_motor_v2_36_2025_03_read_status_3_reply_encode(&result->written, node,
@@ -2147,7 +2153,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_read_status_3_reply_same(&reply.as.read_status_3,
+                && mwd_motor_v2_36_2025_03_read_status_3_reply_matches(&reply.as.read_status_3,
                 &wanted.raws_read_status_3_reply);
         }
         break;
@@ -2166,7 +2172,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_driver_id_reply_decode(&found.raws_stored_settings_driver_id,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_driver_id_same(&found.raws_stored_settings_driver_id,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(&found.raws_stored_settings_driver_id,
                 &wanted.raws_stored_settings_driver_id);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_driver_id_check(&field,
@@ -2178,7 +2184,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_driver_id_same(&reply.as.read_setting_driver_id,
+                && mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(&reply.as.read_setting_driver_id,
                 &wanted.raws_stored_settings_driver_id);
         }
         break;
@@ -2197,7 +2203,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_bus_type_reply_decode(&found.raws_stored_settings_bus_type,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_bus_type_same(&found.raws_stored_settings_bus_type,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(&found.raws_stored_settings_bus_type,
                 &wanted.raws_stored_settings_bus_type);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_bus_type_check(&field,
@@ -2209,7 +2215,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_bus_type_same(&reply.as.read_setting_bus_type,
+                && mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(&reply.as.read_setting_bus_type,
                 &wanted.raws_stored_settings_bus_type);
         }
         break;
@@ -2228,7 +2234,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_rs485_baud_rate_reply_decode(&found.raws_stored_settings_rs485_baud_rate,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_same(&found.raws_stored_settings_rs485_baud_rate,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(&found.raws_stored_settings_rs485_baud_rate,
                 &wanted.raws_stored_settings_rs485_baud_rate);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_check(&field,
@@ -2240,7 +2246,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_RS485_BAUD_RATE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_same(&reply.as.read_setting_rs485_baud_rate,
+                && mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(&reply.as.read_setting_rs485_baud_rate,
                 &wanted.raws_stored_settings_rs485_baud_rate);
         }
         break;
@@ -2259,7 +2265,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_can_baud_rate_reply_decode(&found.raws_stored_settings_can_baud_rate,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_same(&found.raws_stored_settings_can_baud_rate,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(&found.raws_stored_settings_can_baud_rate,
                 &wanted.raws_stored_settings_can_baud_rate);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_check(&field,
@@ -2271,7 +2277,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CAN_BAUD_RATE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_same(&reply.as.read_setting_can_baud_rate,
+                && mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(&reply.as.read_setting_can_baud_rate,
                 &wanted.raws_stored_settings_can_baud_rate);
         }
         break;
@@ -2290,7 +2296,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_max_power_reply_decode(&found.raws_stored_settings_max_power,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_power_same(&found.raws_stored_settings_max_power,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(&found.raws_stored_settings_max_power,
                 &wanted.raws_stored_settings_max_power);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_max_power_check(&field, &wanted.raws_stored_settings_max_power,
@@ -2302,7 +2308,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_POWER
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_power_same(&reply.as.read_setting_max_power,
+                && mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(&reply.as.read_setting_max_power,
                 &wanted.raws_stored_settings_max_power);
         }
         break;
@@ -2321,7 +2327,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_max_speed_reply_decode(&found.raws_stored_settings_max_speed,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_speed_same(&found.raws_stored_settings_max_speed,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(&found.raws_stored_settings_max_speed,
                 &wanted.raws_stored_settings_max_speed);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_max_speed_check(&field,
@@ -2333,7 +2339,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_speed_same(&reply.as.read_setting_max_speed,
+                && mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(&reply.as.read_setting_max_speed,
                 &wanted.raws_stored_settings_max_speed);
         }
         break;
@@ -2352,7 +2358,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_max_angle_reply_decode(&found.raws_stored_settings_max_angle,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_angle_same(&found.raws_stored_settings_max_angle,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(&found.raws_stored_settings_max_angle,
                 &wanted.raws_stored_settings_max_angle);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_max_angle_check(&field,
@@ -2364,7 +2370,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_angle_same(&reply.as.read_setting_max_angle,
+                && mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(&reply.as.read_setting_max_angle,
                 &wanted.raws_stored_settings_max_angle);
         }
         break;
@@ -2383,7 +2389,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_current_ramp_reply_decode(&found.raws_stored_settings_current_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_current_ramp_same(&found.raws_stored_settings_current_ramp,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(&found.raws_stored_settings_current_ramp,
                 &wanted.raws_stored_settings_current_ramp);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_current_ramp_check(&field,
@@ -2395,7 +2401,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_RAMP
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_current_ramp_same(&reply.as.read_setting_current_ramp,
+                && mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(&reply.as.read_setting_current_ramp,
                 &wanted.raws_stored_settings_current_ramp);
         }
         break;
@@ -2414,7 +2420,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_speed_ramp_reply_decode(&found.raws_stored_settings_speed_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_same(&found.raws_stored_settings_speed_ramp,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(&found.raws_stored_settings_speed_ramp,
                 &wanted.raws_stored_settings_speed_ramp);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_check(&field,
@@ -2426,7 +2432,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_RAMP
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_same(&reply.as.read_setting_speed_ramp,
+                && mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(&reply.as.read_setting_speed_ramp,
                 &wanted.raws_stored_settings_speed_ramp);
         }
         break;
@@ -2444,7 +2450,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_angle_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -2454,7 +2460,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_ANGLE_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&reply.as.read_setting_angle_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.read_setting_angle_pid,
+                &wanted.raws_pid_gains);
         }
         break;
     case 98u: /* request of read_stored_setting_speed_pid */
@@ -2471,7 +2478,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_speed_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -2481,7 +2488,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&reply.as.read_setting_speed_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.read_setting_speed_pid,
+                &wanted.raws_pid_gains);
         }
         break;
     case 100u: /* request of read_stored_setting_current_pid */
@@ -2498,7 +2506,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_current_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -2508,7 +2516,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&reply.as.read_setting_current_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.read_setting_current_pid,
+                &wanted.raws_pid_gains);
         }
         break;
     case 102u: /* request of stage_stored_setting_driver_id */
@@ -2517,7 +2526,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_driver_id_request_decode(&found.raws_stored_settings_driver_id,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_driver_id_same(&found.raws_stored_settings_driver_id,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(&found.raws_stored_settings_driver_id,
                 &wanted.raws_stored_settings_driver_id);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_driver_id_check(&field,
@@ -2529,7 +2538,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_driver_id_same(&request.as.stage_setting_driver_id,
+                && mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(&request.as.stage_setting_driver_id,
                 &wanted.raws_stored_settings_driver_id);
         }
         break;
@@ -2539,7 +2548,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_driver_id_reply_decode(&found.raws_stored_settings_driver_id,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_driver_id_same(&found.raws_stored_settings_driver_id,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(&found.raws_stored_settings_driver_id,
                 &wanted.raws_stored_settings_driver_id);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_driver_id_check(&field,
@@ -2551,7 +2560,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_driver_id_same(&reply.as.stage_setting_driver_id,
+                && mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(&reply.as.stage_setting_driver_id,
                 &wanted.raws_stored_settings_driver_id);
         }
         break;
@@ -2561,7 +2570,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_bus_type_request_decode(&found.raws_stored_settings_bus_type,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_bus_type_same(&found.raws_stored_settings_bus_type,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(&found.raws_stored_settings_bus_type,
                 &wanted.raws_stored_settings_bus_type);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_bus_type_check(&field,
@@ -2573,7 +2582,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_bus_type_same(&request.as.stage_setting_bus_type,
+                && mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(&request.as.stage_setting_bus_type,
                 &wanted.raws_stored_settings_bus_type);
         }
         break;
@@ -2583,7 +2592,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_bus_type_reply_decode(&found.raws_stored_settings_bus_type,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_bus_type_same(&found.raws_stored_settings_bus_type,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(&found.raws_stored_settings_bus_type,
                 &wanted.raws_stored_settings_bus_type);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_bus_type_check(&field,
@@ -2595,7 +2604,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_bus_type_same(&reply.as.stage_setting_bus_type,
+                && mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(&reply.as.stage_setting_bus_type,
                 &wanted.raws_stored_settings_bus_type);
         }
         break;
@@ -2605,7 +2614,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_rs485_baud_rate_request_decode(&found.raws_stored_settings_rs485_baud_rate,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_same(&found.raws_stored_settings_rs485_baud_rate,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(&found.raws_stored_settings_rs485_baud_rate,
                 &wanted.raws_stored_settings_rs485_baud_rate);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_check(&field,
@@ -2617,7 +2626,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_same(&request.as.stage_setting_rs485_baud_rate,
+                && mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(&request.as.stage_setting_rs485_baud_rate,
                 &wanted.raws_stored_settings_rs485_baud_rate);
         }
         break;
@@ -2627,7 +2636,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_rs485_baud_rate_reply_decode(&found.raws_stored_settings_rs485_baud_rate,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_same(&found.raws_stored_settings_rs485_baud_rate,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(&found.raws_stored_settings_rs485_baud_rate,
                 &wanted.raws_stored_settings_rs485_baud_rate);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_check(&field,
@@ -2639,7 +2648,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_same(&reply.as.stage_setting_rs485_baud_rate,
+                && mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(&reply.as.stage_setting_rs485_baud_rate,
                 &wanted.raws_stored_settings_rs485_baud_rate);
         }
         break;
@@ -2649,7 +2658,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_can_baud_rate_request_decode(&found.raws_stored_settings_can_baud_rate,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_same(&found.raws_stored_settings_can_baud_rate,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(&found.raws_stored_settings_can_baud_rate,
                 &wanted.raws_stored_settings_can_baud_rate);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_check(&field,
@@ -2661,7 +2670,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_same(&request.as.stage_setting_can_baud_rate,
+                && mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(&request.as.stage_setting_can_baud_rate,
                 &wanted.raws_stored_settings_can_baud_rate);
         }
         break;
@@ -2671,7 +2680,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_can_baud_rate_reply_decode(&found.raws_stored_settings_can_baud_rate,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_same(&found.raws_stored_settings_can_baud_rate,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(&found.raws_stored_settings_can_baud_rate,
                 &wanted.raws_stored_settings_can_baud_rate);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_check(&field,
@@ -2683,7 +2692,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_same(&reply.as.stage_setting_can_baud_rate,
+                && mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(&reply.as.stage_setting_can_baud_rate,
                 &wanted.raws_stored_settings_can_baud_rate);
         }
         break;
@@ -2693,7 +2702,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_power_request_decode(&found.raws_stored_settings_max_power,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_power_same(&found.raws_stored_settings_max_power,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(&found.raws_stored_settings_max_power,
                 &wanted.raws_stored_settings_max_power);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_max_power_check(&field, &wanted.raws_stored_settings_max_power,
@@ -2705,7 +2714,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_power_same(&request.as.stage_setting_max_power,
+                && mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(&request.as.stage_setting_max_power,
                 &wanted.raws_stored_settings_max_power);
         }
         break;
@@ -2715,7 +2724,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_power_reply_decode(&found.raws_stored_settings_max_power,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_power_same(&found.raws_stored_settings_max_power,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(&found.raws_stored_settings_max_power,
                 &wanted.raws_stored_settings_max_power);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_max_power_check(&field, &wanted.raws_stored_settings_max_power,
@@ -2727,7 +2736,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_power_same(&reply.as.stage_setting_max_power,
+                && mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(&reply.as.stage_setting_max_power,
                 &wanted.raws_stored_settings_max_power);
         }
         break;
@@ -2737,7 +2746,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_speed_request_decode(&found.raws_stored_settings_max_speed,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_speed_same(&found.raws_stored_settings_max_speed,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(&found.raws_stored_settings_max_speed,
                 &wanted.raws_stored_settings_max_speed);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_max_speed_check(&field,
@@ -2749,7 +2758,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_speed_same(&request.as.stage_setting_max_speed,
+                && mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(&request.as.stage_setting_max_speed,
                 &wanted.raws_stored_settings_max_speed);
         }
         break;
@@ -2759,7 +2768,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_speed_reply_decode(&found.raws_stored_settings_max_speed,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_speed_same(&found.raws_stored_settings_max_speed,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(&found.raws_stored_settings_max_speed,
                 &wanted.raws_stored_settings_max_speed);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_max_speed_check(&field,
@@ -2771,7 +2780,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_speed_same(&reply.as.stage_setting_max_speed,
+                && mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(&reply.as.stage_setting_max_speed,
                 &wanted.raws_stored_settings_max_speed);
         }
         break;
@@ -2781,7 +2790,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_angle_request_decode(&found.raws_stored_settings_max_angle,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_angle_same(&found.raws_stored_settings_max_angle,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(&found.raws_stored_settings_max_angle,
                 &wanted.raws_stored_settings_max_angle);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_max_angle_check(&field,
@@ -2793,7 +2802,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_angle_same(&request.as.stage_setting_max_angle,
+                && mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(&request.as.stage_setting_max_angle,
                 &wanted.raws_stored_settings_max_angle);
         }
         break;
@@ -2803,7 +2812,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_angle_reply_decode(&found.raws_stored_settings_max_angle,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_angle_same(&found.raws_stored_settings_max_angle,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(&found.raws_stored_settings_max_angle,
                 &wanted.raws_stored_settings_max_angle);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_max_angle_check(&field,
@@ -2815,7 +2824,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_angle_same(&reply.as.stage_setting_max_angle,
+                && mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(&reply.as.stage_setting_max_angle,
                 &wanted.raws_stored_settings_max_angle);
         }
         break;
@@ -2825,7 +2834,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_current_ramp_request_decode(&found.raws_stored_settings_current_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_current_ramp_same(&found.raws_stored_settings_current_ramp,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(&found.raws_stored_settings_current_ramp,
                 &wanted.raws_stored_settings_current_ramp);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_current_ramp_check(&field,
@@ -2837,7 +2846,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_current_ramp_same(&request.as.stage_setting_current_ramp,
+                && mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(&request.as.stage_setting_current_ramp,
                 &wanted.raws_stored_settings_current_ramp);
         }
         break;
@@ -2847,7 +2856,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_current_ramp_reply_decode(&found.raws_stored_settings_current_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_current_ramp_same(&found.raws_stored_settings_current_ramp,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(&found.raws_stored_settings_current_ramp,
                 &wanted.raws_stored_settings_current_ramp);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_current_ramp_check(&field,
@@ -2859,7 +2868,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_current_ramp_same(&reply.as.stage_setting_current_ramp,
+                && mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(&reply.as.stage_setting_current_ramp,
                 &wanted.raws_stored_settings_current_ramp);
         }
         break;
@@ -2869,7 +2878,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_speed_ramp_request_decode(&found.raws_stored_settings_speed_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_same(&found.raws_stored_settings_speed_ramp,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(&found.raws_stored_settings_speed_ramp,
                 &wanted.raws_stored_settings_speed_ramp);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_check(&field,
@@ -2881,7 +2890,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_same(&request.as.stage_setting_speed_ramp,
+                && mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(&request.as.stage_setting_speed_ramp,
                 &wanted.raws_stored_settings_speed_ramp);
         }
         break;
@@ -2891,7 +2900,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_speed_ramp_reply_decode(&found.raws_stored_settings_speed_ramp,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_same(&found.raws_stored_settings_speed_ramp,
+            result->same = mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(&found.raws_stored_settings_speed_ramp,
                 &wanted.raws_stored_settings_speed_ramp);
         }
         if (mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_check(&field,
@@ -2903,7 +2912,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_same(&reply.as.stage_setting_speed_ramp,
+                && mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(&reply.as.stage_setting_speed_ramp,
                 &wanted.raws_stored_settings_speed_ramp);
         }
         break;
@@ -2912,7 +2921,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_angle_pid_request_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -2922,7 +2931,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&request.as.stage_setting_angle_pid,
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&request.as.stage_setting_angle_pid,
                 &wanted.raws_pid_gains);
         }
         break;
@@ -2931,7 +2940,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_angle_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -2941,7 +2950,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&reply.as.stage_setting_angle_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.stage_setting_angle_pid,
+                &wanted.raws_pid_gains);
         }
         break;
     case 122u: /* request of stage_stored_setting_speed_pid */
@@ -2949,7 +2959,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_speed_pid_request_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -2959,7 +2969,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&request.as.stage_setting_speed_pid,
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&request.as.stage_setting_speed_pid,
                 &wanted.raws_pid_gains);
         }
         break;
@@ -2968,7 +2978,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_speed_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -2978,7 +2988,8 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&reply.as.stage_setting_speed_pid, &wanted.raws_pid_gains);
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.stage_setting_speed_pid,
+                &wanted.raws_pid_gains);
         }
         break;
     case 124u: /* request of stage_stored_setting_current_pid */
@@ -2986,7 +2997,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_current_pid_request_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -2996,7 +3007,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID
                 && request.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&request.as.stage_setting_current_pid,
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&request.as.stage_setting_current_pid,
                 &wanted.raws_pid_gains);
         }
         break;
@@ -3005,7 +3016,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_stage_setting_current_pid_reply_decode(&found.raws_pid_gains,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_same(&found.raws_pid_gains, &wanted.raws_pid_gains);
+            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
         }
         if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
             field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
@@ -3015,7 +3026,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_same(&reply.as.stage_setting_current_pid,
+                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.stage_setting_current_pid,
                 &wanted.raws_pid_gains);
         }
         break;
@@ -3034,7 +3045,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         result->decoded = mwd_motor_v2_36_2025_03_save_settings_reply_decode(&found.raws_save_stored_settings_reply,
             &result->node, frame);
         if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_save_settings_reply_same(&found.raws_save_stored_settings_reply,
+            result->same = mwd_motor_v2_36_2025_03_save_settings_reply_matches(&found.raws_save_stored_settings_reply,
                 &wanted.raws_save_stored_settings_reply);
         }
         if (mwd_motor_v2_36_2025_03_save_settings_reply_check(&field,
@@ -3046,7 +3057,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
             result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS
                 && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_save_settings_reply_same(&reply.as.save_settings,
+                && mwd_motor_v2_36_2025_03_save_settings_reply_matches(&reply.as.save_settings,
                 &wanted.raws_save_stored_settings_reply);
         }
         break;

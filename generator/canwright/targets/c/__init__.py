@@ -21,7 +21,9 @@ from .view import EditionView, edition_view
 RUNTIME = Path(__file__).parent / "runtime"
 """The headers that are the same for every protocol."""
 
-SHARED = ("canwright.h", "canwright_float.h", "canwright_selftest.h")
+SHARED = ("canwright.h", "canwright_exact.h", "canwright_float.h", "canwright_print.h", "canwright_selftest.h")
+PARTS = ("", "_float", "_print")
+"""The endings of the names of the headers of an edition."""
 
 PACKAGES = ("CMakeLists.txt", "library.json", "library.properties", "README.md")
 FILTERS: dict[str, Callable[..., object]] = {
@@ -96,8 +98,8 @@ def _headers(
     lines = "".join(f"/* {line} */\n" for line in family.headers)
     files = {file: lines + (RUNTIME / file).read_text("utf-8") for file in SHARED}
     for one, view in editions:
-        files[f"{view.file}.h"] = fold(env.get_template("edition.h.j2").render(e=view))
-        files[f"{view.file}_float.h"] = fold(env.get_template("edition_float.h.j2").render(e=view))
+        for part in PARTS:
+            files[f"{view.file}{part}.h"] = fold(env.get_template(f"edition{part}.h.j2").render(e=view))
         files[f"{view.file}.hpp"] = fold(
             env.get_template("edition.hpp.j2").render(e=view, x=cxx_view(one.edition, view))
         )

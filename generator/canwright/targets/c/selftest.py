@@ -206,7 +206,7 @@ class _SelfTest:
         if frame.struct:
             content = next(one for _, one in any_.members if one.command == enumerator)
             wanted = f"&wanted.{_table(message.layout)}"
-            same.append(f"{frame.layout.name}_same(&{any_.word}.as.{content.member}, {wanted})")
+            same.append(f"{frame.layout.name}_matches(&{any_.word}.as.{content.member}, {wanted})")
         return MessageCase(
             number=number,
             command=message.command,
