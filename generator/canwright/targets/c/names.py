@@ -37,7 +37,7 @@ TYPE_ENDINGS = (
     *("_to_milli", "_from_milli", "_to_float", "_from_float", "_to_double", "_from_double"),
 )
 SCALE_MACROS = ("UNIT", "SCALE_NUM", "SCALE_DEN", "OFFSET_NUM", "OFFSET_DEN")
-LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack", "_show")
+LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack", "_show", "_matches")
 MESSAGE_ENDINGS = ("_encode", "_decode")
 ADDRESS_ENDINGS = (
     *("_request_id", "_request_node", "_request_filter"),
@@ -66,6 +66,7 @@ EDITION_NAMES = (
     ),
     *("check_reply", "H", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
     *("SPEC", "SPEC_HASH", "EDITION", "REPLY_WITHIN_US", "PRINT_H", "print_request", "print_reply"),
+    *("selftest", "selftest_message", "selftest_t", "SELFTEST_H", "HPP"),
 )
 
 
