@@ -97,7 +97,7 @@ class _Printer:
         if isinstance(node, dispatch.Reject):
             return RejectView(node.reason.name)
         if isinstance(node, dispatch.Match):
-            command = self._names.upper("command", node.message.command)
+            command = self._names.command(node.message.command)
             return MatchView(command, self._views.message(node.message).other_constant)
         if isinstance(node.otherwise, dispatch.Reject) and len(node.cases) == 1:
             condition = _differs(node.subject, node.cases[0].values)
@@ -131,7 +131,7 @@ def answers(names: Names, edition: Edition, views: Messages) -> list[AnswerView]
         if command.request is not None and command.reply is not None:
             conditions = tuple(_answer(views, command, command.request, command.reply))
             uses_from = views.message(command.reply).pattern.rule.has_nodes
-            grouped.setdefault((conditions, uses_from), []).append(names.upper("command", command.name))
+            grouped.setdefault((conditions, uses_from), []).append(names.command(command.name))
     return [AnswerView(tuple(commands), *answer) for answer, commands in grouped.items()]
 
 
