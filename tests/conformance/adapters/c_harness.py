@@ -13,6 +13,7 @@ from canwright.model.message import Direction, Message
 from canwright.model.types import Encoding, Type
 from canwright.targets.c.names import layouts, member
 
+from .c_facts import Facts
 from .c_signatures import Function, functions
 
 TEMPLATE = Path(__file__).with_name("c_harness.c.j2")
@@ -24,8 +25,14 @@ ARGUMENTS = {"frame": "frame", "message": "message", "node": "node", "parameters
 def harness(edition: Edition, include: Path) -> str:
     """The program's text, for the headers below `include`."""
     name = f"{edition.family}/{edition.identifier}"
-    text = "".join((include / f"{name}{part}.h").read_text("utf-8") for part in ("", "_float"))
-    return _Harness(edition, functions(text)).text(name)
+    text = header_text(edition, include)
+    return _Harness(edition, functions(text)).text(name, Facts(edition, text).code())
+
+
+def header_text(edition: Edition, include: Path) -> str:
+    """The two headers of an edition."""
+    name = f"{edition.family}/{edition.identifier}"
+    return "".join((include / f"{name}{part}.h").read_text("utf-8") for part in ("", "_float"))
 
 
 class _Harness:
@@ -34,7 +41,7 @@ class _Harness:
         self._functions = functions
         self._prefix = f"{edition.family}_{edition.identifier}_".lower()
 
-    def text(self, include: str) -> str:
+    def text(self, include: str, facts: str) -> str:
         check = self._functions.get(f"{self._prefix}check_reply")
         with_fields = [layout for layout in layouts(self._edition) if _has_members(layout)]
         template = jinja2.Environment(
@@ -42,6 +49,7 @@ class _Harness:
         )
         return template.from_string(TEMPLATE.read_text("utf-8")).render(
             include=include,
+            facts=facts,
             prefix=self._prefix,
             parameters=[self._parameter(p.name) for p in self._edition.parameters],
             layouts=[self._layout(layout) for layout in with_fields],
