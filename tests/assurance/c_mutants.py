@@ -7,6 +7,7 @@ outside of them. Not mutated are types, casts, members of structs and texts.
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,11 +22,9 @@ _NUMBER = re.compile(r"(0[xX][0-9a-fA-F]+|\d+)([uUlL]*)$")
 _MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]+(\S.*)$", re.MULTILINE)
 _DECIMAL = re.compile(r"\d+\.\d+(?:[eE][-+]?\d+)?")
 
-OTHER = {
-    **{"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "&&": "||", "||": "&&", "<<": ">>"},
-    **{">>": "<<", "+": "-", "-": "+", "*": "/", "/": "*", "%": "*", "&": "|", "|": "&", "^": "|", "++": "--"},
-    **{"+=": "-=", "-=": "+=", "|=": "&=", "&=": "|=", "<<=": ">>=", ">>=": "<<=", "true": "false", "false": "true"},
-}
+_PAIRS = ("< <=", "> >=", "== !=", "&& ||", "<< >>", "+ -", "* /", "& |", "+= -=", "|= &=", "<<= >>=", "true false")
+OTHER = {one: other for pair in _PAIRS for one, other in itertools.permutations(pair.split())}
+OTHER |= {"%": "*", "^": "|", "++": "--"}
 """What an operator or a constant is replaced by."""
 
 UNARY_AFTER = {"(", ",", "=", "return", "?", ":", "{", ";", "&&", "||", "<", "<=", ">", ">=", "==", "!="}
@@ -82,14 +81,14 @@ def tokens(text: str) -> list[Token]:
 def functions(text: str) -> list[Function]:
     """The functions that a header defines: a body in braces after a list of parameters, outside of other braces."""
     found: list[Function] = []
-    depth, start = 0, 0
+    depth = 0
     body: int | None = None
     outside: list[Token] = []
     inside: list[Token] = []
     for token in tokens(text):
         if token.kind in ("space", "comment", "directive"):
             if token.kind == "directive" and depth == 0:
-                outside, start = [], token.end
+                outside = []
             continue
         if body is not None:
             inside.append(token)
@@ -99,20 +98,18 @@ def functions(text: str) -> list[Function]:
                 name = outside[opening - 1].text
                 parameters = tuple(_parameters(outside[opening + 1 : -1]))
                 found.append(Function(name, outside[0].start, body, token.end, parameters, tuple(inside[:-1])))
-                body, outside, inside, start = None, [], [], token.end
+                body, outside, inside = None, [], []
         elif token.text == "{" and depth == 0 and outside and outside[-1].text == ")":
             body, depth = token.end, 1
         else:
-            depth += {"{": 1, "}": -1}.get(token.text, 0)
-            if outside and outside[-1].kind == "text" and token.text == "{":
-                depth, outside = 0, []  # extern "C"
-            elif depth < 0:
+            is_linkage = token.text == "{" and bool(outside) and outside[-1].kind == "text"
+            depth = max(0, depth + {"{": 1, "}": -1}.get(token.text, 0))
+            if is_linkage:  # extern "C"
                 depth, outside = 0, []
             elif depth == 0 and token.text == ";":
                 outside = []
             elif depth == 0 or token.text != "{":
                 outside.append(token)
-    del start
     return found
 
 
@@ -163,13 +160,16 @@ def _mutant(file: str, text: str, function: str, changes: tuple[Change, ...]) ->
 
 def _in_function(function: Function, siblings: Mapping[str, str]) -> Iterator[tuple[Change, ...]]:
     body = function.tokens
-    labels = [i + 1 for i, token in enumerate(body) if token.text == "case"]
+    cases = [i for i, token in enumerate(body) if token.text == "case"]
+    labels = [place + 1 for place in cases]
     for place, token in enumerate(body):
         before = body[place - 1].text if place else "{"
         for new in _others(token, before, siblings):
             yield ((token.start, token.end, new),)
-    for one, other in zip(labels, labels[1:], strict=False):
+    for one, other in itertools.pairwise(labels):
         a, b = body[one], body[other]
+        if body[one + 1].text == ":" and other == one + 3:
+            continue  # both labels have one body
         yield ((a.start, a.end, b.text), (b.start, b.end, a.text))
     for start, end in _statements(body):
         yield ((body[start].start, body[end].end, ";"),)
@@ -217,20 +217,27 @@ def _siblings(text: str) -> dict[str, str]:
 
 
 def _statements(body: Sequence[Token]) -> Iterator[tuple[int, int]]:
-    """First and last token of statements that a function can lack: assignments, calls and `break`."""
+    """The places of the first and last token of statements that a function can lack: assignments, calls, and `break` before others."""
     start, depth = 0, 0
     for place, token in enumerate(body):
         depth += {"(": 1, ")": -1}.get(token.text, 0)
         if depth == 0 and token.text in (";", "{", "}", ":"):
             words = body[start:place]
-            if token.text == ";" and words and _is_removable(words):
+            if token.text == ";" and words and (_is_removable(words) or _falls_through(body, place)):
                 yield start, place
             start = place + 1
 
 
+def _falls_through(body: Sequence[Token], place: int) -> bool:
+    """Whether a `break` ends at this place that keeps the program from other statements than `break`."""
+    following = [token.text for token in body[place + 1 :]]
+    while following and following[0] in ("case", "default", "break"):
+        end = following.index(";" if following[0] == "break" else ":")
+        following = following[end + 1 :]
+    return body[place - 1].text == "break" and following[:1] != ["}"]
+
+
 def _is_removable(words: Sequence[Token]) -> bool:
-    if words[0].text == "break":
-        return True
     if words[0].text in ("return", "const", "static", "continue", "goto", "else", "do", "if", "for", "while", "switch"):
         return False
     is_declaration = words[0].kind == "word" and len(words) > 1 and (words[1].kind == "word" or words[1].text == "*")

@@ -21,10 +21,10 @@ from canwright.targets.base import Specification
 from ..compilers import SANITIZED, ZIG
 from ..conformance.adapter import Adapter, Refused, write_files
 from ..conformance.adapters.c import CAdapter
-from ..conformance.adapters.c_harness import harness
+from ..conformance.adapters.c_harness import harness, header_text
 from ..conformance.questions import Questions
 from ..conformance.runner import Runner
-from .c_mutants import CHOICE, Mutant, changed, merged, mutants
+from .c_mutants import CHOICE, Mutant, changed, functions, merged, mutants
 from .differential import compare
 
 MOST_LINES = 40_000
@@ -63,7 +63,7 @@ class Subject:
         self._programs = itertools.count()
         original, errors = self._compile(self.headers)
         assert original is not None, errors
-        recorder = Recorder(self.item.edition, original)
+        recorder = Recorder(self.item.edition, original, header_text(self.item.edition, self.folder / "include"))
         recorder.lines = []
         _ask_everything(self.item, recorder)
         self.quick = self._questions(recorder.lines, "quick")
@@ -171,16 +171,16 @@ class Subject:
 
 def _sizes(text: str) -> dict[str, int]:
     """The lines of each function."""
-    from .c_mutants import functions
-
     return {one.name: text.count("\n", one.start, one.end) + 2 for one in functions(text)}
 
 
-def _ask_everything(item: Specification, adapter: Adapter) -> None:
+def _ask_everything(item: Specification, adapter: CAdapter) -> None:
     """The golden frames, the facts, and some random questions. Raises AssertionError for a wrong answer."""
     assert item.frames is not None
     report = Runner(item.edition, item.frames, adapter).run()
     assert not report.failures, report.failures[:10]
+    wrong = adapter.wrong_facts()
+    assert not wrong, wrong[:10]
     every = list(Questions(item.edition).round())
     (comparison,) = compare(item, [adapter], random.Random(1).sample(every, min(len(every), QUICK)))
     assert not comparison.disagreements, comparison.disagreements[:10]

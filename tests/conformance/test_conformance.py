@@ -17,6 +17,7 @@ from ..assurance.differential import compare
 from ..spec_texts import ROOT, SPECS, called
 from .adapter import Adapter, CanFrame, Decoded, Parameters, Refused
 from .adapters import ADAPTERS
+from .adapters.c import CAdapter
 from .adapters.reference import ReferenceAdapter
 from .questions import Questions
 from .runner import Runner
@@ -57,6 +58,13 @@ def test_random_questions(spec: Path, target: str, adapters: Adapters) -> None:
     every = list(Questions(item.edition).round())
     (comparison,) = compare(item, [adapter], random.Random(1).sample(every, min(len(every), RANDOM[target])))
     assert not comparison.disagreements, "\n".join(comparison.disagreements[:10])
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_facts_of_headers(spec: Path, adapters: Adapters) -> None:
+    _, adapter = adapters(spec, "c")
+    assert isinstance(adapter, CAdapter)
+    assert adapter.wrong_facts() == []
 
 
 class _OtherMessages(ReferenceAdapter):

@@ -42,9 +42,9 @@ class CAdapter(Adapter):
 
     name = "c"
 
-    def __init__(self, edition: Edition, program: Path, header: str) -> None:
+    def __init__(self, edition: Edition, program: Path, header: str = "") -> None:
         super().__init__(edition)
-        self._facts = list(Facts(edition, header).all())
+        self._header = header
         self._process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         weakref.finalize(self, _end, self._process)
 
@@ -120,7 +120,7 @@ class CAdapter(Adapter):
     def wrong_facts(self) -> list[str]:
         """What the program says of the header besides frames, where it differs from the model."""
         wrong = []
-        for fact in self._facts:
+        for fact in Facts(self.edition, self._header).all():
             found = self._ask(fact.kind, fact.name, *self._known(fact.parameters), *fact.rest)
             words = found.says.value if isinstance(found, Refused) else " ".join(found)
             if words != fact.answer:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import random
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -22,14 +22,14 @@ from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Type
 from canwright.semantics.decoder import Rejection
 from canwright.semantics.encoder import Encoder
+from canwright.targets.c.names import Names, layouts
 
 from ..adapter import Parameters, assignment
-from .c_signatures import Function, functions
+from .c_signatures import functions
 
 TEMPLATE = Path(__file__).with_name("c_facts.c.j2")
 
 _MACRO = re.compile(r"^#define (\w+)[ ]+(\(?-?(?:0x[0-9A-Fa-f]+|\d+)[uUlL]*\)?)[ ]*(?:/\*.*)?$", re.MULTILINE)
-_ENUM = re.compile(r"typedef enum \{(.*?)\} (\w+);", re.DOTALL)
 _TYPE_FUNCTION = re.compile(r"(?P<stem>\w+?)_(?P<kind>valid|name|to_milli|from_milli)$")
 _ADDRESS_FUNCTION = re.compile(r"(?P<stem>\w+?)_(?P<direction>request|reply)_(?P<kind>id|node)$")
 
@@ -59,16 +59,14 @@ class Facts:
             if name.startswith(self._prefix)
         }
         self._macros = [match[1] for match in _MACRO.finditer(header) if not match[1].endswith(("_SPEC", "_VERSION"))]
-        enums = {match[2]: re.findall(r"^\s*([A-Z]\w*)\b", match[1], re.M) for match in _ENUM.finditer(header)}
-        self._commands = self._named(enums, "command")
-        self._fields = self._named(enums, "field")
-        self._types = {stem: type_ for type_ in edition.types for stem in _stems(type_)}
+        names = self._names = Names(edition)
+        fields = dict.fromkeys(f.name for layout in layouts(edition) for f in layout.fields if f.fixed is None)
+        self._commands = {"": names.command("none"), **{c.name: names.command(c.name) for c in edition.commands}}
+        self._fields = {"": names.upper("field", "none"), **{name: names.upper("field", name) for name in fields}}
+        if names.lower("field_name") not in functions(header):
+            self._fields = {}
+        self._types = {names.type_stem(type_): type_ for type_ in edition.types}
         self._chance = random.Random(1)
-
-    def _named(self, enums: Mapping[str, list[str]], kind: str) -> dict[str, str]:
-        """The enumerators of commands or fields by their names."""
-        start = f"{self._prefix}{kind}_".upper()
-        return {one.removeprefix(start).lower(): one for one in enums.get(f"{self._prefix}{kind}_t", ())}
 
     def code(self) -> str:
         """The part of the program that answers."""
@@ -94,12 +92,12 @@ class Facts:
             match = _TYPE_FUNCTION.match(name)
             if match and match["kind"] in ("valid", "name") and match["stem"] in self._types:
                 yield {
-                    **{"kind": match["kind"], "name": match["stem"], "call": function.call(ARGUMENTS)},
-                    **{"type": _type_of(function, "raw"), "signed": self._is_signed(match["stem"])},
+                    "kind": match["kind"],
+                    "name": match["stem"],
+                    "call": function.call(ARGUMENTS),
+                    "type": function.types[function.parameters.index("raw")],
+                    "signed": self._types[match["stem"]].encoding is Encoding.SIGNED,
                 }
-
-    def _is_signed(self, stem: str) -> bool:
-        return self._types[stem].encoding is Encoding.SIGNED
 
     def _address_functions(self) -> Iterator[dict[str, Any]]:
         for name, function in self._functions.items():
@@ -118,7 +116,7 @@ class Facts:
         yield Fact("status", "-", {}, ("99",), "?")
         yield from self._of_commands()
         for name in self._fields:
-            yield Fact("field", name, {}, (), f"[{'' if name == 'none' else name}]")
+            yield Fact("field", f"[{name}]", {}, (), f"[{name}]")
         yield from self._of_macros()
         for one in self._address_functions():
             yield from self._of_address(one["kind"], one["name"])
@@ -150,11 +148,11 @@ class Facts:
             its = [effect.name for effect in command.effects] if command else []
             mask = sum(effects[one] for one in its) if has_effects else 0
             for parameters in self._assignments(*only):
-                words = [f"[{name if command else ''}]"]
+                words = [f"[{name}]"]
                 words += [f"{mask:X}", *(one for one in effects if one in its)] if has_effects else []
                 if available:
                     words.append(str(int(command.available(assignment(parameters)) if command else True)))
-                yield Fact("command", name, parameters, (), " ".join(words))
+                yield Fact("command", f"[{name}]", parameters, (), " ".join(words))
 
     def _of_macros(self) -> Iterator[Fact]:
         """The constants whose values the model has."""
@@ -165,29 +163,34 @@ class Facts:
 
     def _constants(self) -> dict[str, int]:
         found: dict[str, int] = {}
+        names = self._names
         for place, name in enumerate(self._effects()):
-            found[f"effect_{name}"] = 1 << place
+            found[names.upper("effect", name)] = 1 << place
         for address in self._edition.addresses:
             for direction in Direction:
                 rule = address.rule(direction)
                 if rule.nodes is not None:
-                    found[f"{address.name}_node_min"] = rule.nodes[0]
-                    found[f"{address.name}_node_max"] = rule.nodes[-1]
+                    found[names.upper(address.name, "node_min")] = rule.nodes[0]
+                    found[names.upper(address.name, "node_max")] = rule.nodes[-1]
                 else:
                     flag = 1 << 31 if rule.extended else 0
-                    found[f"{address.name}_{direction.value}_id"] = rule.base | flag
+                    found[names.upper(address.name, direction.value, "id")] = rule.base | flag
         for command in self._edition.commands:
             if command.code is not None:
-                found[f"{command.name}_code"] = command.code
+                found[self._names.upper(command.name, "code")] = command.code
         for stem, type_ in self._types.items():
-            found |= {f"{stem}_{member.name}": member.value for member in type_.enum}
-            found |= {f"{stem}_{flag.name}": 1 << flag.value for flag in type_.flags}
+            found |= {names.upper(stem, member.name): member.value for member in type_.enum}
+            found |= {names.upper(stem, flag.name): 1 << flag.value for flag in type_.flags}
             span = type_.raw_range.constant
             if span is not None and type_.encoding is not Encoding.FLOAT and type_.is_number:
                 low, high = type_.raw_limits
-                found[f"{stem}_raw_min"] = low if span.low.parameter else max(low, math.ceil(span.low.constant))
-                found[f"{stem}_raw_max"] = high if span.high.parameter else min(high, math.floor(span.high.constant))
-        return {f"{self._prefix}{name}".upper(): value for name, value in found.items()}
+                found[names.upper(stem, "raw_min")] = (
+                    low if span.low.parameter else max(low, math.ceil(span.low.constant))
+                )
+                found[names.upper(stem, "raw_max")] = (
+                    high if span.high.parameter else min(high, math.floor(span.high.constant))
+                )
+        return found
 
     def _of_address(self, kind: str, name: str) -> Iterator[Fact]:
         """Nodes and ids at both ends and beyond."""
@@ -196,6 +199,9 @@ class Facts:
         if rule.nodes is None:
             return
         flag = 1 << 31 if rule.extended else 0
+        filled = 0
+        for message in self._edition.of_rule(Direction(direction), rule):
+            filled |= message.id_mask
         nodes = {rule.nodes[0] - 1, rule.nodes[0], rule.nodes[0] + 1, rule.nodes[-1], rule.nodes[-1] + 1, 0, 2**32 - 1}
         nodes |= {rule.nodes[-1] - 1, rule.nodes[len(rule.nodes) // 2]}
         for node in sorted(node for node in nodes if node >= 0):
@@ -205,7 +211,7 @@ class Facts:
                 yield Fact("id", name, {}, (f"{node:X}",), answer)
             for wrong in (0, 1, 2, rule.node_step // 2, 1 << 30, 1 << 31) if kind == "node" else ():
                 asked = (id_ ^ wrong) & 0xFFFFFFFF
-                rest = (asked ^ flag) - rule.base
+                rest = (asked & ~filled ^ flag) - rule.base
                 found = rest // rule.node_step
                 fits = rest % rule.node_step == 0 and found in rule.nodes
                 yield Fact("node", name, {}, (f"{asked:X}",), f"{found:X}" if fits else Refusal.UNKNOWN_ID.value)
@@ -270,25 +276,15 @@ class Facts:
                 half = abs(linear.scale) * 500
                 near = {math.floor(exact + part) + step for part in (-half, 0, half) for step in (-1, 0, 1)}
                 for milli in sorted(near):
-                    found = encoder.field_raw(field, Fraction(milli, 1000))
-                    found = found[0] if isinstance(found, list) else found
-                    answer = found.reason.value if isinstance(found, Rejection) else str(found)
+                    found = encoder.nearest_raw(field, Fraction(milli, 1000))
+                    rejection = found if isinstance(found, Rejection) else encoder.rejects_raw(field, found)
+                    answer = rejection.reason.value if rejection else str(found)
                     yield Fact("milli", type_.name, parameters, ("from", str(milli)), answer)
 
 
 def _rounded(number: Fraction) -> int:
     size = math.floor(abs(number) + Fraction(1, 2))
     return size if number >= 0 else -size
-
-
-def _stems(type_: Type) -> tuple[str, str]:
-    """The names that a type may have in C: its own, and with its raw type where a field has the same name."""
-    letter = {Encoding.SIGNED: "i", Encoding.UNSIGNED: "u", Encoding.FLOAT: "f"}[type_.encoding]
-    return type_.name, f"{type_.name}_{letter}{type_.width}"
-
-
-def _type_of(function: Function, parameter: str) -> str:
-    return function.types[function.parameters.index(parameter)]
 
 
 def _container(type_: Type) -> tuple[int, int]:
