@@ -150,12 +150,24 @@ Change = tuple[int, int, str]
 
 
 def _mutant(file: str, text: str, function: str, changes: tuple[Change, ...]) -> Mutant:
-    start = text.rfind("\n", 0, changes[0][0]) + 1
-    end = text.find("\n", changes[0][1])
-    line = text[start:end]
-    change = changes[0]
-    mutated = line[: change[0] - start] + change[2] + line[change[1] - start :]
-    return Mutant(file, function, changes, " ".join(line.split()), " ".join(mutated.split()))
+    low, high, new = changes[0]
+    start = text.rfind("\n", 0, low) + 1
+    if text[start:high].strip() == text[low:high]:  # as `break;`, which says little without the line before
+        start = text.rfind("\n", 0, start - 1) + 1
+    end = text.find("\n", high)
+    mutated = text[start:low] + new + text[high:end]
+    return Mutant(file, function, changes, " ".join(text[start:end].split()), " ".join(mutated.split()))
+
+
+def used(text: str, program: str) -> set[str]:
+    """The functions of headers that a program calls, directly or through others."""
+    calls = {one.name: {t.text for t in one.tokens if t.kind == "word"} for one in functions(text)}
+    found: set[str] = set()
+    left = {word for word in re.findall(r"\w+", program) if word in calls}
+    while left:
+        found |= left
+        left = {word for name in left for word in calls[name] if word in calls} - found
+    return found
 
 
 def _in_function(function: Function, siblings: Mapping[str, str]) -> Iterator[tuple[Change, ...]]:

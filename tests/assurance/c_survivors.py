@@ -11,7 +11,7 @@ import os
 import random
 import re
 import subprocess
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from canwright.project.loader import specification
@@ -24,7 +24,7 @@ from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.c_harness import harness, header_text
 from ..conformance.questions import Questions
 from ..conformance.runner import Runner
-from .c_mutants import CHOICE, Mutant, changed, functions, merged, mutants
+from .c_mutants import CHOICE, Mutant, changed, functions, merged, mutants, used
 from .differential import compare
 
 MOST_LINES = 40_000
@@ -78,14 +78,20 @@ class Subject:
         return file
 
     def mutants(self) -> list[Mutant]:
-        """All mutants of all headers."""
-        return [mutant for name, text in self.headers.items() for mutant in mutants(name, text)]
+        """All mutants of the headers, without those of functions that no question reaches."""
+        reached = used("\n".join(self.headers.values()), self._harness.read_text("utf-8"))
+        every = (mutant for name, text in self.headers.items() for mutant in mutants(name, text))
+        return [mutant for mutant in every if not mutant.function or mutant.function in reached]
 
-    def survivors(self, chosen: Sequence[Mutant], progress: Callable[[str], None]) -> Iterator[Mutant]:
+    def unused(self) -> list[str]:
+        """The functions that no question reaches."""
+        text = "\n".join(self.headers.values())
+        return sorted({one.name for one in functions(text)} - used(text, self._harness.read_text("utf-8")))
+
+    def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
         """Those of some mutants that answer as the original does."""
         inside = [mutant for mutant in chosen if mutant.function]
         for part in self._parts(inside):
-            progress(f"{len(part)} mutants in one program")
             yield from self._survivors(dict(enumerate(part, 1)))
         for mutant in chosen:
             if not mutant.function:
