@@ -42,7 +42,9 @@ def _filled(text: str, groups: Sequence[str]) -> str:
     """The mutated line: each `...` is what it is in the original; further ones are any text."""
     parts = text.split("...")
     fill = [*map(re.escape, groups), *[".*?"] * len(parts)]
-    return re.escape(parts[0]) + "".join(between + re.escape(part) for between, part in zip(fill, parts[1:], strict=False))
+    return re.escape(parts[0]) + "".join(
+        between + re.escape(part) for between, part in zip(fill, parts[1:], strict=False)
+    )
 
 
 def read(file: Path) -> list[Equivalent]:

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import copy
+import functools
+import itertools
+import pickle
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from fractions import Fraction
 from types import ModuleType
@@ -23,7 +27,7 @@ from ..conformance.adapters.python import PythonAdapter
 def check_package(item: Specification, module: ModuleType) -> None:
     """Raises AssertionError for whatever is not as the model has it."""
     edition = item.edition
-    assert (module.FAMILY, module.EDITION, module.SPEC_HASH) == (edition.family, edition.name, edition.hash)
+    assert (edition.family, edition.name, edition.hash) == (module.FAMILY, module.EDITION, module.SPEC_HASH)
     _check_enums(edition, module)
     _check_parameters(edition, module)
     for message in edition.all_messages():
@@ -77,25 +81,25 @@ def _within(number: Fraction, low: Fraction | None, high: Fraction | None) -> bo
 def _check_class(edition: Edition, message: Message, cls: Any) -> None:
     command = edition.command(message.command)
     language = edition.languages[0]
-    assert (cls.COMMAND, cls.DIRECTION, cls.DLC) == (message.command, message.direction.value, message.dlc), cls
-    assert (cls.EXTENDED, cls.REMOTE) == (message.id.extended, message.remote), cls
+    assert (message.command, message.direction.value, message.dlc) == (cls.COMMAND, cls.DIRECTION, cls.DLC), cls
+    assert (message.id.extended, message.remote) == (cls.EXTENDED, cls.REMOTE), cls
     in_id = sum(key.value << key.segments[0].low for key in message.keys if key.space is Space.ID and key.width)
     assert not in_id or cls.ID & message.id.base == message.id.base
     if not message.id_mask:
-        assert cls.ID == message.id.base
+        assert message.id.base == cls.ID
     if message.id.nodes is None:
         assert not hasattr(cls, "NODES")
     else:
-        assert cls.NODES == (message.id.nodes[0], message.id.nodes[-1]) and cls.NODE_STEP == message.id.node_step
+        assert (message.id.nodes[0], message.id.nodes[-1]) == cls.NODES and message.id.node_step == cls.NODE_STEP
     if command.code is not None and message.keys and message.direction is Direction.REQUEST and not message.id_mask:
         assert getattr(cls, "CODE", command.code) == command.code, cls
     if message.direction is Direction.REQUEST or command.request is None:
-        assert cls.TITLE == command.title[language], cls
-        assert cls.EFFECTS == tuple(effect.name for effect in command.effects), cls
-        assert cls.LIMITED_BY == tuple(setting.name for setting in command.limited_by), cls
+        assert command.title[language] == cls.TITLE, cls
+        assert tuple(effect.name for effect in command.effects) == cls.EFFECTS, cls
+        assert tuple(setting.name for setting in command.limited_by) == cls.LIMITED_BY, cls
         only = {name: tuple(_plain(value) for value in values) for name, values in cls.ONLY.items()}
         assert only == {attribute(name): values for name, values in command.only.items()}, cls
-        assert cls.MANUAL == command.manual, cls
+        assert command.manual == cls.MANUAL, cls
 
 
 def _plain(value: Any) -> str:
@@ -130,28 +134,62 @@ def _messages(item: Specification, module: ModuleType) -> Iterator[Any]:
 
 
 def _check_value(message: Any) -> None:
-    """A message equals its copy, reads as it is, and knows its fields."""
-    other = copy.copy(message)
-    assert message == other and not message != other and hash(message) == hash(other)  # noqa: SIM202
+    """A message equals its copies, cannot be changed, reads as it is, and knows its fields."""
+    cls, names = type(message), message.fields()
+    known = {"node": message.node, "parameters": message.parameters}
+    if isinstance(_outcome(message.check), Rejected):
+        for call in (message.encode, message.replace, functools.partial(cls.from_raw, **known, **message.raw())):
+            _raises(ValueError, call)
+        return
+    again = cls.from_raw(**known, **message.raw())
+    for other in (copy.copy(message), pickle.loads(pickle.dumps(message)), again, message.replace()):
+        assert message == other and not message != other and hash(message) == hash(other)  # noqa: SIM202
+        assert (other.node, other.parameters, other.raw()) == (message.node, message.parameters, message.raw())
+        assert other.encode_unchecked() == again.encode() and other.can_id == message.can_id
     assert message != 1 and message.__eq__(1) is NotImplemented
-    assert message.raw() == {name: getattr(message, f"{name}_raw") for name in message.fields()}
+    assert message.raw() == {name: getattr(message, f"{name}_raw") for name in names}
+    values = {name: _outcome(getattr, message, name) for name in names}
+    assert message.values() == {name: None if isinstance(v, Rejected) else v for name, v in values.items()}
     text = repr(message)
-    assert text.startswith(f"{type(message).__name__}(") and text.endswith(")")
-    for name in message.fields():
-        assert f"{name}=" in text or f"{name}_raw=" in text, text
-        try:
-            assert f"{name}={getattr(message, name)!r}" in text, text
-        except ValueError:
-            assert f"{name}_raw={getattr(message, f'{name}_raw')!r}" in text, text
-    assert (f"node={message.node}" in text) is (message.node is not None), text
-    for name in set(type(message).TYPES) - set(message.fields()):
-        assert isinstance(_raises(AttributeError, getattr, message, name), AttributeError)
+    parts = [f"node={message.node}"] if message.node is not None else []
+    for name, value in values.items():
+        raw = isinstance(value, Rejected)
+        parts.append(f"{name}_raw={message.raw()[name]!r}" if raw else f"{name}={value!r}")
+        if not raw:
+            assert message.replace(**{name: value}).raw()[name] == message.raw()[name]
+            assert message.replace(**{name: value}) == message
+        _raises(AttributeError, setattr, message, name, value)
+        _raises(AttributeError, delattr, message, name)
+    assert text == f"{cls.__name__}({', '.join(parts)})"
+    for name in set(cls.TYPES) - set(names):
+        assert "it has" in str(_raises(AttributeError, getattr, message, name))
+        _raises(TypeError, message.replace, **{name: 0})
     _raises(AttributeError, getattr, message, "no_such_field")
+    _raises(TypeError, message.replace, no_such_field=1)
+    _raises(TypeError, cls.from_raw, **known, **message.raw(), no_such_field=1)
+    _check_node(message)
+
+
+def _check_node(message: Any) -> None:
+    cls, raw, parameters = type(message), message.raw(), message.parameters
+    if not hasattr(cls, "NODES"):
+        assert message.node is None
+        _raises(TypeError, message.replace, node=1)
+        return
+    first, last = cls.NODES
+    for node in (first, last):
+        other = message.replace(node=node)
+        assert (other.node, other.raw(), other == message) == (node, raw, node == message.node)
+        assert other.can_id - message.can_id == (node - message.node) * cls.NODE_STEP
+    for node in (first - 1, last + 1, None):
+        error = _raises(ValueError, cls.from_raw, node=node, parameters=parameters, **raw)
+        assert getattr(error, "refusal", "").value == Refusal.UNKNOWN_NODE.value
+    _raises(TypeError, cls.from_raw, node="1", parameters=parameters, **raw)
 
 
 def _check_all_differ(messages: list[Any]) -> None:
     """Messages are equal exactly if their class, node and raw integers are."""
-    for one, other in zip(messages, messages[1:], strict=False):
+    for one, other in itertools.pairwise(messages):
         same = (type(one), one.node, one.raw()) == (type(other), other.node, other.raw())
         assert (one == other) is same and (one != other) is not same
         if same:
@@ -160,43 +198,51 @@ def _check_all_differ(messages: list[Any]) -> None:
 
 def _check_nodes(edition: Edition, module: ModuleType, nodes: ModuleType) -> None:
     """Frames are decoded as those of the node that they belong to; two nodes with one id are refused."""
-    Node, Nodes = nodes.Node, nodes.Nodes
+    make, bus_of = nodes.Node, nodes.Nodes
     replies = [m for m in edition.messages(Direction.REPLY) if m.id.nodes is not None and len(m.id.nodes) > 1]
     if not replies:
         return
     numbers = replies[0].id.nodes
     assert numbers is not None
-    first, last = Node(module, numbers[0]), Node(module, numbers[-1])
+    first, last = make(module, numbers[0]), make(module, numbers[-1])
     assert repr(first) == f"Node({edition.name}, {numbers[0]})" and first.parameters == module.UNKNOWN
-    bus = Nodes([first, last])
+    bus = bus_of([first, last])
     assert list(bus) == [first, last]
-    _raises(ValueError, Nodes, [first, Node(module, numbers[0])])
-    _raises(TypeError, Node, module, numbers[0], object())
+    _raises(ValueError, bus_of, [first, make(module, numbers[0])])
+    _raises(TypeError, make, module, numbers[0], object())
     for message in edition.all_messages():
         if message.id.nodes is None:
             continue
         name, flags = message.direction.value, {"extended": message.id.extended, "remote": message.remote}
-        for node, expected in ((numbers[0], True), (numbers[-1], True), (numbers[1], len(numbers) < 3)):
+        for node in {numbers[0], numbers[1], numbers[-1]} & set(message.id.nodes):
             can_id = message.id.base + node * message.id.node_step
-            if node not in message.id.nodes:
-                continue
-            assert first.has(name, can_id, *flags.values()) is (node == numbers[0])
-            decode = getattr(bus, f"decode_{name}")
             data = bytes(0 if message.remote else message.dlc)
-            alone = getattr(module, f"decode_{name}")
-            wanted = _outcome(alone, can_id, data, **flags) if expected else Refusal.UNKNOWN_ID.value
-            assert _outcome(decode, can_id, data, **flags) == wanted, (message.name, node)
-        made = [m for m in edition.all_messages() if m.id.nodes == numbers and not m.layout.fields]
-        for one in made:
-            assert first.make(getattr(module, class_name(one.name))).node == numbers[0]
+            there = [one for one in (first, last) if one.node == node]
+            assert list(bus.nodes_of(name, can_id, **flags)) == there
+            wanted = _outcome(getattr(module, f"decode_{name}"), can_id, data, **flags)
+            for one in there:
+                assert _outcome(getattr(one, f"decode_{name}"), can_id, data, **flags) == wanted
+            found = _outcome(getattr(bus, f"decode_{name}"), can_id, data, **flags)
+            assert found == (wanted if there else Rejected(Refusal.UNKNOWN_ID.value)), (message.name, node)
+    for message in edition.all_messages():
+        if message.id.nodes == numbers and not message.layout.fields:
+            assert first.make(getattr(module, class_name(message.name))).node == numbers[0]
+    _raises(TypeError, first.make, nodes.Message)
 
 
-def _outcome(decode: Callable[..., Any], can_id: int, data: bytes, **flags: bool) -> Any:
-    """The message, or the reason for a rejection."""
+@dataclass(frozen=True)
+class Rejected:
+    """The reason for a rejection."""
+
+    reason: str
+
+
+def _outcome(call: Callable[..., Any], *arguments: Any, **named: Any) -> Any:
+    """The result, or the reason for a rejection."""
     try:
-        return decode(can_id, data, **flags)
+        return call(*arguments, **named)
     except ValueError as error:
-        return error.refusal.value  # type: ignore[attr-defined]
+        return Rejected(error.refusal.value)  # type: ignore[attr-defined]
 
 
 def _raises(error: type[BaseException], call: Callable[..., Any], *arguments: Any, **named: Any) -> BaseException:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+_ORDER = ((ast.Lt, ast.LtE), (ast.Gt, ast.GtE), (ast.Eq, ast.NotEq), (ast.Is, ast.IsNot), (ast.In, ast.NotIn))
 COMPARISONS: dict[type[ast.cmpop], ast.cmpop] = {
-    **{ast.Lt: ast.LtE(), ast.LtE: ast.Lt(), ast.Gt: ast.GtE(), ast.GtE: ast.Gt(), ast.Eq: ast.NotEq()},
-    **{ast.NotEq: ast.Eq(), ast.Is: ast.IsNot(), ast.IsNot: ast.Is(), ast.In: ast.NotIn(), ast.NotIn: ast.In()},
+    one: other() for pair in _ORDER for one, other in itertools.permutations(pair)
 }
+_PAIRS = ((ast.Add, ast.Sub), (ast.Mult, ast.FloorDiv), (ast.BitOr, ast.BitAnd), (ast.LShift, ast.RShift))
 OPERATORS: dict[type[ast.operator], ast.operator] = {
-    **{ast.Add: ast.Sub(), ast.Sub: ast.Add(), ast.Mult: ast.FloorDiv(), ast.Div: ast.Mult(), ast.FloorDiv: ast.Mult()},
-    **{ast.Mod: ast.Mult(), ast.BitOr: ast.BitAnd(), ast.BitAnd: ast.BitOr(), ast.BitXor: ast.BitOr()},
-    **{ast.LShift: ast.RShift(), ast.RShift: ast.LShift()},
+    one: other() for pair in _PAIRS for one, other in itertools.permutations(pair)
 }
+OPERATORS |= {ast.Div: ast.Mult(), ast.Mod: ast.Mult(), ast.BitXor: ast.BitOr()}
 WORDS = {"little": "big", "big": "little"}
 
 _FORMAT = re.compile(r"[<>][0-9xbBhHiIlLqQfds]+")
@@ -65,28 +66,27 @@ class _Finder:
         for node in nodes:
             if isinstance(node, (ast.Import, ast.ImportFrom)) or _is_docstring(node) or _is_for_types(node):
                 continue
-            if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
-                name = f"{function}.{node.name}".lstrip(".")
-                is_function = isinstance(node, ast.FunctionDef)
+            if isinstance(node, ast.FunctionDef):
+                for default in (*node.args.defaults, *(d for d in node.args.kw_defaults if d)):
+                    yield from self._expressions(default, function, line)
                 first = min((node.lineno, *(d.lineno for d in node.decorator_list)))
-                if isinstance(node, ast.FunctionDef):
-                    for default in (*node.args.defaults, *(d for d in node.args.kw_defaults if d)):
-                        yield from self._expressions(default, function, line)
-                yield from self._in(node.body, name, first if is_function else line)
-                continue
-            yield from self._statement(node, function, line)
-            for field, value in ast.iter_fields(node):
-                if field in ("body", "orelse", "finalbody") and isinstance(value, list):
-                    yield from self._in(value, function, line)
-                elif field == "handlers":
-                    for handler in value:
-                        yield from self._in(handler.body, function, line)
-                elif field == "annotation" or (field == "targets" and _is_listing(node)):
-                    continue
-                elif not _is_listing(node):
-                    for part in value if isinstance(value, list) else [value]:
-                        if isinstance(part, ast.AST):
-                            yield from self._expressions(part, function, line)
+                yield from self._in(node.body, f"{function}.{node.name}".lstrip("."), first)
+            elif isinstance(node, ast.ClassDef):
+                yield from self._in(node.body, f"{function}.{node.name}".lstrip("."), line)
+            elif not _is_listing(node):
+                yield from self._statement(node, function, line)
+                yield from self._parts(node, function, line)
+
+    def _parts(self, node: ast.stmt | ast.excepthandler, function: str, line: int) -> Iterator[Mutant]:
+        """The mutants of the expressions and statements of a statement."""
+        for field, value in ast.iter_fields(node):
+            for part in value if isinstance(value, list) else [value]:
+                if isinstance(part, ast.stmt):
+                    yield from self._in([part], function, line)
+                elif isinstance(part, ast.excepthandler):
+                    yield from self._parts(part, function, line)
+                elif isinstance(part, ast.AST) and field != "annotation":
+                    yield from self._expressions(part, function, line)
 
     def _statement(self, node: ast.stmt, function: str, line: int) -> Iterator[Mutant]:
         """The statement left out, another result, the opposite condition."""
@@ -126,8 +126,11 @@ def _is_docstring(node: ast.stmt) -> bool:
 
 
 def _is_for_types(node: ast.stmt) -> bool:
-    return isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test) and not node.orelse and (
-        not isinstance(node.test, ast.UnaryOp)
+    return (
+        isinstance(node, ast.If)
+        and "TYPE_CHECKING" in ast.unparse(node.test)
+        and not node.orelse
+        and (not isinstance(node.test, ast.UnaryOp))
     )
 
 

@@ -42,7 +42,9 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def __init__(self, codes: Mapping[str, CodeType]) -> None:
         self._codes = codes
 
-    def find_spec(self, fullname: str, path: object = None, target: object = None) -> importlib.machinery.ModuleSpec | None:
+    def find_spec(
+        self, fullname: str, path: object = None, target: object = None
+    ) -> importlib.machinery.ModuleSpec | None:
         if fullname not in self._codes:
             return None
         return importlib.util.spec_from_loader(fullname, self, is_package="." not in fullname)
@@ -63,7 +65,9 @@ class Subject:
             for output in target.generate([self.item], {})
             if output.path.startswith(f"python/{edition.family}/") or output.path.startswith(f"{edition.family}/")
         }
-        self._codes = {self._name(file): compile(text, file, "exec") for file, text in self._texts.items() if _is_code(file)}
+        self._codes = {
+            self._name(file): compile(text, file, "exec") for file, text in self._texts.items() if _is_code(file)
+        }
         reference = ReferenceAdapter(edition)
         every = list(itertools.islice(Questions(edition, fractions=True).forever(), THOROUGH))
         random.Random(1).shuffle(every)
