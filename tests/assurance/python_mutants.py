@@ -79,6 +79,8 @@ class _Finder:
 
     def _parts(self, node: ast.stmt | ast.excepthandler, function: str, line: int) -> Iterator[Mutant]:
         """The mutants of the expressions and statements of a statement."""
+        if isinstance(node, ast.Assign) and _is_text(node.value):
+            return
         for field, value in ast.iter_fields(node):
             for part in value if isinstance(value, list) else [value]:
                 if isinstance(part, ast.stmt):
@@ -90,6 +92,8 @@ class _Finder:
 
     def _statement(self, node: ast.stmt, function: str, line: int) -> Iterator[Mutant]:
         """The statement left out, another result, the opposite condition."""
+        if isinstance(node, ast.Assign) and _is_text(node.value):
+            return
         is_call = isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
         if function and (is_call or isinstance(node, (ast.Assign, ast.AugAssign, ast.Raise, ast.Continue, ast.Break))):
             yield self._replaced(node, "pass", function, line)
@@ -137,6 +141,12 @@ def _is_for_types(node: ast.stmt) -> bool:
 def _is_listing(node: ast.stmt) -> bool:
     """Whether a statement lists names: of what a module exports, of slots."""
     return isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) in ("__all__", "__slots__", "__match_args__")
+
+
+def _is_text(node: ast.expr) -> bool:
+    """Whether an expression makes a part of the text of a message, or a type variable."""
+    parts = list(ast.walk(node))
+    return any(isinstance(part, ast.JoinedStr) or getattr(part, "id", "") == "TypeVar" for part in parts)
 
 
 def _is_none(node: ast.expr) -> bool:

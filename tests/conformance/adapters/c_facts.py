@@ -20,7 +20,7 @@ from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Type
-from canwright.semantics.decoder import Rejection
+from canwright.semantics.decoder import Rejection, linear_of
 from canwright.semantics.encoder import Encoder
 from canwright.targets.c.names import Names, layouts
 
@@ -30,10 +30,12 @@ from .c_signatures import functions
 TEMPLATE = Path(__file__).with_name("c_facts.c.j2")
 
 _MACRO = re.compile(r"^#define (\w+)[ ]+(\(?-?(?:0x[0-9A-Fa-f]+|\d+)[uUlL]*\)?)[ ]*(?:/\*.*)?$", re.MULTILINE)
-_TYPE_FUNCTION = re.compile(r"(?P<stem>\w+?)_(?P<kind>valid|name|to_milli|from_milli)$")
+_TYPE_FUNCTION = re.compile(r"(?P<stem>\w+?)_(?P<kind>valid|name|to_milli|from_milli|from_double)$")
 _ADDRESS_FUNCTION = re.compile(r"(?P<stem>\w+?)_(?P<direction>request|reply)_(?P<kind>id|node)$")
 
-ARGUMENTS = {"parameters": "known", "raw": "raw", "id": "id", "node": "node", "found": "found"}
+_RAW = ("raw", "*raw")
+
+ARGUMENTS = {"parameters": "known", "raw": "raw", "value": "value", "id": "id", "node": "node", "found": "found"}
 
 
 @dataclass(frozen=True)
@@ -90,12 +92,14 @@ class Facts:
     def _type_functions(self) -> Iterator[dict[str, Any]]:
         for name, function in self._functions.items():
             match = _TYPE_FUNCTION.match(name)
-            if match and match["kind"] in ("valid", "name") and match["stem"] in self._types:
+            if match and match["kind"] in ("valid", "name", "from_double") and match["stem"] in self._types:
                 yield {
                     "kind": match["kind"],
                     "name": match["stem"],
-                    "call": function.call(ARGUMENTS),
-                    "type": function.types[function.parameters.index("raw")],
+                    "call": function.call(ARGUMENTS).replace("&*", ""),
+                    "type": next(
+                        t for p, t in zip(function.parameters, function.types, strict=True) if p in _RAW
+                    ).rstrip(" *"),
                     "signed": self._types[match["stem"]].encoding is Encoding.SIGNED,
                 }
 
@@ -133,7 +137,7 @@ class Facts:
             yield {}
             return
         parameter = self._edition.parameter(names[0])
-        values = [value.name for value in parameter.values] or ["1", "6", "3.5"]
+        values = [value.name for value in parameter.values] or ["1", "3.5", "900"]
         for rest in self._assignments(*names[1:]):
             yield rest
             yield from ({**rest, parameter.name: value} for value in values)
@@ -225,6 +229,9 @@ class Facts:
             for raw in sorted(raw for raw in near if low <= raw <= high):
                 yield Fact("name", stem, {}, (str(raw),), names.get(raw, "NULL"))
             return
+        if kind == "from_double":
+            yield from self._of_double(stem, type_)
+            return
         for parameters in self._assignments(*type_.parameters, *type_.numbers):
             encoder = Encoder(parameters)
             for raw in self._raws(encoder, type_):
@@ -253,6 +260,28 @@ class Facts:
         near = {end + step for end in (*ends, least, most) for step in (-1, 0, 1)}
         near |= {self._chance.randint(low, high) for _ in range(4)}
         return sorted(raw for raw in near if least <= raw <= most)
+
+    def _of_double(self, stem: str, type_: Type) -> Iterator[Fact]:
+        """The raw integers of doubles at, between and beyond the ends of a type."""
+        field = self._field(type_)
+        for parameters in self._assignments(*type_.parameters, *type_.numbers):
+            encoder = Encoder(parameters)
+            linear = linear_of(type_, encoder.assignment)
+            values: list[float] = [0.0, -0.0, 1e300, -1e300, 2.0**63, -(2.0**63), 2.0**64, 5e-324]
+            if linear is not None and type_.encoding is not Encoding.FLOAT:
+                ends = {raw + step for raw in self._raws(encoder, type_) for step in (-1, 0, 1)}
+                parts = (Fraction(0), Fraction(1, 2), Fraction(-1, 2))
+                values += [float((end + part) * linear.scale + linear.offset) for end in ends for part in parts]
+                values += [math.nextafter(value, way) for value in values[8:] for way in (-math.inf, math.inf)]
+            for value in dict.fromkeys(values):
+                found = encoder.nearest_raw(field, Fraction(value))
+                rejection = found if isinstance(found, Rejection) else encoder.rejects_raw(field, found)
+                answer = rejection.reason.value if rejection else str(found)
+                yield Fact("from_double", stem, parameters, (repr(value),), answer)
+            for text in ("nan", "inf", "-inf"):
+                found = encoder.nearest_raw(field, text)
+                assert isinstance(found, Rejection)
+                yield Fact("from_double", stem, parameters, (text,), found.reason.value)
 
     def _of_milli(self, type_: Type) -> Iterator[Fact]:
         """Thousandths of the ends of a type, and the raw integers of thousandths around them."""
