@@ -1,1 +1,1 @@
-"""Verification that takes long or needs tools: each module is a command, `python -m tests.assurance.NAME`."""
+"""Verification commands, one module each: `python -m tests.assurance.NAME`."""

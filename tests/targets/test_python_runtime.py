@@ -376,7 +376,7 @@ def test_a_message_is_immutable_and_copied() -> None:
 
 def test_what_is_out_of_range_is_decoded_and_written_back_but_not_encoded() -> None:
     data = b"\x10\xe9\x03"
-    decoded = DISPATCHER.decode_request(0x102, data)
+    decoded = DISPATCHER.requests.decode(0x102, data)
     assert (decoded.raw(), decoded.values(), decoded.encode_unchecked()) == ({"level": 1001}, {"level": 100.1}, data)
     rejected(Refusal.OUT_OF_RANGE, decoded.encode)
     rejected(Refusal.OUT_OF_RANGE, decoded.check)

@@ -648,8 +648,8 @@ class Message:
     VARIANT_OF: ClassVar[Mapping[Any, int]] = {}
     """The index of the variant by the value of that parameter."""
 
-    _FIRST: ClassVar[int] = 0
-    _LAST: ClassVar[int] = -1
+    _first_node: ClassVar[int] = 0
+    _last_node: ClassVar[int] = -1
     _checked: bool
     """Whether the raw integers and the node are known to be valid."""
     _node: Any
@@ -661,7 +661,7 @@ class Message:
         super().__init_subclass__()
         immutable(cls)
         if "NODES" in vars(cls):
-            cls._FIRST, cls._LAST = cls.NODES
+            cls._first_node, cls._last_node = cls.NODES
 
     @property
     def node(self) -> Any:
@@ -766,7 +766,7 @@ class Message:
     @classmethod
     def _known_node(cls, node: int | None) -> int | None:
         """The node itself. Raises CodecError (unknown_node), and TypeError where the id has no node."""
-        if type(node) is int and cls._FIRST <= node <= cls._LAST:
+        if type(node) is int and cls._first_node <= node <= cls._last_node:
             return node
         if not cls.COMMAND:
             raise TypeError(f"{cls.__name__} is only a base class; use the class of a request or a reply")
