@@ -6,9 +6,8 @@ must be encoded to the same bytes, or rejected for the same reason and the same 
 not, alike. Frames are near those of each message: its id, length, codes, constants and limits with one part changed,
 data of random bits, and frames that are wholly random; parameters and nodes vary. Equal seeds give equal questions.
 
-Not covered: what a DBC cannot express, which is counted by name below the table; values of raw integers above 2^50,
-which are compared when decoded and not when encoded; several wrong fields in one message, of which targets may report
-different ones; exchanges whose request has a wrong constant. The documents are compared with golden frames only.
+Not covered: what a DBC cannot express, which is counted by name below each line; several wrong fields in one message,
+of which targets may report different ones; exchanges whose request has a wrong constant. The documents are compared with golden frames only.
 """
 
 from __future__ import annotations

@@ -20,14 +20,15 @@ import argparse
 import random
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from ..spec_texts import ROOT, SPECS, called
 from . import c_survivors, python_survivors
 from .equivalents import judge, read
 
-LANGUAGES = {"c": c_survivors.Subject, "python": python_survivors.Subject}
+LANGUAGES: dict[str, Callable[[Path, Path], Any]] = {"c": c_survivors.Subject, "python": python_survivors.Subject}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -182,8 +182,8 @@ def _check_node(message: Any) -> None:
         assert (other.node, other.raw(), other == message) == (node, raw, node == message.node)
         assert other.can_id - message.can_id == (node - message.node) * cls.NODE_STEP
     for node in (first - 1, last + 1, None):
-        error = _raises(ValueError, cls.from_raw, node=node, parameters=parameters, **raw)
-        assert getattr(error, "refusal", "").value == Refusal.UNKNOWN_NODE.value
+        found = _outcome(cls.from_raw, node=node, parameters=parameters, **raw)
+        assert found == Rejected(Refusal.UNKNOWN_NODE.value)
     _raises(TypeError, cls.from_raw, node="1", parameters=parameters, **raw)
 
 

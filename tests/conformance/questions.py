@@ -30,9 +30,6 @@ Answer = Decoded | Encoded | Refused | None
 NUMBERS = ("1", "6", "3.5", "0.25", "36")
 """The values of number parameters; few, because a DBC is generated for each."""
 
-DOUBLE_IS_EXACT = 1 << 50
-"""Values of greater raw integers are only decoded."""
-
 HUGE = (Fraction(2.0**63), Fraction(-(2.0**63)), Fraction(1e300), Fraction(-1e300), Fraction(2.0**-1074))
 
 
@@ -244,7 +241,7 @@ class Questions:
         if type_.flags:
             return [flag.name for flag in type_.flags if raw >> flag.value & 1]
         linear = linear_of(type_, encoder.assignment)
-        if linear is None or (type_.encoding is not Encoding.FLOAT and abs(raw) >= DOUBLE_IS_EXACT):
+        if linear is None:
             return None
         exact = Fraction(_number(type_.encoding, type_.width, raw)) + steps
         exact = exact * linear.scale + linear.offset
@@ -260,7 +257,7 @@ class Questions:
             yield "encode values", self._of_raw(encoder, field, raw)
             if type_.is_number and type_.encoding is not Encoding.FLOAT:
                 sign = self._chance.choice((-1, 1))
-                for part in (half - little, half + little):
+                for part in (half - little, half, half + little):
                     yield "encode between", self._of_raw(encoder, field, raw, sign * part)
         if type_.is_number:
             yield from (("encode between", value) for value in ("nan", "inf", "-inf", *HUGE))

@@ -96,7 +96,7 @@ class Facts:
                 yield {
                     "kind": match["kind"],
                     "name": match["stem"],
-                    "call": function.call(ARGUMENTS).replace("&*", ""),
+                    "call": function.call(ARGUMENTS),
                     "type": next(
                         t for p, t in zip(function.parameters, function.types, strict=True) if p in _RAW
                     ).rstrip(" *"),

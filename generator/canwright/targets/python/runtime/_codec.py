@@ -448,7 +448,7 @@ class Float(Number):
         """The bit pattern itself. Raises CodecError when its value is out of range or not finite."""
         if not 0 <= integer(raw, field) <= self.high:
             raise CodecError(Refusal.OUT_OF_RANGE, f"{field}=raw {raw} is out of range 0..{self.high}", field)
-        if not math.isfinite(self.number.unpack(self.bits.pack(raw))[0]):
+        if not math.isfinite(self._number.unpack(self._bits.pack(raw))[0]):
             raise CodecError(Refusal.NOT_FINITE, f"{field}=raw {raw} is not a finite number", field)
         low, high = self._ends(parameters)
         if low is not None or high is not None:
