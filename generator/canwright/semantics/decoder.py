@@ -132,17 +132,23 @@ def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
     if linear is None:
         return None
     if type_.encoding is Encoding.FLOAT:
-        number = float_of(type_.width, raw)
+        number = _float(type_, raw)
         return Fraction(number) * linear.scale + linear.offset if math.isfinite(number) else None
     scaled = raw * linear.scale
     return scaled + linear.offset if linear.offset else scaled
 
 
-def float_of(width: int, raw: int) -> float:
-    """The IEEE 754 number that has these bits."""
-    bits, number = {32: ("<I", "<f"), 64: ("<Q", "<d")}[width]
-    result: float = struct.unpack(number, struct.pack(bits, raw))[0]
-    return result
+def is_finite(type_: Type, raw: int) -> bool:
+    """False if a raw integer is the bit pattern of infinity or NaN, or no bit pattern of this width."""
+    low, high = type_.raw_limits
+    return low <= raw <= high and math.isfinite(_float(type_, raw))
+
+
+def _float(type_: Type, raw: int) -> float:
+    """The float with a bit pattern."""
+    bits, number = {32: ("<I", "<f"), 64: ("<Q", "<d")}[type_.width]
+    found: float = struct.unpack(number, struct.pack(bits, raw))[0]
+    return found
 
 
 def linear_of(type_: Type, assignment: Assignment) -> Linear | None:

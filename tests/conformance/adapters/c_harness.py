@@ -15,6 +15,7 @@ from canwright.model.types import Encoding, Type
 from canwright.targets.c import PARTS
 from canwright.targets.c.names import Names, layouts, member
 
+from .c_facts import Facts
 from .c_signatures import Function, functions
 
 TEMPLATE = Path(__file__).with_name("c_harness.c.j2")
@@ -26,8 +27,14 @@ ARGUMENTS = {"frame": "frame", "message": "message", "node": "node", "parameters
 def harness(edition: Edition, include: Path) -> str:
     """The program's text, for the headers below `include`."""
     name = f"{edition.family}/{edition.identifier}"
-    text = "".join((include / f"{name}{part}.h").read_text("utf-8") for part in PARTS)
-    return _Harness(edition, functions(text)).text(name)
+    text = header_text(edition, include)
+    return _Harness(edition, functions(text)).text(name, Facts(edition, text).code())
+
+
+def header_text(edition: Edition, include: Path) -> str:
+    """All headers of an edition."""
+    name = f"{edition.family}/{edition.identifier}"
+    return "".join((include / f"{name}{part}.h").read_text("utf-8") for part in PARTS)
 
 
 class _Harness:
@@ -37,7 +44,7 @@ class _Harness:
         self._in_c = Names(edition)
         self._prefix = f"{edition.family}_{edition.identifier}_".lower()
 
-    def text(self, include: str) -> str:
+    def text(self, include: str, facts: str) -> str:
         check = self._functions.get(f"{self._prefix}check_reply")
         with_fields = [layout for layout in layouts(self._edition) if _has_members(layout)]
         template = jinja2.Environment(
@@ -45,6 +52,7 @@ class _Harness:
         )
         return template.from_string(TEMPLATE.read_text("utf-8")).render(
             include=include,
+            facts=facts,
             prefix=self._prefix,
             parameters=[self._parameter(p.name) for p in self._edition.parameters],
             layouts=[self._layout(layout) for layout in with_fields],
