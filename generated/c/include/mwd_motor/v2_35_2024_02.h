@@ -3865,39 +3865,39 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_status_3_reply_dec
  * Any frame: its command, node and fields
  * ----------------------------------------------------------------------------------------------------------------- */
 
-/** The commands. */
+/** The commands. A command with a code of its own has this code as its number. */
 typedef enum {
     MWD_MOTOR_V2_35_2024_02_COMMAND_NONE = 0,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_TORQUE_LIMIT,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_ACCELERATION_LIMIT,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_SPEED_LIMIT,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_TORQUE_LIMIT,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ACCELERATION_LIMIT,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_LIMIT,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2,
-    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3
+    MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF = 0x80,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON = 0x88,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP = 0x81,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE = 0x8C,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER = 0xA0,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE = 0xA1,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED = 0xA2,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED = 0xAD,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE = 0xA3,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED = 0xA4,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE = 0xA5,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED = 0xA6,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE = 0xA7,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED = 0xA8,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_TORQUE_LIMIT = 0x100,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_ACCELERATION_LIMIT = 0x101,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_SPEED_LIMIT = 0x102,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_TORQUE_LIMIT = 0x103,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ACCELERATION_LIMIT = 0x104,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_LIMIT = 0x105,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER = 0x90,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM = 0x91,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM = 0x19,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE = 0x92,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE = 0x94,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE = 0x95,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1 = 0x9A,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS = 0x9B,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2 = 0x9C,
+    MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3 = 0x9D
 } mwd_motor_v2_35_2024_02_command_t;
 
 /** The name of a command. */
@@ -4065,46 +4065,30 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_identify_request(
         }
         switch (frame->data[0]) {
         case 0x80u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF;
-            return CANWRIGHT_OK;
         case 0x88u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON;
-            return CANWRIGHT_OK;
         case 0x81u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP;
-            return CANWRIGHT_OK;
         case 0x8Cu:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE;
-            return CANWRIGHT_OK;
         case 0xA0u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER;
-            return CANWRIGHT_OK;
         case 0xA1u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE;
-            return CANWRIGHT_OK;
         case 0xA2u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED;
-            return CANWRIGHT_OK;
         case 0xADu:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED;
-            return CANWRIGHT_OK;
         case 0xA3u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA4u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA5u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA6u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA7u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA8u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+        case 0x90u:
+        case 0x91u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            *command = (mwd_motor_v2_35_2024_02_command_t)frame->data[0];
             return CANWRIGHT_OK;
         case 0xB0u:
             switch (frame->data[1]) {
@@ -4134,40 +4118,10 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_identify_request(
             default:
                 return CANWRIGHT_UNKNOWN_CODE;
             }
-        case 0x90u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x91u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM;
-            return CANWRIGHT_OK;
-        case 0x19u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
-            return CANWRIGHT_OK;
-        case 0x92u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x94u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x95u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x9Au:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1;
-            return CANWRIGHT_OK;
-        case 0x9Bu:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS;
-            return CANWRIGHT_OK;
-        case 0x9Cu:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2;
-            return CANWRIGHT_OK;
-        case 0x9Du:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3;
-            return CANWRIGHT_OK;
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-    }
+}
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -4218,70 +4172,118 @@ typedef struct {
 static inline canwright_status_t mwd_motor_v2_35_2024_02_decode_request(
     mwd_motor_v2_35_2024_02_any_request_t *request, const canwright_frame_t *frame)
 {
-    const canwright_status_t status =
-        mwd_motor_v2_35_2024_02_identify_request(&request->command, &request->node, frame);
-    if (status != CANWRIGHT_OK) {
-        return status;
-    }
-    switch ((int)request->command) {
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE:
-        mwd_motor_v2_35_2024_02_brake_request_unpack(&request->as.brake_request, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER:
-        mwd_motor_v2_35_2024_02_set_power_request_unpack(&request->as.set_power_request, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE:
-        mwd_motor_v2_35_2024_02_set_torque_request_unpack(&request->as.set_torque_request, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED:
-        mwd_motor_v2_35_2024_02_set_speed_request_unpack(&request->as.set_speed_request, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED:
-        mwd_motor_v2_35_2024_02_set_speed_limited_request_unpack(&request->as.set_speed_limited_request, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE:
-        mwd_motor_v2_35_2024_02_move_to_angle_request_unpack(&request->as.move_to_angle_request, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed_request,
-            frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE:
-        mwd_motor_v2_35_2024_02_turn_to_angle_request_unpack(&request->as.turn_to_angle_request, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed_request,
-            frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE:
-        mwd_motor_v2_35_2024_02_move_by_angle_request_unpack(&request->as.move_by_angle_request, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-        mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed_request,
-            frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_TORQUE_LIMIT:
-        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_unpack(&request->as.control_parameters_torque_limit,
-            frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ACCELERATION_LIMIT:
-        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_unpack(&request->as.control_parameters_acceleration_limit,
-            frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_LIMIT:
-        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_unpack(&request->as.control_parameters_speed_limit,
-            frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM:
-        mwd_motor_v2_35_2024_02_write_encoder_offset_rom_unpack(&request->as.write_encoder_offset_rom, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE:
-        mwd_motor_v2_35_2024_02_set_angle_unpack(&request->as.set_angle, frame);
-        break;
-    default:
-        break;
-    }
-    return CANWRIGHT_OK;
+    if (mwd_motor_v2_35_2024_02_motor_request_node(&request->node, frame->id) == CANWRIGHT_OK) {
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        switch (frame->data[0]) {
+        case 0x80u:
+        case 0x88u:
+        case 0x81u:
+        case 0x90u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            request->command = (mwd_motor_v2_35_2024_02_command_t)frame->data[0];
+            return CANWRIGHT_OK;
+        case 0x8Cu:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE;
+            mwd_motor_v2_35_2024_02_brake_request_unpack(&request->as.brake_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA0u:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER;
+            mwd_motor_v2_35_2024_02_set_power_request_unpack(&request->as.set_power_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA1u:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE;
+            mwd_motor_v2_35_2024_02_set_torque_request_unpack(&request->as.set_torque_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA2u:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED;
+            mwd_motor_v2_35_2024_02_set_speed_request_unpack(&request->as.set_speed_request, frame);
+            return CANWRIGHT_OK;
+        case 0xADu:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED;
+            mwd_motor_v2_35_2024_02_set_speed_limited_request_unpack(&request->as.set_speed_limited_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA3u:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE;
+            mwd_motor_v2_35_2024_02_move_to_angle_request_unpack(&request->as.move_to_angle_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA4u:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
+            mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed_request,
+                frame);
+            return CANWRIGHT_OK;
+        case 0xA5u:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE;
+            mwd_motor_v2_35_2024_02_turn_to_angle_request_unpack(&request->as.turn_to_angle_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA6u:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED;
+            mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed_request,
+                frame);
+            return CANWRIGHT_OK;
+        case 0xA7u:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE;
+            mwd_motor_v2_35_2024_02_move_by_angle_request_unpack(&request->as.move_by_angle_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA8u:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+            mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed_request,
+                frame);
+            return CANWRIGHT_OK;
+        case 0xB0u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_TORQUE_LIMIT;
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_ACCELERATION_LIMIT;
+                return CANWRIGHT_OK;
+            case 0x0Eu:
+                request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_SPEED_LIMIT;
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0xB1u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_TORQUE_LIMIT;
+                mwd_motor_v2_35_2024_02_control_parameters_torque_limit_unpack(&request->as.control_parameters_torque_limit,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ACCELERATION_LIMIT;
+                mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_unpack(&request->as.control_parameters_acceleration_limit,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x0Eu:
+                request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_LIMIT;
+                mwd_motor_v2_35_2024_02_control_parameters_speed_limit_unpack(&request->as.control_parameters_speed_limit,
+                    frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x91u:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM;
+            mwd_motor_v2_35_2024_02_write_encoder_offset_rom_unpack(&request->as.write_encoder_offset_rom, frame);
+            return CANWRIGHT_OK;
+        case 0x95u:
+            request->command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE;
+            mwd_motor_v2_35_2024_02_set_angle_unpack(&request->as.set_angle, frame);
+            return CANWRIGHT_OK;
+        default:
+            return CANWRIGHT_UNKNOWN_CODE;
+        }
+}
+    return CANWRIGHT_UNKNOWN_ID;
 }
 
 /** Identifies the command of any reply, and the node, which is 0 if the id contains none. */
@@ -4294,46 +4296,30 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_identify_reply(
         }
         switch (frame->data[0]) {
         case 0x80u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF;
-            return CANWRIGHT_OK;
         case 0x88u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON;
-            return CANWRIGHT_OK;
         case 0x81u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP;
-            return CANWRIGHT_OK;
         case 0x8Cu:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE;
-            return CANWRIGHT_OK;
         case 0xA0u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER;
-            return CANWRIGHT_OK;
         case 0xA1u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE;
-            return CANWRIGHT_OK;
         case 0xA2u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED;
-            return CANWRIGHT_OK;
         case 0xADu:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED;
-            return CANWRIGHT_OK;
         case 0xA3u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA4u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA5u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA6u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA7u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA8u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+        case 0x90u:
+        case 0x91u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            *command = (mwd_motor_v2_35_2024_02_command_t)frame->data[0];
             return CANWRIGHT_OK;
         case 0xB0u:
             switch (frame->data[1]) {
@@ -4363,40 +4349,10 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_identify_reply(
             default:
                 return CANWRIGHT_UNKNOWN_CODE;
             }
-        case 0x90u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x91u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM;
-            return CANWRIGHT_OK;
-        case 0x19u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
-            return CANWRIGHT_OK;
-        case 0x92u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x94u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x95u:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x9Au:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1;
-            return CANWRIGHT_OK;
-        case 0x9Bu:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS;
-            return CANWRIGHT_OK;
-        case 0x9Cu:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2;
-            return CANWRIGHT_OK;
-        case 0x9Du:
-            *command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3;
-            return CANWRIGHT_OK;
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-    }
+}
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -4445,72 +4401,113 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_decode_reply(
     mwd_motor_v2_35_2024_02_any_reply_t *reply, const canwright_frame_t *frame,
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
-    const canwright_status_t status =
-        mwd_motor_v2_35_2024_02_identify_reply(&reply->command, &reply->node, frame);
-    if (status != CANWRIGHT_OK) {
-        return status;
-    }
-    switch ((int)reply->command) {
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE:
-        mwd_motor_v2_35_2024_02_brake_reply_unpack(&reply->as.brake_reply, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2:
-        return mwd_motor_v2_35_2024_02_motion_feedback_unpack(&reply->as.motion_feedback, frame, parameters);
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_TORQUE_LIMIT:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_TORQUE_LIMIT:
-        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_unpack(&reply->as.control_parameters_torque_limit,
-            frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_ACCELERATION_LIMIT:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ACCELERATION_LIMIT:
-        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_unpack(&reply->as.control_parameters_acceleration_limit,
-            frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_SPEED_LIMIT:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_LIMIT:
-        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_unpack(&reply->as.control_parameters_speed_limit,
-            frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER:
-        mwd_motor_v2_35_2024_02_read_encoder_reply_unpack(&reply->as.read_encoder_reply, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM:
-        mwd_motor_v2_35_2024_02_write_encoder_offset_rom_unpack(&reply->as.write_encoder_offset_rom, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
-        mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom_reply,
-            frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE:
-        mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle_reply, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE:
-        mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle_reply, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE:
-        mwd_motor_v2_35_2024_02_set_angle_unpack(&reply->as.set_angle, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1:
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS:
-        mwd_motor_v2_35_2024_02_status_1_unpack(&reply->as.status_1, frame);
-        break;
-    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3:
-        mwd_motor_v2_35_2024_02_read_status_3_reply_unpack(&reply->as.read_status_3_reply, frame);
-        break;
-    default:
-        break;
-    }
-    return CANWRIGHT_OK;
+    if (mwd_motor_v2_35_2024_02_motor_reply_node(&reply->node, frame->id) == CANWRIGHT_OK) {
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        switch (frame->data[0]) {
+        case 0x80u:
+        case 0x88u:
+        case 0x81u:
+            reply->command = (mwd_motor_v2_35_2024_02_command_t)frame->data[0];
+            return CANWRIGHT_OK;
+        case 0x8Cu:
+            reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE;
+            mwd_motor_v2_35_2024_02_brake_reply_unpack(&reply->as.brake_reply, frame);
+            return CANWRIGHT_OK;
+        case 0xA0u:
+        case 0xA1u:
+        case 0xA2u:
+        case 0xADu:
+        case 0xA3u:
+        case 0xA4u:
+        case 0xA5u:
+        case 0xA6u:
+        case 0xA7u:
+        case 0xA8u:
+        case 0x9Cu:
+            reply->command = (mwd_motor_v2_35_2024_02_command_t)frame->data[0];
+            return mwd_motor_v2_35_2024_02_motion_feedback_unpack(&reply->as.motion_feedback, frame, parameters);
+        case 0xB0u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_TORQUE_LIMIT;
+                mwd_motor_v2_35_2024_02_control_parameters_torque_limit_unpack(&reply->as.control_parameters_torque_limit,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_ACCELERATION_LIMIT;
+                mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_unpack(&reply->as.control_parameters_acceleration_limit,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x0Eu:
+                reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_CONTROL_PARAMETER_SPEED_LIMIT;
+                mwd_motor_v2_35_2024_02_control_parameters_speed_limit_unpack(&reply->as.control_parameters_speed_limit,
+                    frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0xB1u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_TORQUE_LIMIT;
+                mwd_motor_v2_35_2024_02_control_parameters_torque_limit_unpack(&reply->as.control_parameters_torque_limit,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ACCELERATION_LIMIT;
+                mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_unpack(&reply->as.control_parameters_acceleration_limit,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x0Eu:
+                reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_LIMIT;
+                mwd_motor_v2_35_2024_02_control_parameters_speed_limit_unpack(&reply->as.control_parameters_speed_limit,
+                    frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x90u:
+            reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER;
+            mwd_motor_v2_35_2024_02_read_encoder_reply_unpack(&reply->as.read_encoder_reply, frame);
+            return CANWRIGHT_OK;
+        case 0x91u:
+            reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM;
+            mwd_motor_v2_35_2024_02_write_encoder_offset_rom_unpack(&reply->as.write_encoder_offset_rom, frame);
+            return CANWRIGHT_OK;
+        case 0x19u:
+            reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
+            mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom_reply,
+                frame);
+            return CANWRIGHT_OK;
+        case 0x92u:
+            reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE;
+            mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle_reply, frame);
+            return CANWRIGHT_OK;
+        case 0x94u:
+            reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE;
+            mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle_reply,
+                frame);
+            return CANWRIGHT_OK;
+        case 0x95u:
+            reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE;
+            mwd_motor_v2_35_2024_02_set_angle_unpack(&reply->as.set_angle, frame);
+            return CANWRIGHT_OK;
+        case 0x9Au:
+        case 0x9Bu:
+            reply->command = (mwd_motor_v2_35_2024_02_command_t)frame->data[0];
+            mwd_motor_v2_35_2024_02_status_1_unpack(&reply->as.status_1, frame);
+            return CANWRIGHT_OK;
+        case 0x9Du:
+            reply->command = MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3;
+            mwd_motor_v2_35_2024_02_read_status_3_reply_unpack(&reply->as.read_status_3_reply, frame);
+            return CANWRIGHT_OK;
+        default:
+            return CANWRIGHT_UNKNOWN_CODE;
+        }
+}
+    return CANWRIGHT_UNKNOWN_ID;
 }
 
 /** Checks whether a frame answers a request: CANWRIGHT_OK, or CANWRIGHT_NOT_ANSWER. */

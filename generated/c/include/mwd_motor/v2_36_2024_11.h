@@ -4377,47 +4377,47 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_status_3_reply_dec
  * Any frame: its command, node and fields
  * ----------------------------------------------------------------------------------------------------------------- */
 
-/** The commands. */
+/** The commands. A command with a code of its own has this code as its number. */
 typedef enum {
     MWD_MOTOR_V2_36_2024_11_COMMAND_NONE = 0,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_ANGLE_PID,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_SPEED_PID,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_CURRENT_PID,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_SPEED,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_CURRENT_RAMP,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_SPEED_RAMP,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_RAMP,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF = 0x80,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON = 0x88,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP = 0x81,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE = 0x8C,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER = 0xA0,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE = 0xA1,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED = 0xA2,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE = 0xA3,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED = 0xA4,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE = 0xA5,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED = 0xA6,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE = 0xA7,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED = 0xA8,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_ANGLE_PID = 0x100,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_SPEED_PID = 0x101,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_CURRENT_PID = 0x102,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT = 0x103,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_SPEED = 0x104,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_ANGLE = 0x105,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_CURRENT_RAMP = 0x106,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_SPEED_RAMP = 0x107,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID = 0x108,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID = 0x109,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID = 0x10A,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT = 0x10B,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED = 0x10C,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_ANGLE = 0x10D,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_RAMP = 0x10E,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP = 0x10F,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER = 0x90,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM = 0x19,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE = 0x92,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE = 0x94,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE = 0x95,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1 = 0x9A,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS = 0x9B,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2 = 0x9C,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3 = 0x9D
 } mwd_motor_v2_36_2024_11_command_t;
 
 /** The name of a command. */
@@ -4602,43 +4602,28 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_request(
         }
         switch (frame->data[0]) {
         case 0x80u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF;
-            return CANWRIGHT_OK;
         case 0x88u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON;
-            return CANWRIGHT_OK;
         case 0x81u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP;
-            return CANWRIGHT_OK;
         case 0x8Cu:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE;
-            return CANWRIGHT_OK;
         case 0xA0u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER;
-            return CANWRIGHT_OK;
         case 0xA1u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE;
-            return CANWRIGHT_OK;
         case 0xA2u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED;
-            return CANWRIGHT_OK;
         case 0xA3u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA4u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA5u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA6u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA7u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA8u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+        case 0x90u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            *command = (mwd_motor_v2_36_2024_11_command_t)frame->data[0];
             return CANWRIGHT_OK;
         case 0xC0u:
             switch (frame->data[1]) {
@@ -4698,37 +4683,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_request(
             default:
                 return CANWRIGHT_UNKNOWN_CODE;
             }
-        case 0x90u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x19u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
-            return CANWRIGHT_OK;
-        case 0x92u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x94u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x95u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x9Au:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1;
-            return CANWRIGHT_OK;
-        case 0x9Bu:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS;
-            return CANWRIGHT_OK;
-        case 0x9Cu:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2;
-            return CANWRIGHT_OK;
-        case 0x9Du:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3;
-            return CANWRIGHT_OK;
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-    }
+}
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -4784,75 +4742,147 @@ typedef struct {
 static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_request(
     mwd_motor_v2_36_2024_11_any_request_t *request, const canwright_frame_t *frame)
 {
-    const canwright_status_t status =
-        mwd_motor_v2_36_2024_11_identify_request(&request->command, &request->node, frame);
-    if (status != CANWRIGHT_OK) {
-        return status;
-    }
-    switch ((int)request->command) {
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE:
-        mwd_motor_v2_36_2024_11_brake_request_unpack(&request->as.brake_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER:
-        mwd_motor_v2_36_2024_11_set_power_request_unpack(&request->as.set_power_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE:
-        mwd_motor_v2_36_2024_11_set_torque_request_unpack(&request->as.set_torque_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED:
-        mwd_motor_v2_36_2024_11_set_speed_request_unpack(&request->as.set_speed_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE:
-        mwd_motor_v2_36_2024_11_move_to_angle_request_unpack(&request->as.move_to_angle_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed_request,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE:
-        mwd_motor_v2_36_2024_11_turn_to_angle_request_unpack(&request->as.turn_to_angle_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed_request,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE:
-        mwd_motor_v2_36_2024_11_move_by_angle_request_unpack(&request->as.move_by_angle_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed_request,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID:
-        mwd_motor_v2_36_2024_11_pid_gains_unpack(&request->as.pid_gains, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT:
-        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&request->as.control_parameters_max_torque_current,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED:
-        mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&request->as.control_parameters_max_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_ANGLE:
-        mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&request->as.control_parameters_max_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_RAMP:
-        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&request->as.control_parameters_current_ramp,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP:
-        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&request->as.control_parameters_speed_ramp,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE:
-        mwd_motor_v2_36_2024_11_set_angle_unpack(&request->as.set_angle, frame);
-        break;
-    default:
-        break;
-    }
-    return CANWRIGHT_OK;
+    if (mwd_motor_v2_36_2024_11_motor_request_node(&request->node, frame->id) == CANWRIGHT_OK) {
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        switch (frame->data[0]) {
+        case 0x80u:
+        case 0x88u:
+        case 0x81u:
+        case 0x90u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            request->command = (mwd_motor_v2_36_2024_11_command_t)frame->data[0];
+            return CANWRIGHT_OK;
+        case 0x8Cu:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE;
+            mwd_motor_v2_36_2024_11_brake_request_unpack(&request->as.brake_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA0u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER;
+            mwd_motor_v2_36_2024_11_set_power_request_unpack(&request->as.set_power_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA1u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE;
+            mwd_motor_v2_36_2024_11_set_torque_request_unpack(&request->as.set_torque_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA2u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED;
+            mwd_motor_v2_36_2024_11_set_speed_request_unpack(&request->as.set_speed_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA3u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE;
+            mwd_motor_v2_36_2024_11_move_to_angle_request_unpack(&request->as.move_to_angle_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA4u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
+            mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed_request,
+                frame);
+            return CANWRIGHT_OK;
+        case 0xA5u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE;
+            mwd_motor_v2_36_2024_11_turn_to_angle_request_unpack(&request->as.turn_to_angle_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA6u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED;
+            mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed_request,
+                frame);
+            return CANWRIGHT_OK;
+        case 0xA7u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE;
+            mwd_motor_v2_36_2024_11_move_by_angle_request_unpack(&request->as.move_by_angle_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA8u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+            mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed_request,
+                frame);
+            return CANWRIGHT_OK;
+        case 0xC0u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_ANGLE_PID;
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_SPEED_PID;
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_CURRENT_PID;
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT;
+                return CANWRIGHT_OK;
+            case 0x20u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_SPEED;
+                return CANWRIGHT_OK;
+            case 0x22u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_ANGLE;
+                return CANWRIGHT_OK;
+            case 0x24u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_CURRENT_RAMP;
+                return CANWRIGHT_OK;
+            case 0x26u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_SPEED_RAMP;
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0xC1u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&request->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&request->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&request->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT;
+                mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&request->as.control_parameters_max_torque_current,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x20u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED;
+                mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&request->as.control_parameters_max_speed,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x22u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_ANGLE;
+                mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&request->as.control_parameters_max_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x24u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_RAMP;
+                mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&request->as.control_parameters_current_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x26u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP;
+                mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&request->as.control_parameters_speed_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x95u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE;
+            mwd_motor_v2_36_2024_11_set_angle_unpack(&request->as.set_angle, frame);
+            return CANWRIGHT_OK;
+        default:
+            return CANWRIGHT_UNKNOWN_CODE;
+        }
+}
+    return CANWRIGHT_UNKNOWN_ID;
 }
 
 /** Identifies the command of any reply, and the node, which is 0 if the id contains none. */
@@ -4865,43 +4895,28 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_reply(
         }
         switch (frame->data[0]) {
         case 0x80u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF;
-            return CANWRIGHT_OK;
         case 0x88u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON;
-            return CANWRIGHT_OK;
         case 0x81u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP;
-            return CANWRIGHT_OK;
         case 0x8Cu:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE;
-            return CANWRIGHT_OK;
         case 0xA0u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER;
-            return CANWRIGHT_OK;
         case 0xA1u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE;
-            return CANWRIGHT_OK;
         case 0xA2u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED;
-            return CANWRIGHT_OK;
         case 0xA3u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA4u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA5u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA6u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA7u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA8u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+        case 0x90u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            *command = (mwd_motor_v2_36_2024_11_command_t)frame->data[0];
             return CANWRIGHT_OK;
         case 0xC0u:
             switch (frame->data[1]) {
@@ -4961,37 +4976,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_reply(
             default:
                 return CANWRIGHT_UNKNOWN_CODE;
             }
-        case 0x90u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x19u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
-            return CANWRIGHT_OK;
-        case 0x92u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x94u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x95u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x9Au:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1;
-            return CANWRIGHT_OK;
-        case 0x9Bu:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS;
-            return CANWRIGHT_OK;
-        case 0x9Cu:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2;
-            return CANWRIGHT_OK;
-        case 0x9Du:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3;
-            return CANWRIGHT_OK;
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-    }
+}
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -5048,83 +5036,152 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_reply(
     mwd_motor_v2_36_2024_11_any_reply_t *reply, const canwright_frame_t *frame,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    const canwright_status_t status =
-        mwd_motor_v2_36_2024_11_identify_reply(&reply->command, &reply->node, frame);
-    if (status != CANWRIGHT_OK) {
-        return status;
-    }
-    switch ((int)reply->command) {
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE:
-        mwd_motor_v2_36_2024_11_brake_reply_unpack(&reply->as.brake_reply, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2:
-        return mwd_motor_v2_36_2024_11_motion_feedback_unpack(&reply->as.motion_feedback, frame, parameters);
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_SPEED_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_CURRENT_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID:
-        mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.pid_gains, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT:
-        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&reply->as.control_parameters_max_torque_current,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_SPEED:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED:
-        mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&reply->as.control_parameters_max_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_ANGLE:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_ANGLE:
-        mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&reply->as.control_parameters_max_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_CURRENT_RAMP:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_RAMP:
-        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&reply->as.control_parameters_current_ramp,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_SPEED_RAMP:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP:
-        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&reply->as.control_parameters_speed_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER:
-        mwd_motor_v2_36_2024_11_read_encoder_reply_unpack(&reply->as.read_encoder_reply, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
-        mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom_reply,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE:
-        mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle_reply, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE:
-        mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle_reply, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE:
-        mwd_motor_v2_36_2024_11_set_angle_unpack(&reply->as.set_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS:
-        mwd_motor_v2_36_2024_11_status_1_unpack(&reply->as.status_1, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3:
-        mwd_motor_v2_36_2024_11_read_status_3_reply_unpack(&reply->as.read_status_3_reply, frame);
-        break;
-    default:
-        break;
-    }
-    return CANWRIGHT_OK;
+    if (mwd_motor_v2_36_2024_11_motor_reply_node(&reply->node, frame->id) == CANWRIGHT_OK) {
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        switch (frame->data[0]) {
+        case 0x80u:
+        case 0x88u:
+        case 0x81u:
+            reply->command = (mwd_motor_v2_36_2024_11_command_t)frame->data[0];
+            return CANWRIGHT_OK;
+        case 0x8Cu:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE;
+            mwd_motor_v2_36_2024_11_brake_reply_unpack(&reply->as.brake_reply, frame);
+            return CANWRIGHT_OK;
+        case 0xA0u:
+        case 0xA1u:
+        case 0xA2u:
+        case 0xA3u:
+        case 0xA4u:
+        case 0xA5u:
+        case 0xA6u:
+        case 0xA7u:
+        case 0xA8u:
+        case 0x9Cu:
+            reply->command = (mwd_motor_v2_36_2024_11_command_t)frame->data[0];
+            return mwd_motor_v2_36_2024_11_motion_feedback_unpack(&reply->as.motion_feedback, frame, parameters);
+        case 0xC0u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_ANGLE_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_SPEED_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_CURRENT_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT;
+                mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&reply->as.control_parameters_max_torque_current,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x20u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_SPEED;
+                mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&reply->as.control_parameters_max_speed,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x22u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_MAX_ANGLE;
+                mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&reply->as.control_parameters_max_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x24u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_CURRENT_RAMP;
+                mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&reply->as.control_parameters_current_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x26u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_CONTROL_PARAMETER_SPEED_RAMP;
+                mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&reply->as.control_parameters_speed_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0xC1u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT;
+                mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&reply->as.control_parameters_max_torque_current,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x20u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED;
+                mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&reply->as.control_parameters_max_speed,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x22u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_ANGLE;
+                mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&reply->as.control_parameters_max_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x24u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_RAMP;
+                mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&reply->as.control_parameters_current_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x26u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP;
+                mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&reply->as.control_parameters_speed_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x90u:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER;
+            mwd_motor_v2_36_2024_11_read_encoder_reply_unpack(&reply->as.read_encoder_reply, frame);
+            return CANWRIGHT_OK;
+        case 0x19u:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
+            mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom_reply,
+                frame);
+            return CANWRIGHT_OK;
+        case 0x92u:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE;
+            mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle_reply, frame);
+            return CANWRIGHT_OK;
+        case 0x94u:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE;
+            mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle_reply,
+                frame);
+            return CANWRIGHT_OK;
+        case 0x95u:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE;
+            mwd_motor_v2_36_2024_11_set_angle_unpack(&reply->as.set_angle, frame);
+            return CANWRIGHT_OK;
+        case 0x9Au:
+        case 0x9Bu:
+            reply->command = (mwd_motor_v2_36_2024_11_command_t)frame->data[0];
+            mwd_motor_v2_36_2024_11_status_1_unpack(&reply->as.status_1, frame);
+            return CANWRIGHT_OK;
+        case 0x9Du:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3;
+            mwd_motor_v2_36_2024_11_read_status_3_reply_unpack(&reply->as.read_status_3_reply, frame);
+            return CANWRIGHT_OK;
+        default:
+            return CANWRIGHT_UNKNOWN_CODE;
+        }
+}
+    return CANWRIGHT_UNKNOWN_ID;
 }
 
 /** Checks whether a frame answers a request: CANWRIGHT_OK, or CANWRIGHT_NOT_ANSWER. */

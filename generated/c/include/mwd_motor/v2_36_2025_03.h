@@ -7219,73 +7219,73 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_save_stored_settings_re
  * Any frame: its command, node and fields
  * ----------------------------------------------------------------------------------------------------------------- */
 
-/** The commands. */
+/** The commands. A command with a code of its own has this code as its number. */
 typedef enum {
     MWD_MOTOR_V2_36_2025_03_COMMAND_NONE = 0,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_ANGLE_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_SPEED_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_CURRENT_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_MAX_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_UPPER_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_LOWER_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_SPEED_RAMP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_UPPER_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_LOWER_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_DRIVER_ID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_BUS_TYPE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_RS485_BAUD_RATE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CAN_BAUD_RATE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_POWER,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CURRENT_RAMP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_SPEED_RAMP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_ANGLE_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_SPEED_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CURRENT_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_DRIVER_ID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_BUS_TYPE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_RS485_BAUD_RATE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CAN_BAUD_RATE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_POWER,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CURRENT_RAMP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_SPEED_RAMP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_ANGLE_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_SPEED_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CURRENT_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_STORED_SETTINGS
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF = 0x80,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON = 0x88,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP = 0x81,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE = 0x8C,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER = 0xA0,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE = 0xA1,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED = 0xA2,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE = 0xA3,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED = 0xA4,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE = 0xA5,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED = 0xA6,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE = 0xA7,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED = 0xA8,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_ANGLE_PID = 0x100,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_SPEED_PID = 0x101,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_CURRENT_PID = 0x102,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT = 0x103,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_MAX_SPEED = 0x104,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_UPPER_ANGLE = 0x105,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_LOWER_ANGLE = 0x106,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_SPEED_RAMP = 0x107,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID = 0x108,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID = 0x109,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID = 0x10A,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT = 0x10B,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED = 0x10C,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_UPPER_ANGLE = 0x10D,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_LOWER_ANGLE = 0x10E,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP = 0x10F,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER = 0x90,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER = 0x18,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM = 0x19,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE = 0x92,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE = 0x94,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM = 0x95,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1 = 0x9A,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS = 0x9B,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2 = 0x9C,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3 = 0x9D,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_DRIVER_ID = 0x110,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_BUS_TYPE = 0x111,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_RS485_BAUD_RATE = 0x112,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CAN_BAUD_RATE = 0x113,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_POWER = 0x114,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_SPEED = 0x115,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_ANGLE = 0x116,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CURRENT_RAMP = 0x117,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_SPEED_RAMP = 0x118,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_ANGLE_PID = 0x119,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_SPEED_PID = 0x11A,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CURRENT_PID = 0x11B,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_DRIVER_ID = 0x11C,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_BUS_TYPE = 0x11D,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_RS485_BAUD_RATE = 0x11E,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CAN_BAUD_RATE = 0x11F,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_POWER = 0x120,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_SPEED = 0x121,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_ANGLE = 0x122,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CURRENT_RAMP = 0x123,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_SPEED_RAMP = 0x124,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_ANGLE_PID = 0x125,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_SPEED_PID = 0x126,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CURRENT_PID = 0x127,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_STORED_SETTINGS = 0x44
 } mwd_motor_v2_36_2025_03_command_t;
 
 /** The name of a command. */
@@ -7547,43 +7547,29 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_request(
         }
         switch (frame->data[0]) {
         case 0x80u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF;
-            return CANWRIGHT_OK;
         case 0x88u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON;
-            return CANWRIGHT_OK;
         case 0x81u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP;
-            return CANWRIGHT_OK;
         case 0x8Cu:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE;
-            return CANWRIGHT_OK;
         case 0xA0u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER;
-            return CANWRIGHT_OK;
         case 0xA1u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE;
-            return CANWRIGHT_OK;
         case 0xA2u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED;
-            return CANWRIGHT_OK;
         case 0xA3u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA4u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA5u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA6u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA7u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA8u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+        case 0x90u:
+        case 0x18u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            *command = (mwd_motor_v2_36_2025_03_command_t)frame->data[0];
             return CANWRIGHT_OK;
         case 0xC0u:
             switch (frame->data[1]) {
@@ -7643,36 +7629,6 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_request(
             default:
                 return CANWRIGHT_UNKNOWN_CODE;
             }
-        case 0x90u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x18u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x19u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
-            return CANWRIGHT_OK;
-        case 0x92u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x94u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x95u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM;
-            return CANWRIGHT_OK;
-        case 0x9Au:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1;
-            return CANWRIGHT_OK;
-        case 0x9Bu:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS;
-            return CANWRIGHT_OK;
-        case 0x9Cu:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2;
-            return CANWRIGHT_OK;
-        case 0x9Du:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3;
-            return CANWRIGHT_OK;
         case 0x40u:
             switch (frame->data[1]) {
             case 0x05u:
@@ -7774,7 +7730,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_request(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-    }
+}
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -7847,105 +7803,264 @@ typedef struct {
 static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_request(
     mwd_motor_v2_36_2025_03_any_request_t *request, const canwright_frame_t *frame)
 {
-    const canwright_status_t status =
-        mwd_motor_v2_36_2025_03_identify_request(&request->command, &request->node, frame);
-    if (status != CANWRIGHT_OK) {
-        return status;
-    }
-    switch ((int)request->command) {
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE:
-        mwd_motor_v2_36_2025_03_brake_request_unpack(&request->as.brake_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER:
-        mwd_motor_v2_36_2025_03_set_power_request_unpack(&request->as.set_power_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE:
-        mwd_motor_v2_36_2025_03_set_torque_request_unpack(&request->as.set_torque_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED:
-        mwd_motor_v2_36_2025_03_set_speed_request_unpack(&request->as.set_speed_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE:
-        mwd_motor_v2_36_2025_03_move_to_angle_request_unpack(&request->as.move_to_angle_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed_request,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE:
-        mwd_motor_v2_36_2025_03_turn_to_angle_request_unpack(&request->as.turn_to_angle_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed_request,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE:
-        mwd_motor_v2_36_2025_03_move_by_angle_request_unpack(&request->as.move_by_angle_request, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed_request,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_SPEED_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CURRENT_PID:
-        mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.pid_gains, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT:
-        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&request->as.control_parameters_max_torque_current,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED:
-        mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&request->as.control_parameters_max_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_UPPER_ANGLE:
-        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&request->as.control_parameters_upper_angle,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_LOWER_ANGLE:
-        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&request->as.control_parameters_lower_angle,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP:
-        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&request->as.control_parameters_speed_ramp,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_DRIVER_ID:
-        mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&request->as.stored_settings_driver_id, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_BUS_TYPE:
-        mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&request->as.stored_settings_bus_type, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_RS485_BAUD_RATE:
-        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&request->as.stored_settings_rs485_baud_rate,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CAN_BAUD_RATE:
-        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&request->as.stored_settings_can_baud_rate,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_POWER:
-        mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&request->as.stored_settings_max_power, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_SPEED:
-        mwd_motor_v2_36_2025_03_stored_settings_max_speed_unpack(&request->as.stored_settings_max_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_ANGLE:
-        mwd_motor_v2_36_2025_03_stored_settings_max_angle_unpack(&request->as.stored_settings_max_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CURRENT_RAMP:
-        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_unpack(&request->as.stored_settings_current_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_SPEED_RAMP:
-        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(&request->as.stored_settings_speed_ramp, frame);
-        break;
-    default:
-        break;
-    }
-    return CANWRIGHT_OK;
+    if (mwd_motor_v2_36_2025_03_motor_request_node(&request->node, frame->id) == CANWRIGHT_OK) {
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        switch (frame->data[0]) {
+        case 0x80u:
+        case 0x88u:
+        case 0x81u:
+        case 0x90u:
+        case 0x18u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            request->command = (mwd_motor_v2_36_2025_03_command_t)frame->data[0];
+            return CANWRIGHT_OK;
+        case 0x8Cu:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE;
+            mwd_motor_v2_36_2025_03_brake_request_unpack(&request->as.brake_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA0u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER;
+            mwd_motor_v2_36_2025_03_set_power_request_unpack(&request->as.set_power_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA1u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE;
+            mwd_motor_v2_36_2025_03_set_torque_request_unpack(&request->as.set_torque_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA2u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED;
+            mwd_motor_v2_36_2025_03_set_speed_request_unpack(&request->as.set_speed_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA3u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE;
+            mwd_motor_v2_36_2025_03_move_to_angle_request_unpack(&request->as.move_to_angle_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA4u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
+            mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed_request,
+                frame);
+            return CANWRIGHT_OK;
+        case 0xA5u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE;
+            mwd_motor_v2_36_2025_03_turn_to_angle_request_unpack(&request->as.turn_to_angle_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA6u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED;
+            mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed_request,
+                frame);
+            return CANWRIGHT_OK;
+        case 0xA7u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE;
+            mwd_motor_v2_36_2025_03_move_by_angle_request_unpack(&request->as.move_by_angle_request, frame);
+            return CANWRIGHT_OK;
+        case 0xA8u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+            mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed_request,
+                frame);
+            return CANWRIGHT_OK;
+        case 0xC0u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_ANGLE_PID;
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_SPEED_PID;
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_CURRENT_PID;
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT;
+                return CANWRIGHT_OK;
+            case 0x20u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_MAX_SPEED;
+                return CANWRIGHT_OK;
+            case 0x22u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_UPPER_ANGLE;
+                return CANWRIGHT_OK;
+            case 0x23u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_LOWER_ANGLE;
+                return CANWRIGHT_OK;
+            case 0x26u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_SPEED_RAMP;
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0xC1u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT;
+                mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&request->as.control_parameters_max_torque_current,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x20u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED;
+                mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&request->as.control_parameters_max_speed,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x22u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_UPPER_ANGLE;
+                mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&request->as.control_parameters_upper_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x23u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_LOWER_ANGLE;
+                mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&request->as.control_parameters_lower_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x26u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP;
+                mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&request->as.control_parameters_speed_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x40u:
+            switch (frame->data[1]) {
+            case 0x05u:
+                switch (frame->data[2]) {
+                case 0x0Au:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_DRIVER_ID;
+                    return CANWRIGHT_OK;
+                case 0x0Bu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_BUS_TYPE;
+                    return CANWRIGHT_OK;
+                case 0x0Cu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_RS485_BAUD_RATE;
+                    return CANWRIGHT_OK;
+                case 0x0Du:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CAN_BAUD_RATE;
+                    return CANWRIGHT_OK;
+                case 0xB0u:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_POWER;
+                    return CANWRIGHT_OK;
+                case 0xB2u:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_SPEED;
+                    return CANWRIGHT_OK;
+                case 0xB4u:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_ANGLE;
+                    return CANWRIGHT_OK;
+                case 0xBAu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CURRENT_RAMP;
+                    return CANWRIGHT_OK;
+                case 0xBCu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_SPEED_RAMP;
+                    return CANWRIGHT_OK;
+                default:
+                    return CANWRIGHT_UNKNOWN_CODE;
+                }
+            case 0xA0u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_ANGLE_PID;
+                return CANWRIGHT_OK;
+            case 0xA4u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_SPEED_PID;
+                return CANWRIGHT_OK;
+            case 0xA8u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CURRENT_PID;
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x42u:
+            switch (frame->data[1]) {
+            case 0x05u:
+                switch (frame->data[2]) {
+                case 0x0Au:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_DRIVER_ID;
+                    mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&request->as.stored_settings_driver_id,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Bu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_BUS_TYPE;
+                    mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&request->as.stored_settings_bus_type,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Cu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_RS485_BAUD_RATE;
+                    mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&request->as.stored_settings_rs485_baud_rate,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Du:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CAN_BAUD_RATE;
+                    mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&request->as.stored_settings_can_baud_rate,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB0u:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_POWER;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&request->as.stored_settings_max_power,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB2u:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_SPEED;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_speed_unpack(&request->as.stored_settings_max_speed,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB4u:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_ANGLE;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_angle_unpack(&request->as.stored_settings_max_angle,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xBAu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CURRENT_RAMP;
+                    mwd_motor_v2_36_2025_03_stored_settings_current_ramp_unpack(&request->as.stored_settings_current_ramp,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xBCu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_SPEED_RAMP;
+                    mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(&request->as.stored_settings_speed_ramp,
+                        frame);
+                    return CANWRIGHT_OK;
+                default:
+                    return CANWRIGHT_UNKNOWN_CODE;
+                }
+            case 0xA0u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_ANGLE_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0xA4u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_SPEED_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0xA8u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CURRENT_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x44u:
+            if (frame->data[1] != 0x05u || frame->data[2] != 0xFAu) {
+                return CANWRIGHT_WRONG_CONSTANT;
+            }
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_STORED_SETTINGS;
+            return CANWRIGHT_OK;
+        default:
+            return CANWRIGHT_UNKNOWN_CODE;
+        }
+}
+    return CANWRIGHT_UNKNOWN_ID;
 }
 
 /** Identifies the command of any reply, and the node, which is 0 if the id contains none. */
@@ -7958,43 +8073,29 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_reply(
         }
         switch (frame->data[0]) {
         case 0x80u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF;
-            return CANWRIGHT_OK;
         case 0x88u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON;
-            return CANWRIGHT_OK;
         case 0x81u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP;
-            return CANWRIGHT_OK;
         case 0x8Cu:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE;
-            return CANWRIGHT_OK;
         case 0xA0u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER;
-            return CANWRIGHT_OK;
         case 0xA1u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE;
-            return CANWRIGHT_OK;
         case 0xA2u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED;
-            return CANWRIGHT_OK;
         case 0xA3u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA4u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA5u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA6u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA7u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA8u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+        case 0x90u:
+        case 0x18u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            *command = (mwd_motor_v2_36_2025_03_command_t)frame->data[0];
             return CANWRIGHT_OK;
         case 0xC0u:
             switch (frame->data[1]) {
@@ -8054,36 +8155,6 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_reply(
             default:
                 return CANWRIGHT_UNKNOWN_CODE;
             }
-        case 0x90u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x18u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x19u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
-            return CANWRIGHT_OK;
-        case 0x92u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x94u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x95u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM;
-            return CANWRIGHT_OK;
-        case 0x9Au:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1;
-            return CANWRIGHT_OK;
-        case 0x9Bu:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS;
-            return CANWRIGHT_OK;
-        case 0x9Cu:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2;
-            return CANWRIGHT_OK;
-        case 0x9Du:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3;
-            return CANWRIGHT_OK;
         case 0x40u:
             switch (frame->data[1]) {
             case 0x05u:
@@ -8185,7 +8256,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_reply(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-    }
+}
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -8264,130 +8335,294 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_reply(
     mwd_motor_v2_36_2025_03_any_reply_t *reply, const canwright_frame_t *frame,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    const canwright_status_t status =
-        mwd_motor_v2_36_2025_03_identify_reply(&reply->command, &reply->node, frame);
-    if (status != CANWRIGHT_OK) {
-        return status;
-    }
-    switch ((int)reply->command) {
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE:
-        mwd_motor_v2_36_2025_03_brake_reply_unpack(&reply->as.brake_reply, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2:
-        return mwd_motor_v2_36_2025_03_motion_feedback_unpack(&reply->as.motion_feedback, frame, parameters);
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_SPEED_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_CURRENT_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_SPEED_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CURRENT_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_SPEED_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CURRENT_PID:
-        mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT:
-        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&reply->as.control_parameters_max_torque_current,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_MAX_SPEED:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED:
-        mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&reply->as.control_parameters_max_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_UPPER_ANGLE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_UPPER_ANGLE:
-        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&reply->as.control_parameters_upper_angle,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_LOWER_ANGLE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_LOWER_ANGLE:
-        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&reply->as.control_parameters_lower_angle,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_SPEED_RAMP:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP:
-        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&reply->as.control_parameters_speed_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER:
-        mwd_motor_v2_36_2025_03_read_encoder_reply_unpack(&reply->as.read_encoder_reply, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER:
-        mwd_motor_v2_36_2025_03_calibrate_encoder_reply_unpack(&reply->as.calibrate_encoder_reply, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
-        mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom_reply,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE:
-        mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle_reply, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE:
-        mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle_reply, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS:
-        mwd_motor_v2_36_2025_03_status_1_unpack(&reply->as.status_1, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3:
-        mwd_motor_v2_36_2025_03_read_status_3_reply_unpack(&reply->as.read_status_3_reply, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_DRIVER_ID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_DRIVER_ID:
-        mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&reply->as.stored_settings_driver_id, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_BUS_TYPE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_BUS_TYPE:
-        mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&reply->as.stored_settings_bus_type, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_RS485_BAUD_RATE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_RS485_BAUD_RATE:
-        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&reply->as.stored_settings_rs485_baud_rate,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CAN_BAUD_RATE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CAN_BAUD_RATE:
-        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&reply->as.stored_settings_can_baud_rate, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_POWER:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_POWER:
-        mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&reply->as.stored_settings_max_power, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_SPEED:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_SPEED:
-        mwd_motor_v2_36_2025_03_stored_settings_max_speed_unpack(&reply->as.stored_settings_max_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_ANGLE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_ANGLE:
-        mwd_motor_v2_36_2025_03_stored_settings_max_angle_unpack(&reply->as.stored_settings_max_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CURRENT_RAMP:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CURRENT_RAMP:
-        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_unpack(&reply->as.stored_settings_current_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_SPEED_RAMP:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_SPEED_RAMP:
-        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(&reply->as.stored_settings_speed_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_STORED_SETTINGS:
-        mwd_motor_v2_36_2025_03_save_stored_settings_reply_unpack(&reply->as.save_stored_settings_reply, frame);
-        break;
-    default:
-        break;
-    }
-    return CANWRIGHT_OK;
+    if (mwd_motor_v2_36_2025_03_motor_reply_node(&reply->node, frame->id) == CANWRIGHT_OK) {
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        switch (frame->data[0]) {
+        case 0x80u:
+        case 0x88u:
+        case 0x81u:
+        case 0x95u:
+            reply->command = (mwd_motor_v2_36_2025_03_command_t)frame->data[0];
+            return CANWRIGHT_OK;
+        case 0x8Cu:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE;
+            mwd_motor_v2_36_2025_03_brake_reply_unpack(&reply->as.brake_reply, frame);
+            return CANWRIGHT_OK;
+        case 0xA0u:
+        case 0xA1u:
+        case 0xA2u:
+        case 0xA3u:
+        case 0xA4u:
+        case 0xA5u:
+        case 0xA6u:
+        case 0xA7u:
+        case 0xA8u:
+        case 0x9Cu:
+            reply->command = (mwd_motor_v2_36_2025_03_command_t)frame->data[0];
+            return mwd_motor_v2_36_2025_03_motion_feedback_unpack(&reply->as.motion_feedback, frame, parameters);
+        case 0xC0u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_ANGLE_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_SPEED_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_CURRENT_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_MAX_TORQUE_CURRENT;
+                mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&reply->as.control_parameters_max_torque_current,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x20u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_MAX_SPEED;
+                mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&reply->as.control_parameters_max_speed,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x22u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_UPPER_ANGLE;
+                mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&reply->as.control_parameters_upper_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x23u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_LOWER_ANGLE;
+                mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&reply->as.control_parameters_lower_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x26u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_CONTROL_PARAMETER_SPEED_RAMP;
+                mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&reply->as.control_parameters_speed_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0xC1u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_ANGLE_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_CURRENT_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_TORQUE_CURRENT;
+                mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&reply->as.control_parameters_max_torque_current,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x20u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_MAX_SPEED;
+                mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&reply->as.control_parameters_max_speed,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x22u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_UPPER_ANGLE;
+                mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&reply->as.control_parameters_upper_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x23u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_LOWER_ANGLE;
+                mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&reply->as.control_parameters_lower_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x26u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_CONTROL_PARAMETER_RAM_SPEED_RAMP;
+                mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&reply->as.control_parameters_speed_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x90u:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER;
+            mwd_motor_v2_36_2025_03_read_encoder_reply_unpack(&reply->as.read_encoder_reply, frame);
+            return CANWRIGHT_OK;
+        case 0x18u:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER;
+            mwd_motor_v2_36_2025_03_calibrate_encoder_reply_unpack(&reply->as.calibrate_encoder_reply, frame);
+            return CANWRIGHT_OK;
+        case 0x19u:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
+            mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom_reply,
+                frame);
+            return CANWRIGHT_OK;
+        case 0x92u:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE;
+            mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle_reply, frame);
+            return CANWRIGHT_OK;
+        case 0x94u:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE;
+            mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle_reply,
+                frame);
+            return CANWRIGHT_OK;
+        case 0x9Au:
+        case 0x9Bu:
+            reply->command = (mwd_motor_v2_36_2025_03_command_t)frame->data[0];
+            mwd_motor_v2_36_2025_03_status_1_unpack(&reply->as.status_1, frame);
+            return CANWRIGHT_OK;
+        case 0x9Du:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3;
+            mwd_motor_v2_36_2025_03_read_status_3_reply_unpack(&reply->as.read_status_3_reply, frame);
+            return CANWRIGHT_OK;
+        case 0x40u:
+            switch (frame->data[1]) {
+            case 0x05u:
+                switch (frame->data[2]) {
+                case 0x0Au:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_DRIVER_ID;
+                    mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&reply->as.stored_settings_driver_id,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Bu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_BUS_TYPE;
+                    mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&reply->as.stored_settings_bus_type,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Cu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_RS485_BAUD_RATE;
+                    mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&reply->as.stored_settings_rs485_baud_rate,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Du:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CAN_BAUD_RATE;
+                    mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&reply->as.stored_settings_can_baud_rate,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB0u:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_POWER;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&reply->as.stored_settings_max_power,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB2u:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_SPEED;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_speed_unpack(&reply->as.stored_settings_max_speed,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB4u:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_MAX_ANGLE;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_angle_unpack(&reply->as.stored_settings_max_angle,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xBAu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CURRENT_RAMP;
+                    mwd_motor_v2_36_2025_03_stored_settings_current_ramp_unpack(&reply->as.stored_settings_current_ramp,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xBCu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_SPEED_RAMP;
+                    mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(&reply->as.stored_settings_speed_ramp,
+                        frame);
+                    return CANWRIGHT_OK;
+                default:
+                    return CANWRIGHT_UNKNOWN_CODE;
+                }
+            case 0xA0u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_ANGLE_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0xA4u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_SPEED_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0xA8u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STORED_SETTING_CURRENT_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x42u:
+            switch (frame->data[1]) {
+            case 0x05u:
+                switch (frame->data[2]) {
+                case 0x0Au:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_DRIVER_ID;
+                    mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&reply->as.stored_settings_driver_id,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Bu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_BUS_TYPE;
+                    mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&reply->as.stored_settings_bus_type,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Cu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_RS485_BAUD_RATE;
+                    mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&reply->as.stored_settings_rs485_baud_rate,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Du:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CAN_BAUD_RATE;
+                    mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&reply->as.stored_settings_can_baud_rate,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB0u:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_POWER;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&reply->as.stored_settings_max_power,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB2u:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_SPEED;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_speed_unpack(&reply->as.stored_settings_max_speed,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB4u:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_MAX_ANGLE;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_angle_unpack(&reply->as.stored_settings_max_angle,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xBAu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CURRENT_RAMP;
+                    mwd_motor_v2_36_2025_03_stored_settings_current_ramp_unpack(&reply->as.stored_settings_current_ramp,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xBCu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_SPEED_RAMP;
+                    mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(&reply->as.stored_settings_speed_ramp,
+                        frame);
+                    return CANWRIGHT_OK;
+                default:
+                    return CANWRIGHT_UNKNOWN_CODE;
+                }
+            case 0xA0u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_ANGLE_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0xA4u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_SPEED_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            case 0xA8u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_STORED_SETTING_CURRENT_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.pid_gains, frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x44u:
+            if (frame->data[1] != 0x05u) {
+                return CANWRIGHT_WRONG_CONSTANT;
+            }
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_STORED_SETTINGS;
+            mwd_motor_v2_36_2025_03_save_stored_settings_reply_unpack(&reply->as.save_stored_settings_reply, frame);
+            return CANWRIGHT_OK;
+        default:
+            return CANWRIGHT_UNKNOWN_CODE;
+        }
+}
+    return CANWRIGHT_UNKNOWN_ID;
 }
 
 /** Checks whether a frame answers a request: CANWRIGHT_OK, or CANWRIGHT_NOT_ANSWER. */

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import itertools
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...model.edition import Edition
+from ...model.layout import Layout
 from ...model.message import BitRun, Command, Direction, Message
 from ...semantics import dispatch
 from ...semantics.dispatch import dispatch_plan
 from . import bits
+from .choices import ENUM_MAX
 from .messages import Messages, RuleView, frame_id
 from .names import Names
 from .patterns import address_mask
@@ -19,11 +23,22 @@ class RejectView(NamedTuple):
     status: str
 
 
+class UnpackView(NamedTuple):
+    """The call that reads the fields of a frame; `fails` is true if it returns a status."""
+
+    call: str
+    fails: bool
+
+
 class MatchView(NamedTuple):
-    """A command; `other_constant` is the condition for a frame with other constants, empty without constants."""
+    """A command, or a run of commands that differ only in the number, which the expression `command` reads.
+
+    `other_constant` is the condition for a frame with other constants, empty without constants.
+    """
 
     command: str
     other_constant: str
+    unpack: UnpackView | None
 
 
 class GuardView(NamedTuple):
@@ -67,9 +82,23 @@ class AnswerView(NamedTuple):
     """True if the conditions read the node that replies."""
 
 
-def routes(names: Names, edition: Edition, views: Messages, direction: Direction) -> list[RouteView]:
-    """The routes of the dispatch plan, in the order in which they are tried."""
-    printer = _Printer(names, views)
+def command_numbers(edition: Edition) -> Mapping[str, int]:
+    """The number of each command: its code if no other command has it, else a free number of at least two bytes.
+
+    With the code as number, one statement is enough for all codes whose messages are read in the same way.
+    """
+    times = Counter(command.code for command in edition.commands)
+    codes = {c.name: c.code for c in edition.commands if c.code and times[c.code] == 1 and c.code <= ENUM_MAX}
+    taken = set(codes.values())
+    free = (number for number in itertools.count(0x100) if number not in taken)
+    return {command.name: codes.get(command.name) or next(free) for command in edition.commands}
+
+
+def routes(
+    names: Names, edition: Edition, views: Messages, direction: Direction, unpack: Mapping[Layout, UnpackView]
+) -> list[RouteView]:
+    """The routes of the dispatch plan, in the order in which they are tried; `unpack` is what follows a match."""
+    printer = _Printer(names, edition, views, unpack)
     return [
         _route(edition, views, direction, route, printer.node(route.then))
         for route in dispatch_plan(edition.messages(direction)).routes
@@ -90,20 +119,39 @@ def _route(edition: Edition, views: Messages, direction: Direction, route: dispa
 class _Printer:
     """The nodes of a dispatch plan in C."""
 
-    def __init__(self, names: Names, views: Messages) -> None:
-        self._names, self._views = names, views
+    def __init__(self, names: Names, edition: Edition, views: Messages, unpack: Mapping[Layout, UnpackView]) -> None:
+        self._names, self._views, self._unpack = names, views, unpack
+        self._numbers = command_numbers(edition)
+        self._type = names.lower("command_t")
 
     def node(self, node: dispatch.Node) -> NodeView:
         if isinstance(node, dispatch.Reject):
             return RejectView(node.reason.name)
         if isinstance(node, dispatch.Match):
-            command = self._names.upper("command", node.message.command)
-            return MatchView(command, self._views.message(node.message).other_constant)
+            return self._match(node.message, self._names.upper("command", node.message.command))
         if isinstance(node.otherwise, dispatch.Reject) and len(node.cases) == 1:
             condition = _differs(node.subject, node.cases[0].values)
             return GuardView(condition, node.otherwise.reason.name, self.node(node.cases[0].then))
-        cases = (CaseView(_labels(node.subject, case.values), self.node(case.then)) for case in node.cases)
-        return SwitchView(_read(node.subject), tuple(cases), self.node(node.otherwise))
+        return SwitchView(_read(node.subject), tuple(self._cases(node)), self.node(node.otherwise))
+
+    def _match(self, message: Message, command: str) -> MatchView:
+        constant = self._views.message(message).other_constant
+        return MatchView(command, constant, self._unpack.get(message.layout))
+
+    def _cases(self, node: dispatch.Select) -> Iterator[CaseView]:
+        """The cases; those that differ only in the command, whose number is that of the case, become one."""
+        number = f"({self._type}){bits.operand(_read(node.subject))}"
+        groups: dict[MatchView | tuple[int, ...], list[dispatch.Case]] = {}
+        for case in node.cases:
+            then = case.then
+            key: MatchView | tuple[int, ...] = case.values
+            if isinstance(then, dispatch.Match) and key == (self._numbers[then.message.command],):
+                key = self._match(then.message, number)
+            groups.setdefault(key, []).append(case)
+        for key, cases in groups.items():
+            values = [value for case in cases for value in case.values]
+            then_ = key if isinstance(key, MatchView) and len(cases) > 1 else self.node(cases[0].then)
+            yield CaseView(_labels(node.subject, values), then_)
 
 
 def _read(subject: dispatch.Subject) -> str:

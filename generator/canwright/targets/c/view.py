@@ -13,7 +13,7 @@ from ...model.metadata import Level
 from ..base import header
 from .choices import ParameterView, parameter_access, parameters
 from .comments import errata
-from .dispatch import AnswerView, RouteView, answers, routes
+from .dispatch import AnswerView, RouteView, UnpackView, answers, command_numbers, routes
 from .layouts import LayoutView, fields_named, layout_view
 from .messages import AddressView, Messages, MessageView, addresses
 from .names import Names, layouts, member
@@ -67,6 +67,7 @@ class FrameView(NamedTuple):
 class CommandView(NamedTuple):
     name: str
     enumerator: str
+    number: str
     heading: str
     doc: tuple[str, ...]
     code: MacroView | None
@@ -100,7 +101,8 @@ class DirectionView(NamedTuple):
     """Any message of one direction."""
 
     word: str
-    routes: tuple[RouteView, ...]
+    identify: tuple[RouteView, ...]
+    decode: tuple[RouteView, ...]
     contents: tuple[ContentView, ...]
 
     @property
@@ -152,6 +154,7 @@ def edition_view(edition: Edition) -> EditionView:
     names = Names(edition)
     used = layouts(edition)
     messages = Messages(names, edition)
+    numbers = command_numbers(edition)
     types_ = {view.name: view for view in types(names, edition)}
     views = {layout: layout_view(names, edition, layout, types_) for layout in used}
     return EditionView(
@@ -168,7 +171,9 @@ def edition_view(edition: Edition) -> EditionView:
         types=tuple(types_.values()),
         fields=tuple((names.upper("field", name), name) for name in fields_named(used)),
         layouts=tuple(views[layout] for layout in used if layout.shared),
-        commands=tuple(_command(names, edition, messages, command, views) for command in edition.commands),
+        commands=tuple(
+            _command(names, edition, messages, command, numbers[command.name], views) for command in edition.commands
+        ),
         effects=tuple(_effects(names, edition)),
         command_effects=tuple(_command_effects(names, edition)),
         availability=tuple(_availability(names, edition)),
@@ -184,7 +189,12 @@ def _edition_doc(edition: Edition) -> list[str]:
 
 
 def _command(
-    names: Names, edition: Edition, message_views: Messages, command: Command, views: Mapping[Layout, LayoutView]
+    names: Names,
+    edition: Edition,
+    message_views: Messages,
+    command: Command,
+    number: int,
+    views: Mapping[Layout, LayoutView],
 ) -> CommandView:
     messages = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
     code = None
@@ -209,6 +219,7 @@ def _command(
     return CommandView(
         name=command.name,
         enumerator=names.upper("command", command.name),
+        number=f"0x{number:02X}",
         heading=english(command.title) + (f" ({command.manual})" if command.manual else ""),
         doc=tuple(_command_doc(edition, command)),
         code=code,
@@ -289,17 +300,26 @@ def _direction(
     for message in edition.messages(direction):
         if views[message.layout].members or views[message.layout].depends:
             commands.setdefault(message.layout, []).append(message.command)
-    contents = (
-        ContentView(
+    contents = {
+        layout: ContentView(
             commands=tuple(names.upper("command", command) for command in names_),
             doc=f"Fields of {', '.join(names_)}.",
             member=member(layout.name),
             layout=views[layout],
         )
         for layout, names_ in commands.items()
-    )
+    }
+    unpack = {layout: _unpack(direction, content) for layout, content in contents.items()}
     return DirectionView(
         word=direction.value,
-        routes=tuple(routes(names, edition, messages, direction)),
-        contents=tuple(contents),
+        identify=tuple(routes(names, edition, messages, direction, {})),
+        decode=tuple(routes(names, edition, messages, direction, unpack)),
+        contents=tuple(contents.values()),
     )
+
+
+def _unpack(direction: Direction, content: ContentView) -> UnpackView:
+    layout = content.layout
+    given = [f"&{direction.value}->as.{content.member}"] if layout.members else []
+    given += ["frame", *(["parameters"] if layout.depends else [])]
+    return UnpackView(f"{layout.name}_unpack({', '.join(given)})", layout.depends)
