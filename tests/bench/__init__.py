@@ -1,0 +1,1 @@
+"""Benchmarks beside the code that they are measured against, one module a command; the exit status follows the bars."""
