@@ -32,3 +32,11 @@ def run(*command: str | Path, cwd: Path | None = None) -> str:
     if done.returncode:
         raise AssertionError(f"{' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
     return done.stdout
+
+
+def output(*command: str | Path) -> str:
+    """All output of a command, which may fail: that of a checker with findings."""
+    done = subprocess.run(
+        [*map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
+    )
+    return done.stdout

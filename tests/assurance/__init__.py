@@ -1,0 +1,1 @@
+"""Commands that verify generated code with tools beyond PyPI, one module a command."""
