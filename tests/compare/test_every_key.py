@@ -80,6 +80,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "CommandSpec.title": {"commands.dim.title": TEXT},
     "CommandSpec.about": {"commands.dim.about": TEXT},
     "CommandSpec.code": {"commands.dim.code": 0x70},
+    "CommandSpec.short_name": {"commands.dim.short_name": "d"},
     "CommandSpec.address": {"commands.dim.address": "all"},
     "CommandSpec.mode": {"commands.dim.mode": "broadcast"},
     "CommandSpec.table": {"commands.store": {"code": 0x13, "reply": "echo"}},

@@ -55,6 +55,7 @@ tables:
       state: {index: 2, layout: {state: {at: 4, type: state}}, only: {size: [big]}}
 commands:
   dim:
+    short_name: dm
     code: 0x10
     request:
       level: {at: 2, type: level}

@@ -112,6 +112,11 @@ _VALUE = (
 )
 _API = (
     ("command-renamed", "A command is renamed.", "`{old}` is renamed to `{new}`: {names}"),
+    (
+        "short-name-changed",
+        "The short name of a command is changed.",
+        "the short name is `{new}` (was `{old}`): {names}",
+    ),
     ("entry-renamed", "An entry of a table is renamed.", "`{old}` is renamed to `{new}`"),
     ("field-renamed", "A field is renamed.", "`{old}` is renamed to `{new}`: {names}"),
     ("type-renamed", "A type is renamed.", "`{old}` is renamed to `{new}`: {names}"),

@@ -128,6 +128,8 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
         found.renamed("entry-renamed", Item.of_entry(old.entry), paths(old.entry, new.entry), use, **names)
     else:
         found.renamed("command-renamed", _item(old), paths(old, new), use, old=old.group, new=new.group)
+    if old.group == new.group:
+        found.renamed("short-name-changed", _item(old), paths(old, new), use, old=old.short_group, new=new.short_group)
     discriminators.compare(found, both, old, new)
     if old.entry and new.entry:
         _entry(found, both, old, new, old.entry, new.entry)

@@ -206,6 +206,14 @@ class CommandSpec(Description):
             ),
         ),
     ] = None
+    short_name: Annotated[
+        Name | None,
+        Doc(
+            "Stands for the name of the command in the identifiers of C, where names that start with the same 63 characters "
+            "may be the same.",
+            examples=("read_param",),
+        ),
+    ] = None
     address: Annotated[Name | None, Doc("Address, if not the first.")] = None
     mode: Annotated[Name | None, Doc("Bus mode, if not the first.")] = None
     table: Annotated[Name | None, Doc("Table; the command then has one form for each entry, `COMMAND_ENTRY`.")] = None

@@ -186,10 +186,11 @@ class Command:
 
     `code` is None without a selector. `only` maps a parameter to the values under which the command exists.
     `group` is the name of the command in the spec. A command with a table has one form for each `entry`; the name of
-    such a form is `GROUP_ENTRY`.
+    such a form is `GROUP_ENTRY`. `short_group` stands for `group` where the length of names is limited.
     """
 
     name: str
+    short_group: str
     group: str
     entry: Entry | None
     code: int | None
@@ -207,6 +208,11 @@ class Command:
     notes: tuple[Text, ...]
     manual: str
     path: DocumentPath
+
+    @property
+    def short_name(self) -> str:
+        """The name where the length of names is limited."""
+        return self.short_group + self.name.removeprefix(self.group)
 
     @property
     def group_title(self) -> Text:

@@ -153,6 +153,7 @@ def _command(
         only |= layouts.only(at, entry.only)
     return Command(
         name=form.name,
+        short_group=written.short_name or form.command,
         group=form.command,
         entry=of,
         code=messages.code_of(form),

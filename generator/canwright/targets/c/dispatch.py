@@ -128,7 +128,7 @@ class _Printer:
         if isinstance(node, dispatch.Reject):
             return RejectView(node.reason.name)
         if isinstance(node, dispatch.Match):
-            return self._match(node.message, self._names.upper("command", node.message.command))
+            return self._match(node.message, self._names.command(node.message.command))
         if isinstance(node.otherwise, dispatch.Reject) and len(node.cases) == 1:
             condition = _differs(node.subject, node.cases[0].values)
             return GuardView(condition, node.otherwise.reason.name, self.node(node.cases[0].then))
@@ -179,7 +179,7 @@ def answers(names: Names, edition: Edition, views: Messages) -> list[AnswerView]
         if command.request is not None and command.reply is not None:
             conditions = tuple(_answer(views, command, command.request, command.reply))
             uses_from = views.message(command.reply).pattern.rule.has_nodes
-            grouped.setdefault((conditions, uses_from), []).append(names.upper("command", command.name))
+            grouped.setdefault((conditions, uses_from), []).append(names.command(command.name))
     return [AnswerView(tuple(commands), *answer) for answer, commands in grouped.items()]
 
 

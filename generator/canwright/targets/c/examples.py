@@ -127,7 +127,7 @@ class _Example:
                 shown.append(reply.layout.name)
                 yield ExchangeView(
                     command=command.name,
-                    enumerator=self._names.upper("command", command.name),
+                    enumerator=self._names.command(command.name),
                     node=node,
                     request=self._side(request, sent),
                     reply=self._side(reply, answered),

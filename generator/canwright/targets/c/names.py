@@ -48,12 +48,28 @@ class Names:
 
     def __init__(self, edition: Edition) -> None:
         self._prefix = f"{edition.family}_{edition.identifier}".lower()
+        self._short = dict(_short_names(edition))
 
-    def lower(self, *parts: str) -> str:
-        return "_".join((self._prefix, *parts)).lower()
+    def lower(self, name: str, *parts: str) -> str:
+        return self._joined(name, *parts).lower()
 
-    def upper(self, *parts: str) -> str:
-        return "_".join((self._prefix, *parts)).upper()
+    def upper(self, name: str, *parts: str) -> str:
+        return self._joined(name, *parts).upper()
+
+    def command(self, command: str) -> str:
+        """The enumerator of a command."""
+        return self.upper("command", self._short.get(command, command))
+
+    def _joined(self, name: str, *parts: str) -> str:
+        return "_".join((self._prefix, self._short.get(name, name), *parts))
+
+
+def _short_names(edition: Edition) -> Iterator[tuple[str, str]]:
+    """The names of commands and messages, each with its short form."""
+    short = {command.name: command.short_name for command in edition.commands}
+    yield from short.items()
+    for message in edition.all_messages():
+        yield message.name, short[message.command] + message.name.removeprefix(message.command)
 
 
 def member(name: str) -> str:
@@ -107,7 +123,7 @@ def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
         yield from ((names.lower(layout.name) + e, what, layout.path) for e in LAYOUT_ENDINGS)
         yield from ((names.upper("field", f.name), f"the field name `{f.name}`", f.path) for f in layout.fields)
     for command in edition.commands:
-        for name in (names.upper("command", command.name), names.upper(command.name, "code")):
+        for name in (names.command(command.name), names.upper(command.name, "code")):
             yield name, f"the command `{command.name}`", command.path
     for message in edition.all_messages():
         what = f"the {message.direction.value} of `{message.command}`"

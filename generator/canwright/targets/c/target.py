@@ -29,7 +29,7 @@ class CTarget(Target):
 
     def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
         """Names without the prefix of family and edition; constants have `…_` instead."""
-        names = {command.path: f"{command.name}_request_t" for command in edition.commands}
+        names = {command.path: f"{command.short_name}_request_t" for command in edition.commands}
         for layout in edition.layouts:
             names[layout.path] = f"{layout.name}_t"
         for parameter in edition.parameters:

@@ -218,7 +218,7 @@ def _command(
         )
     return CommandView(
         name=command.name,
-        enumerator=names.upper("command", command.name),
+        enumerator=names.command(command.name),
         number=f"0x{number:02X}",
         heading=english(command.title) + (f" ({command.manual})" if command.manual else ""),
         doc=tuple(_command_doc(edition, command)),
@@ -274,7 +274,7 @@ def _command_effects(names: Names, edition: Edition) -> list[EffectsView]:
     for command in edition.commands:
         if command.effects:
             value = " | ".join(names.upper("effect", effect.name) for effect in command.effects)
-            grouped.setdefault(value, []).append(names.upper("command", command.name))
+            grouped.setdefault(value, []).append(names.command(command.name))
     return [EffectsView(tuple(commands), value) for value, commands in grouped.items()]
 
 
@@ -289,7 +289,7 @@ def _availability(names: Names, edition: Edition) -> list[AvailabilityView]:
                 if value.name not in values
             ]
             if lacking:
-                grouped.setdefault(" && ".join(lacking), []).append(names.upper("command", command.name))
+                grouped.setdefault(" && ".join(lacking), []).append(names.command(command.name))
     return [AvailabilityView(tuple(commands), condition) for condition, commands in grouped.items()]
 
 
@@ -302,7 +302,7 @@ def _direction(
             commands.setdefault(message.layout, []).append(message.command)
     contents = {
         layout: ContentView(
-            commands=tuple(names.upper("command", command) for command in names_),
+            commands=tuple(names.command(command) for command in names_),
             doc=f"Fields of {', '.join(names_)}.",
             member=member(layout.name),
             layout=views[layout],
