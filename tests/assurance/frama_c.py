@@ -125,7 +125,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     tool("frama-c")
     with tempfile.TemporaryDirectory() as name:
         headers = write_headers(Path(name), chosen.specs)
-        wrong = [f"{header.name}: {line}" for header, found in zip(headers, each(unproven, headers), strict=True) for line in found]
+        wrong = [
+            f"{header.name}: {line}"
+            for header, found in zip(headers, each(unproven, headers), strict=True)
+            for line in found
+        ]
         calls = sum(len(Driver(header).functions) for header in headers)
     print("\n".join(wrong) or f"{len(headers)} headers, {calls} functions: no alarm, and all assertions are proven")
     return 1 if wrong else 0

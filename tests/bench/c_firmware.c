@@ -61,13 +61,13 @@ bool receive(const canwright_frame_t *frame)
     }
     switch (reply.command) {
     case MWD_MOTOR_V2_35_COMMAND_SET_TORQUE:
-        set_feedback(&states[reply.node], &reply.as.motion_feedback);
+        set_feedback(&states[reply.node], &reply.as.set_torque);
         return true;
     case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1:
-        set_status(&states[reply.node], &reply.as.status_1);
+        set_status(&states[reply.node], &reply.as.read_status_1);
         return true;
     case MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE:
-        states[reply.node].angle = reply.as.read_multi_turn_angle_reply.angle;
+        states[reply.node].angle = reply.as.read_multi_turn_angle.angle;
         return true;
     default:
         return false;

@@ -67,39 +67,39 @@ static int receive(double *sum, const canwright_frame_t *frame, const motor_t *m
     case COMMAND(MOVE_BY_ANGLE):
     case COMMAND(MOVE_BY_ANGLE_AT_SPEED):
     case COMMAND(READ_STATUS_2):
-        status = CALL(torque_current_to_double)(&iq, reply.as.motion_feedback.iq, motor);
+        status = CALL(torque_current_to_double)(&iq, reply.as.read_status_2.iq, motor);
         if (status == CANWRIGHT_OK) {
-            status = CALL(encoder_position_to_double)(&encoder, reply.as.motion_feedback.encoder, motor);
+            status = CALL(encoder_position_to_double)(&encoder, reply.as.read_status_2.encoder, motor);
         }
-        *sum += CALL(temperature_to_double)(reply.as.motion_feedback.temperature) + iq +
-            CALL(speed_to_double)(reply.as.motion_feedback.speed) + encoder;
+        *sum += CALL(temperature_to_double)(reply.as.read_status_2.temperature) + iq +
+            CALL(speed_i16_to_double)(reply.as.read_status_2.speed) + encoder;
         break;
     case COMMAND(READ_MULTI_TURN_ANGLE):
-        *sum += CALL(multi_turn_angle_to_double)(reply.as.read_multi_turn_angle_reply.angle);
+        *sum += CALL(multi_turn_angle_to_double)(reply.as.read_multi_turn_angle.angle);
         break;
     case COMMAND(READ_SINGLE_TURN_ANGLE):
-        *sum += CALL(single_turn_angle_to_double)(reply.as.read_single_turn_angle_reply.angle);
+        *sum += CALL(single_turn_angle_to_double)(reply.as.read_single_turn_angle.angle);
         break;
     case COMMAND(READ_STATUS_1):
     case COMMAND(CLEAR_ERRORS):
-        *sum += CALL(temperature_to_double)(reply.as.status_1.temperature) +
-            CALL(voltage_to_double)(reply.as.status_1.voltage) + (double)reply.as.status_1.errors;
+        *sum += CALL(temperature_to_double)(reply.as.read_status_1.temperature) +
+            CALL(voltage_to_double)(reply.as.read_status_1.voltage) + (double)reply.as.read_status_1.errors;
         break;
     case COMMAND(READ_STATUS_3):
-        *sum += CALL(temperature_to_double)(reply.as.read_status_3_reply.temperature) +
-            CALL(phase_current_to_double)(reply.as.read_status_3_reply.phase_a) +
-            CALL(phase_current_to_double)(reply.as.read_status_3_reply.phase_b) +
-            CALL(phase_current_to_double)(reply.as.read_status_3_reply.phase_c);
+        *sum += CALL(temperature_to_double)(reply.as.read_status_3.temperature) +
+            CALL(phase_current_to_double)(reply.as.read_status_3.phase_a) +
+            CALL(phase_current_to_double)(reply.as.read_status_3.phase_b) +
+            CALL(phase_current_to_double)(reply.as.read_status_3.phase_c);
         break;
     case COMMAND(READ_ENCODER):
-        status = CALL(encoder_position_to_double)(&encoder, reply.as.read_encoder_reply.encoder, motor);
+        status = CALL(encoder_position_to_double)(&encoder, reply.as.read_encoder.encoder, motor);
         *sum += encoder;
         break;
     case COMMAND(READ_ACCELERATION):
-        *sum += CALL(acceleration_to_double)(reply.as.read_acceleration_reply.acceleration);
+        *sum += CALL(acceleration_to_double)(reply.as.read_acceleration.acceleration);
         break;
     case COMMAND(READ_PID):
-        *sum += (double)reply.as.pid_gains.angle_kp + (double)reply.as.pid_gains.angle_ki;
+        *sum += (double)reply.as.read_pid.angle_kp + (double)reply.as.read_pid.angle_ki;
         break;
     default:
         break;

@@ -148,7 +148,7 @@ static canwright_status_t host_set_torque(void)
         const canwright_status_t value_iq_status = mwd_motor_v2_36_2024_11_measured_torque_current_to_double(&value_iq,
             received.iq, &parameters);
         show_value("iq", value_iq_status, value_iq, "A");
-        show_value("speed", CANWRIGHT_OK, mwd_motor_v2_36_2024_11_speed_to_double(received.speed), "deg/s");
+        show_value("speed", CANWRIGHT_OK, mwd_motor_v2_36_2024_11_speed_i16_to_double(received.speed), "deg/s");
         double value_encoder = 0.0;
         const canwright_status_t value_encoder_status = mwd_motor_v2_36_2024_11_encoder_position_to_double(&value_encoder,
             received.encoder, &parameters);

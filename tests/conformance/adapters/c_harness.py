@@ -11,7 +11,7 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field, Layout
 from canwright.model.message import Direction, Message
 from canwright.model.types import Encoding, Type
-from canwright.targets.c.names import layouts, member
+from canwright.targets.c.names import Names, layouts, member
 
 from .c_signatures import Function, functions
 
@@ -32,6 +32,7 @@ class _Harness:
     def __init__(self, edition: Edition, functions: Mapping[str, Function]) -> None:
         self._edition = edition
         self._functions = functions
+        self._names_of = Names(edition)
         self._prefix = f"{edition.family}_{edition.identifier}_".lower()
 
     def text(self, include: str) -> str:
@@ -65,14 +66,18 @@ class _Harness:
             "word": direction.value,
             "decode": decode.call({**ARGUMENTS, direction.value: "any"}),
             "messages": [
-                {"enumerator": f"{self._prefix}command_{m.command}".upper(), "layout": self._names(m.layout)}
+                {
+                    "enumerator": self._names_of.command(m.command),
+                    "layout": self._names(m.layout),
+                    "member": member(self._names_of.short(m.command)),
+                }
                 for m in messages
             ],
         }
 
     def _message(self, message: Message) -> dict[str, Any]:
-        c = f"{self._prefix}{message.name}"
-        check = self._functions.get(f"{self._prefix}{message.layout.name}_check")
+        c = self._names_of.lower(message.name)
+        check = self._functions.get(self._names_of.lower(message.layout.name, "check"))
         return {
             "name": message.name,
             "command": message.command,
@@ -83,7 +88,7 @@ class _Harness:
         }
 
     def _names(self, layout: Layout) -> dict[str, str]:
-        return {"name": layout.name, "c": f"{self._prefix}{layout.name}", "member": member(layout.name)}
+        return {"name": layout.name, "c": self._names_of.lower(layout.name)}
 
     def _layout(self, layout: Layout) -> dict[str, Any]:
         fields = [self._field(field) for field in layout.fields if field.fixed is None]
@@ -91,7 +96,7 @@ class _Harness:
 
     def _field(self, field: Field) -> dict[str, Any]:
         type_ = field.type
-        c = f"{self._prefix}{type_.name}"
+        c = self._names_of.lower(self._names_of.type_stem(type_))
         members = [(m.name, f"{c}_{m.name}".upper()) for m in (*type_.enum, *type_.flags)]
         to, from_ = self._functions.get(f"{c}_to_double"), self._functions.get(f"{c}_from_double")
         names = self._functions.get(f"{c}_name")
@@ -112,7 +117,7 @@ class _Harness:
         }
 
     def _milli(self, type_: Type) -> dict[str, Any] | None:
-        c = f"{self._prefix}{type_.name}"
+        c = self._names_of.lower(self._names_of.type_stem(type_))
         to, from_ = self._functions.get(f"{c}_to_milli"), self._functions.get(f"{c}_from_milli")
         if to is None or from_ is None:
             return None

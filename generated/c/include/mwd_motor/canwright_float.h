@@ -88,18 +88,21 @@ static inline double canwright_quotient(int64_t raw, uint64_t factor, uint64_t d
 }
 
 /** `ratio * dividend / divisor`, divided once; `ratio` is above 0. */
-static inline double canwright_multiple(canwright_ratio_t ratio, double dividend, double divisor)
+CANWRIGHT_NONNULL
+static inline double canwright_multiple(const canwright_ratio_t *ratio, double dividend, double divisor)
 {
-    return dividend * (double)ratio.numerator / (divisor * (double)ratio.denominator);
+    return dividend * (double)ratio->numerator / (divisor * (double)ratio->denominator);
 }
 
 /** `value / ratio`; `ratio` is above 0. */
-static inline double canwright_share(double value, canwright_ratio_t ratio)
+CANWRIGHT_NONNULL
+static inline double canwright_share(double value, const canwright_ratio_t *ratio)
 {
-    return value * (double)ratio.denominator / (double)ratio.numerator;
+    return value * (double)ratio->denominator / (double)ratio->numerator;
 }
 
 /** The bits of the 64-bit number `steps`, which was computed from `value`. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_bits64(uint64_t *bits, double value, double steps)
 {
     if (!canwright_is_finite64(canwright_bits_of(value))) {
@@ -110,6 +113,7 @@ static inline canwright_status_t canwright_bits64(uint64_t *bits, double value, 
 }
 
 /** The bits of the 32-bit number nearest to `steps`, which was computed from `value`. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_bits32(uint32_t *bits, double value, double steps)
 {
     /* Halfway from the greatest 32-bit number to the next one if there were more exponents. */
@@ -132,6 +136,7 @@ static inline canwright_status_t canwright_bits32(uint32_t *bits, double value, 
 }
 
 /** The integer nearest to `steps`, ties away from zero; `steps` was computed from `value`. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_nearest(
     int64_t *nearest, double value, double steps, int64_t lowest, int64_t highest)
 {
@@ -155,6 +160,7 @@ static inline canwright_status_t canwright_nearest(
 }
 
 /** The same for unsigned numbers. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_nearest_unsigned(
     uint64_t *nearest, double value, double steps, uint64_t lowest, uint64_t highest)
 {

@@ -27,13 +27,14 @@
 #endif
 #endif
 
-/** Motor temperature, degC. */
+/** temperature: Motor temperature, degC. */
 static inline double mwd_motor_v2_35_2024_02_temperature_to_double(int8_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_temperature_from_double(int8_t *raw, double value)
 {
     double steps;
@@ -48,13 +49,14 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_temperature_from_double
     return CANWRIGHT_OK;
 }
 
-/** Supply voltage, V. */
+/** voltage: Supply voltage, V. */
 static inline double mwd_motor_v2_35_2024_02_voltage_to_double(int16_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_voltage_from_double(int16_t *raw, double value)
 {
     double steps;
@@ -69,13 +71,14 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_voltage_from_double(int
     return CANWRIGHT_OK;
 }
 
-/** Supply current, A. */
+/** bus_current: Supply current, A. */
 static inline double mwd_motor_v2_35_2024_02_bus_current_to_double(int16_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_bus_current_from_double(int16_t *raw, double value)
 {
     double steps;
@@ -90,14 +93,15 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_bus_current_from_double
     return CANWRIGHT_OK;
 }
 
-/** Power (open-loop drive level). */
-static inline double mwd_motor_v2_35_2024_02_power_to_double(int16_t raw)
+/** power_i16: Power (open-loop drive level). */
+static inline double mwd_motor_v2_35_2024_02_power_i16_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_35_2024_02_power_from_double(int16_t *raw, double value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_35_2024_02_power_i16_from_double(int16_t *raw, double value)
 {
     double steps;
     int64_t nearest;
@@ -111,13 +115,14 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_power_from_double(int16
     return CANWRIGHT_OK;
 }
 
-/** Output power. */
+/** output_power: Output power. */
 static inline double mwd_motor_v2_35_2024_02_output_power_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_output_power_from_double(int16_t *raw, double value)
 {
     double steps;
@@ -132,7 +137,8 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_output_power_from_doubl
     return CANWRIGHT_OK;
 }
 
-/** Torque current, A. */
+/** torque_current: Torque current, A. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_torque_current_to_double(
     double *value, int16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
@@ -152,6 +158,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_torque_current_to_doubl
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
@@ -179,7 +186,8 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_torque_current_from_dou
     return CANWRIGHT_OK;
 }
 
-/** Torque current, A. */
+/** measured_torque_current: Torque current, A. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_measured_torque_current_to_double(
     double *value, int16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
@@ -199,6 +207,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_measured_torque_current
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_measured_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
@@ -226,7 +235,8 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_measured_torque_current
     return CANWRIGHT_OK;
 }
 
-/** Phase current, A. */
+/** phase_current: Phase current, A. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_phase_current_to_double(
     double *value, int16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
@@ -246,6 +256,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_phase_current_to_double
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_phase_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
@@ -273,14 +284,15 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_phase_current_from_doub
     return CANWRIGHT_OK;
 }
 
-/** Motor speed, deg/s. */
-static inline double mwd_motor_v2_35_2024_02_speed_to_double(int16_t raw)
+/** speed_i16: Motor speed, deg/s. */
+static inline double mwd_motor_v2_35_2024_02_speed_i16_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_from_double(int16_t *raw, double value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_i16_from_double(int16_t *raw, double value)
 {
     double steps;
     int64_t nearest;
@@ -294,13 +306,14 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_from_double(int16
     return CANWRIGHT_OK;
 }
 
-/** Target speed, deg/s. */
+/** speed_setpoint: Target speed, deg/s. */
 static inline double mwd_motor_v2_35_2024_02_speed_setpoint_to_double(int32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_setpoint_from_double(int32_t *raw, double value)
 {
     double steps;
@@ -315,14 +328,15 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_setpoint_from_dou
     return CANWRIGHT_OK;
 }
 
-/** Speed limit of the movement, deg/s. */
-static inline double mwd_motor_v2_35_2024_02_speed_limit_to_double(uint16_t raw)
+/** speed_limit_u16: Speed limit of the movement, deg/s. */
+static inline double mwd_motor_v2_35_2024_02_speed_limit_u16_to_double(uint16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_limit_from_double(uint16_t *raw, double value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_limit_u16_from_double(uint16_t *raw, double value)
 {
     double steps;
     int64_t nearest;
@@ -336,14 +350,15 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_limit_from_double
     return CANWRIGHT_OK;
 }
 
-/** Angle, deg. */
-static inline double mwd_motor_v2_35_2024_02_angle_to_double(int32_t raw)
+/** angle_i32: Angle, deg. */
+static inline double mwd_motor_v2_35_2024_02_angle_i32_to_double(int32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_35_2024_02_angle_from_double(int32_t *raw, double value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_35_2024_02_angle_i32_from_double(int32_t *raw, double value)
 {
     double steps;
     int64_t nearest;
@@ -357,13 +372,14 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_angle_from_double(int32
     return CANWRIGHT_OK;
 }
 
-/** Single-turn angle, deg. */
+/** single_turn_angle: Single-turn angle, deg. */
 static inline double mwd_motor_v2_35_2024_02_single_turn_angle_to_double(uint32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_angle_from_double(uint32_t *raw, double value)
 {
     double steps;
@@ -378,13 +394,14 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_angle_from_
     return CANWRIGHT_OK;
 }
 
-/** Single-turn angle of the output, deg. */
+/** single_turn_position: Single-turn angle of the output, deg. */
 static inline double mwd_motor_v2_35_2024_02_single_turn_position_to_double(uint32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_position_from_double(
     uint32_t *raw, double value, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
@@ -403,13 +420,14 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_position_fr
     return CANWRIGHT_OK;
 }
 
-/** Multi-turn angle, deg. */
+/** multi_turn_angle: Multi-turn angle, deg. */
 static inline double mwd_motor_v2_35_2024_02_multi_turn_angle_to_double(int64_t raw)
 {
     return canwright_quotient(raw, UINT64_C(1), UINT64_C(100));
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_multi_turn_angle_from_double(int64_t *raw, double value)
 {
     double steps;
@@ -424,7 +442,8 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_multi_turn_angle_from_d
     return CANWRIGHT_OK;
 }
 
-/** Encoder position, deg. */
+/** encoder_position: Encoder position, deg. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_encoder_position_to_double(
     double *value, uint16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
@@ -444,6 +463,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_encoder_position_to_dou
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_encoder_position_from_double(
     uint16_t *raw, double value, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
@@ -474,13 +494,14 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_encoder_position_from_d
     return CANWRIGHT_OK;
 }
 
-/** i16. */
+/** i16: i16. */
 static inline double mwd_motor_v2_35_2024_02_i16_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_i16_from_double(int16_t *raw, double value)
 {
     double steps;
@@ -495,13 +516,14 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_i16_from_double(int16_t
     return CANWRIGHT_OK;
 }
 
-/** i32. */
+/** i32: i32. */
 static inline double mwd_motor_v2_35_2024_02_i32_to_double(int32_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_i32_from_double(int32_t *raw, double value)
 {
     double steps;

@@ -27,13 +27,14 @@
 #endif
 #endif
 
-/** Motor temperature, degC. */
+/** temperature: Motor temperature, degC. */
 static inline double mwd_motor_v2_35_temperature_to_double(int8_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_temperature_from_double(int8_t *raw, double value)
 {
     double steps;
@@ -48,13 +49,14 @@ static inline canwright_status_t mwd_motor_v2_35_temperature_from_double(int8_t 
     return CANWRIGHT_OK;
 }
 
-/** Supply voltage, V. */
+/** voltage: Supply voltage, V. */
 static inline double mwd_motor_v2_35_voltage_to_double(uint16_t raw)
 {
     return (double)raw / 10.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_voltage_from_double(uint16_t *raw, double value)
 {
     double steps;
@@ -69,13 +71,14 @@ static inline canwright_status_t mwd_motor_v2_35_voltage_from_double(uint16_t *r
     return CANWRIGHT_OK;
 }
 
-/** Power (open-loop drive level). */
+/** power: Power (open-loop drive level). */
 static inline double mwd_motor_v2_35_power_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_power_from_double(int16_t *raw, double value)
 {
     double steps;
@@ -90,7 +93,8 @@ static inline canwright_status_t mwd_motor_v2_35_power_from_double(int16_t *raw,
     return CANWRIGHT_OK;
 }
 
-/** Torque current, A. */
+/** torque_current: Torque current, A. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_torque_current_to_double(
     double *value, int16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -110,6 +114,7 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_to_double(
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -137,13 +142,14 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_double(
     return CANWRIGHT_OK;
 }
 
-/** Torque current in the broadcast, A. */
+/** broadcast_current: Torque current in the broadcast, A. */
 static inline double mwd_motor_v2_35_broadcast_current_to_double(int16_t raw)
 {
     return (double)raw * 2.0 / 125.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_double(int16_t *raw, double value)
 {
     double steps;
@@ -158,13 +164,14 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_double(i
     return CANWRIGHT_OK;
 }
 
-/** Phase current, A. */
+/** phase_current: Phase current, A. */
 static inline double mwd_motor_v2_35_phase_current_to_double(int16_t raw)
 {
     return (double)raw / 64.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_phase_current_from_double(int16_t *raw, double value)
 {
     double steps;
@@ -179,14 +186,15 @@ static inline canwright_status_t mwd_motor_v2_35_phase_current_from_double(int16
     return CANWRIGHT_OK;
 }
 
-/** Motor speed, deg/s. */
-static inline double mwd_motor_v2_35_speed_to_double(int16_t raw)
+/** speed_i16: Motor speed, deg/s. */
+static inline double mwd_motor_v2_35_speed_i16_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_35_speed_from_double(int16_t *raw, double value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_35_speed_i16_from_double(int16_t *raw, double value)
 {
     double steps;
     int64_t nearest;
@@ -200,13 +208,14 @@ static inline canwright_status_t mwd_motor_v2_35_speed_from_double(int16_t *raw,
     return CANWRIGHT_OK;
 }
 
-/** Target speed, deg/s. */
+/** speed_setpoint: Target speed, deg/s. */
 static inline double mwd_motor_v2_35_speed_setpoint_to_double(int32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_double(int32_t *raw, double value)
 {
     double steps;
@@ -221,13 +230,14 @@ static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_double(int3
     return CANWRIGHT_OK;
 }
 
-/** Speed limit of the movement, deg/s. */
+/** speed_limit: Speed limit of the movement, deg/s. */
 static inline double mwd_motor_v2_35_speed_limit_to_double(uint16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_limit_from_double(uint16_t *raw, double value)
 {
     double steps;
@@ -242,13 +252,14 @@ static inline canwright_status_t mwd_motor_v2_35_speed_limit_from_double(uint16_
     return CANWRIGHT_OK;
 }
 
-/** Acceleration, deg/s^2. */
+/** acceleration: Acceleration, deg/s^2. */
 static inline double mwd_motor_v2_35_acceleration_to_double(int32_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_acceleration_from_double(int32_t *raw, double value)
 {
     double steps;
@@ -263,14 +274,15 @@ static inline canwright_status_t mwd_motor_v2_35_acceleration_from_double(int32_
     return CANWRIGHT_OK;
 }
 
-/** Angle, deg. */
-static inline double mwd_motor_v2_35_angle_to_double(int32_t raw)
+/** angle_i32: Angle, deg. */
+static inline double mwd_motor_v2_35_angle_i32_to_double(int32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_35_angle_from_double(int32_t *raw, double value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_double(int32_t *raw, double value)
 {
     double steps;
     int64_t nearest;
@@ -284,13 +296,14 @@ static inline canwright_status_t mwd_motor_v2_35_angle_from_double(int32_t *raw,
     return CANWRIGHT_OK;
 }
 
-/** Single-turn angle, deg. */
+/** single_turn_angle: Single-turn angle, deg. */
 static inline double mwd_motor_v2_35_single_turn_angle_to_double(uint32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_double(uint32_t *raw, double value)
 {
     double steps;
@@ -305,13 +318,14 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_double(u
     return CANWRIGHT_OK;
 }
 
-/** Single-turn angle of the output, deg. */
+/** single_turn_position: Single-turn angle of the output, deg. */
 static inline double mwd_motor_v2_35_single_turn_position_to_double(uint32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_double(
     uint32_t *raw, double value, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -330,13 +344,14 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_doubl
     return CANWRIGHT_OK;
 }
 
-/** Multi-turn angle, deg. */
+/** multi_turn_angle: Multi-turn angle, deg. */
 static inline double mwd_motor_v2_35_multi_turn_angle_to_double(int64_t raw)
 {
     return canwright_quotient(raw, UINT64_C(1), UINT64_C(100));
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_double(int64_t *raw, double value)
 {
     double steps;
@@ -351,7 +366,8 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_double(in
     return CANWRIGHT_OK;
 }
 
-/** Encoder position, deg. */
+/** encoder_position: Encoder position, deg. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_encoder_position_to_double(
     double *value, uint16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -371,6 +387,7 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_to_double(
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_double(
     uint16_t *raw, double value, const mwd_motor_v2_35_parameters_t *parameters)
 {
@@ -401,13 +418,14 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_double(
     return CANWRIGHT_OK;
 }
 
-/** Controller gain. */
+/** gain: Controller gain. */
 static inline double mwd_motor_v2_35_gain_to_double(uint8_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_gain_from_double(uint8_t *raw, double value)
 {
     double steps;

@@ -27,13 +27,14 @@
 #endif
 #endif
 
-/** Motor temperature, degC. */
+/** temperature: Motor temperature, degC. */
 static inline double mwd_motor_v2_36_2025_03_temperature_to_double(int8_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_temperature_from_double(int8_t *raw, double value)
 {
     double steps;
@@ -48,13 +49,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_temperature_from_double
     return CANWRIGHT_OK;
 }
 
-/** Supply voltage, V. */
+/** voltage: Supply voltage, V. */
 static inline double mwd_motor_v2_36_2025_03_voltage_to_double(int16_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_voltage_from_double(int16_t *raw, double value)
 {
     double steps;
@@ -69,13 +71,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_voltage_from_double(int
     return CANWRIGHT_OK;
 }
 
-/** Supply current, A. */
+/** bus_current: Supply current, A. */
 static inline double mwd_motor_v2_36_2025_03_bus_current_to_double(int16_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_double(int16_t *raw, double value)
 {
     double steps;
@@ -90,14 +93,15 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_double
     return CANWRIGHT_OK;
 }
 
-/** Power (open-loop drive level). */
-static inline double mwd_motor_v2_36_2025_03_power_to_double(int16_t raw)
+/** power_i16: Power (open-loop drive level). */
+static inline double mwd_motor_v2_36_2025_03_power_i16_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_36_2025_03_power_from_double(int16_t *raw, double value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_36_2025_03_power_i16_from_double(int16_t *raw, double value)
 {
     double steps;
     int64_t nearest;
@@ -111,13 +115,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_power_from_double(int16
     return CANWRIGHT_OK;
 }
 
-/** Output power. */
+/** output_power: Output power. */
 static inline double mwd_motor_v2_36_2025_03_output_power_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_output_power_from_double(int16_t *raw, double value)
 {
     double steps;
@@ -132,7 +137,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_output_power_from_doubl
     return CANWRIGHT_OK;
 }
 
-/** Torque current, A. */
+/** torque_current: Torque current, A. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_to_double(
     double *value, int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -152,6 +158,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_to_doubl
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -179,7 +186,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_dou
     return CANWRIGHT_OK;
 }
 
-/** Torque current, A. */
+/** measured_torque_current: Torque current, A. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current_to_double(
     double *value, int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -199,6 +207,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -226,7 +235,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
     return CANWRIGHT_OK;
 }
 
-/** Phase current, A. */
+/** phase_current: Phase current, A. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_to_double(
     double *value, int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -246,6 +256,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_to_double
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -273,14 +284,15 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_doub
     return CANWRIGHT_OK;
 }
 
-/** Motor speed, deg/s. */
-static inline double mwd_motor_v2_36_2025_03_speed_to_double(int16_t raw)
+/** speed_i16: Motor speed, deg/s. */
+static inline double mwd_motor_v2_36_2025_03_speed_i16_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_from_double(int16_t *raw, double value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_i16_from_double(int16_t *raw, double value)
 {
     double steps;
     int64_t nearest;
@@ -294,13 +306,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_from_double(int16
     return CANWRIGHT_OK;
 }
 
-/** Target speed, deg/s. */
+/** speed_setpoint: Target speed, deg/s. */
 static inline double mwd_motor_v2_36_2025_03_speed_setpoint_to_double(int32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_setpoint_from_double(int32_t *raw, double value)
 {
     double steps;
@@ -315,13 +328,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_setpoint_from_dou
     return CANWRIGHT_OK;
 }
 
-/** Speed limit of the movement, deg/s. */
+/** speed_limit: Speed limit of the movement, deg/s. */
 static inline double mwd_motor_v2_36_2025_03_speed_limit_to_double(uint16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_limit_from_double(uint16_t *raw, double value)
 {
     double steps;
@@ -336,14 +350,15 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_limit_from_double
     return CANWRIGHT_OK;
 }
 
-/** Angle, deg. */
-static inline double mwd_motor_v2_36_2025_03_angle_to_double(int32_t raw)
+/** angle_i32: Angle, deg. */
+static inline double mwd_motor_v2_36_2025_03_angle_i32_to_double(int32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
-static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_from_double(int32_t *raw, double value)
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_i32_from_double(int32_t *raw, double value)
 {
     double steps;
     int64_t nearest;
@@ -357,13 +372,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_from_double(int32
     return CANWRIGHT_OK;
 }
 
-/** Single-turn angle, deg. */
+/** single_turn_angle: Single-turn angle, deg. */
 static inline double mwd_motor_v2_36_2025_03_single_turn_angle_to_double(uint32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_double(uint32_t *raw, double value)
 {
     double steps;
@@ -378,13 +394,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_
     return CANWRIGHT_OK;
 }
 
-/** Single-turn angle of the output, deg. */
+/** single_turn_position: Single-turn angle of the output, deg. */
 static inline double mwd_motor_v2_36_2025_03_single_turn_position_to_double(uint32_t raw)
 {
     return (double)raw / 100.0;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_from_double(
     uint32_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -403,13 +420,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
     return CANWRIGHT_OK;
 }
 
-/** Multi-turn angle, deg. */
+/** multi_turn_angle: Multi-turn angle, deg. */
 static inline double mwd_motor_v2_36_2025_03_multi_turn_angle_to_double(int64_t raw)
 {
     return canwright_quotient(raw, UINT64_C(1), UINT64_C(100));
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_double(int64_t *raw, double value)
 {
     double steps;
@@ -424,7 +442,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_d
     return CANWRIGHT_OK;
 }
 
-/** Encoder position, deg. */
+/** encoder_position: Encoder position, deg. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_to_double(
     double *value, uint16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -444,6 +463,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_to_dou
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_double(
     uint16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -474,13 +494,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_d
     return CANWRIGHT_OK;
 }
 
-/** Controller gain. */
+/** gain: Controller gain. */
 static inline double mwd_motor_v2_36_2025_03_gain_to_double(uint16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_gain_from_double(uint16_t *raw, double value)
 {
     double steps;
@@ -495,13 +516,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_gain_from_double(uint16
     return CANWRIGHT_OK;
 }
 
-/** Limit of power or torque current. */
+/** output_limit: Limit of power or torque current. */
 static inline double mwd_motor_v2_36_2025_03_output_limit_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_output_limit_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
@@ -520,13 +542,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_output_limit_from_doubl
     return CANWRIGHT_OK;
 }
 
-/** Speed limit of the drive. */
+/** speed_bound: Speed limit of the drive. */
 static inline double mwd_motor_v2_36_2025_03_speed_bound_to_double(int32_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_bound_from_double(int32_t *raw, double value)
 {
     double steps;
@@ -541,13 +564,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_bound_from_double
     return CANWRIGHT_OK;
 }
 
-/** Angle limit of the drive. */
+/** angle_bound: Angle limit of the drive. */
 static inline double mwd_motor_v2_36_2025_03_angle_bound_to_double(int32_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_bound_from_double(int32_t *raw, double value)
 {
     double steps;
@@ -562,13 +586,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_bound_from_double
     return CANWRIGHT_OK;
 }
 
-/** Maximum angle. */
+/** max_angle: Maximum angle. */
 static inline double mwd_motor_v2_36_2025_03_max_angle_to_double(int32_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_max_angle_from_double(int32_t *raw, double value)
 {
     double steps;
@@ -583,13 +608,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_max_angle_from_double(i
     return CANWRIGHT_OK;
 }
 
-/** Current ramp. */
+/** current_ramp: Current ramp. */
 static inline double mwd_motor_v2_36_2025_03_current_ramp_to_double(int16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_current_ramp_from_double(int16_t *raw, double value)
 {
     double steps;
@@ -604,13 +630,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_current_ramp_from_doubl
     return CANWRIGHT_OK;
 }
 
-/** Speed ramp. */
+/** speed_ramp: Speed ramp. */
 static inline double mwd_motor_v2_36_2025_03_speed_ramp_to_double(int32_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_ramp_from_double(int32_t *raw, double value)
 {
     double steps;
@@ -625,13 +652,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_ramp_from_double(
     return CANWRIGHT_OK;
 }
 
-/** Calibration ratio. */
+/** align_ratio: Calibration ratio. */
 static inline double mwd_motor_v2_36_2025_03_align_ratio_to_double(uint16_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_align_ratio_from_double(uint16_t *raw, double value)
 {
     double steps;
@@ -646,13 +674,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_align_ratio_from_double
     return CANWRIGHT_OK;
 }
 
-/** Node id of the drive. */
+/** driver_id: Node id of the drive. */
 static inline double mwd_motor_v2_36_2025_03_driver_id_to_double(uint8_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_driver_id_from_double(uint8_t *raw, double value)
 {
     double steps;
@@ -667,13 +696,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_driver_id_from_double(u
     return CANWRIGHT_OK;
 }
 
-/** u32. */
+/** u32: u32. */
 static inline double mwd_motor_v2_36_2025_03_u32_to_double(uint32_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_u32_from_double(uint32_t *raw, double value)
 {
     double steps;
@@ -688,13 +718,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_u32_from_double(uint32_
     return CANWRIGHT_OK;
 }
 
-/** u8. */
+/** u8: u8. */
 static inline double mwd_motor_v2_36_2025_03_u8_to_double(uint8_t raw)
 {
     return (double)raw;
 }
 
 /** The nearest raw value. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_u8_from_double(uint8_t *raw, double value)
 {
     double steps;

@@ -17,10 +17,13 @@ def type_facts(type_: Type, among: Sequence[str] = ()) -> list[str]:
     return [sentence for sentence in (_scale(type_, among), _range(type_, among)) if sentence]
 
 
-def field_facts(field: Field, parameter: str | None, of_type: Sequence[str]) -> str:
-    """A field in one paragraph: title, position, resolution, range, condition; `of_type` are the facts of its type."""
+def field_facts(field: Field, parameter: str | None, use: str, of_type: Sequence[str]) -> str:
+    """A field in one paragraph: title, position, type, resolution, range, condition.
+
+    `use` names the type and its functions, `of_type` are the facts of the type.
+    """
     among = field.only if parameter in field.type.parameters else ()
-    parts = [f"{english(field.title)}, {_places(field)}."]
+    parts = [f"{english(field.title)}, {_places(field)}. {use}"]
     if field.is_array:
         indices = [e.index for e in field.elements]
         parts.append(f"Element 0 is number {indices[0]}, the last one number {indices[-1]}.")

@@ -269,7 +269,7 @@ def _multiple(linear: Linear) -> str:
     dividend = "(double)raw" + (f" * {_literal(factor)}" if factor != 1 else "")
     if addend:
         dividend += f" {'+' if addend > 0 else '-'} {_literal(abs(addend))}"
-    return f"canwright_multiple({_ratio(linear)}, {dividend}, {_literal(divisor)})"
+    return f"canwright_multiple(&{_ratio(linear)}, {dividend}, {_literal(divisor)})"
 
 
 def _value(linear: Linear, type_: Type) -> str:
@@ -302,7 +302,7 @@ def _is_wide(type_: Type, factor: int, divisor: int) -> bool:
 def _steps(linear: Linear) -> str:
     """The inverse of `_value`."""
     scale, offset = linear.scale, linear.offset
-    start = "value" if linear.times is None else f"canwright_share(value, {_ratio(linear)})"
+    start = "value" if linear.times is None else f"canwright_share(value, &{_ratio(linear)})"
     start = f"({start} - {_literal(offset)})" if offset else start
     above = f" * {_literal(scale.denominator)}" if scale.denominator != 1 else ""
     return start + above + (f" / {_literal(scale.numerator)}" if scale.numerator != 1 else "")

@@ -171,7 +171,7 @@ class _Example:
 
     def _shown(self, fields: list[Field]) -> Iterator[ShownView]:
         for field in fields:
-            type_ = self._types[self._names.lower(field.type.name)]
+            type_ = self._types[self._names.lower(self._names.type_stem(field.type))]
             if not field.is_array:
                 yield ShownView(field.name, member(field.name), f"value_{field.name}", type_)
                 continue

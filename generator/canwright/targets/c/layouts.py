@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
@@ -29,15 +30,16 @@ class MemberView(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Body(Generic[T]):
-    """Steps that all variants of a layout share, and those of each case of a `switch` over `subject`."""
+    """Steps of all variants of a layout, before or after those of each case of a `switch` over `subject`."""
 
-    always: tuple[T, ...]
+    before: tuple[T, ...]
     subject: str | None
     cases: tuple[Branch[tuple[T, ...]], ...]
+    after: tuple[T, ...]
 
     @property
     def steps(self) -> list[T]:
-        return [*self.always, *(step for case in self.cases for step in case.value)]
+        return [*self.before, *(step for case in self.cases for step in case.value), *self.after]
 
 
 class FieldCheck(NamedTuple):
@@ -77,7 +79,7 @@ class LayoutView:
 
     @property
     def has_check(self) -> bool:
-        return bool(self.check.steps) or self.depends
+        return bool(self.members) and (bool(self.check.steps) or self.depends)
 
     @property
     def check_parameters(self) -> bool:
@@ -104,32 +106,44 @@ def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) ->
         members=tuple(_member(names, layout, f, types) for f in layout.fields if f.fixed is None),
         has_fields=bool(layout.fields),
         depends=layout.parameter is not None,
-        check=_body(names, layout, lambda variant: _checks(names, layout, variant, types)),
+        check=_ordered_body(names, layout, lambda variant: _checks(names, layout, variant, types)),
         pack=_body(names, layout, lambda variant: bits.write_fields(variant.fields, members, shared)),
         unpack=_body(names, layout, lambda variant: _reads(layout, variant)),
     )
 
 
 def _member(names: Names, layout: Layout, field: Field, types: Types) -> MemberView:
-    type_ = types[names.lower(field.type.name)]
+    type_ = types[names.lower(names.type_stem(field.type))]
     length = f"[{len(field.elements)}]" if field.is_array else ""
-    return MemberView(type_.kind, member(field.name) + length, field_facts(field, layout.parameter, type_.facts))
+    return MemberView(
+        type_.kind, member(field.name) + length, field_facts(field, layout.parameter, type_.use, type_.facts)
+    )
 
 
 def _body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]]) -> Body[T]:
     """The steps of all variants; shared steps are executed first."""
     variants = [tuple(steps(variant)) for variant in layout.variants]
     if layout.parameter is None:
-        return Body(always=variants[0], subject=None, cases=())
-    always = tuple(step for step in variants[0] if all(step in other for other in variants))
-    cases = (
-        Branch(
-            labels=tuple(names.upper(layout.parameter, value) for value in variant.values),
-            value=tuple(step for step in every if step not in always),
-        )
-        for variant, every in zip(layout.variants, variants, strict=True)
-    )
-    return Body(always=always, subject=parameter_access(layout.parameter), cases=tuple(cases))
+        return Body(before=variants[0], subject=None, cases=(), after=())
+    shared = tuple(step for step in variants[0] if all(step in other for other in variants))
+    rest = [tuple(step for step in every if step not in shared) for every in variants]
+    return Body(before=shared, subject=parameter_access(layout.parameter), cases=_cases(names, layout, rest), after=())
+
+
+def _ordered_body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]]) -> Body[T]:
+    """The steps of all variants in their order, after the decision whether the parameter is known."""
+    if layout.parameter is None:
+        return _body(names, layout, steps)
+    variants = [tuple(steps(variant)) for variant in layout.variants]
+    last = itertools.takewhile(lambda same: len(set(same)) == 1, zip(*map(reversed, variants), strict=False))
+    after = tuple(same[0] for same in last)[::-1]
+    rest = [every[: len(every) - len(after)] for every in variants]
+    return Body(before=(), subject=parameter_access(layout.parameter), cases=_cases(names, layout, rest), after=after)
+
+
+def _cases(names: Names, layout: Layout, steps: Iterable[tuple[T, ...]]) -> tuple[Branch[tuple[T, ...]], ...]:
+    labels = (tuple(names.upper(layout.parameter or "", value) for value in v.values) for v in layout.variants)
+    return tuple(Branch(labels=one, value=value) for one, value in zip(labels, steps, strict=True))
 
 
 def _reads(layout: Layout, variant: Variant) -> Iterator[FieldRead]:
@@ -153,7 +167,7 @@ def _checks(names: Names, layout: Layout, variant: Variant, types: Types) -> Ite
             continue
         if field.type.encoding is Encoding.FLOAT:
             yield _check(names, field, f"!canwright_is_finite{field.type.width}({item})", "NOT_FINITE")
-        type_ = types[names.lower(field.type.name)]
+        type_ = types[names.lower(names.type_stem(field.type))]
         if type_.valid is not None:
             known = type_.valid.uses_parameters
             call = f"{type_.name}_valid({item}{', parameters' if known else ''})"

@@ -5,9 +5,11 @@ Every name with file scope is that of an item of the spec with an ending from th
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Iterator, Mapping
 
 from ...diagnostics.diagnostic import DocumentPath
+from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Layout
 from ...model.types import Parameter, Type
@@ -36,9 +38,21 @@ MESSAGE_ENDINGS = ("_encode", "_decode")
 ADDRESS_ENDINGS = ("_request_id", "_request_node", "_reply_id", "_reply_node")
 PATTERN_ENDINGS = ("_match", "_stamp")
 ADDRESS_MACROS = ("_REQUEST_ID", "_REPLY_ID", "_NODE_MIN", "_NODE_MAX")
+SIGNIFICANT = 63
+"""C99 guarantees that this many initial characters of a name are significant."""
+
 EDITION_NAMES = (
     *("parameters_t", "field_t", "field_name", "command_t", "command_name", "command_effects", "command_available"),
-    *("any_request_t", "any_reply_t", "identify_request", "identify_reply", "decode_request", "decode_reply"),
+    *(
+        "any_request_t",
+        "any_reply_t",
+        "any_request_check",
+        "any_reply_check",
+        "identify_request",
+        "identify_reply",
+        "decode_request",
+        "decode_reply",
+    ),
     *("check_reply", "H", "SPEC", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
 )
 
@@ -49,6 +63,7 @@ class Names:
     def __init__(self, edition: Edition) -> None:
         self._prefix = f"{edition.family}_{edition.identifier}".lower()
         self._short = dict(_short_names(edition))
+        self._types = _type_stems(edition)
 
     def lower(self, name: str, *parts: str) -> str:
         return self._joined(name, *parts).lower()
@@ -58,10 +73,18 @@ class Names:
 
     def command(self, command: str) -> str:
         """The enumerator of a command."""
-        return self.upper("command", self._short.get(command, command))
+        return self.upper("command", self.short(command))
+
+    def short(self, name: str) -> str:
+        """The name of a command or a message, with the short name of the command if it has one."""
+        return self._short.get(name, name)
+
+    def type_stem(self, type_: Type) -> str:
+        """The part of the names of a type that stands for it: its name, `speed`, or with its raw format, `speed_i16`."""
+        return self._types[type_.name]
 
     def _joined(self, name: str, *parts: str) -> str:
-        return "_".join((self._prefix, self._short.get(name, name), *parts))
+        return "_".join((self._prefix, self.short(name), *parts))
 
 
 def _short_names(edition: Edition) -> Iterator[tuple[str, str]]:
@@ -70,6 +93,25 @@ def _short_names(edition: Edition) -> Iterator[tuple[str, str]]:
     yield from short.items()
     for message in edition.all_messages():
         yield message.name, short[message.command] + message.name.removeprefix(message.command)
+
+
+def _type_stems(edition: Edition) -> Mapping[str, str]:
+    """The stem of each type, so that no field of another type has its name.
+
+    Otherwise `speed_to_double(request.speed)` would compile for a field `speed` of another type. A new edition with such
+    a field renames the functions, so programs for the previous edition do not compile with it.
+    """
+    types_of: dict[str, set[str]] = {}
+    for field in (f for layout in layouts(edition) for f in layout.fields if f.fixed is None):
+        types_of.setdefault(field.name, set()).add(field.type.name)
+    stems = {type_.name: type_.name for type_ in edition.types}
+    for type_ in edition.types:
+        raw = f"{type_.name}_{formatting.raw_format(type_).split()[0]}"
+        others = (raw if number == 1 else f"{raw}_{number}" for number in itertools.count(1))
+        if types_of.get(type_.name, set()) - {type_.name}:
+            free = (one for one in others if not types_of.get(one, set()) - {type_.name} and one not in stems.values())
+            stems[type_.name] = next(free)
+    return stems
 
 
 def member(name: str) -> str:
@@ -85,12 +127,13 @@ def layouts(edition: Edition) -> list[Layout]:
 
 
 def problems(edition: Edition) -> Iterator[NameProblem]:
-    """Different items of an edition that would have one name in C."""
+    """Different items of an edition that would have one name in C, and names that a compiler may take for one."""
     owners: dict[str, str] = {}
     for name, what, path in defined(edition):
         other = owners.setdefault(name, what)
         if other != what:
             yield NameProblem(path, f"{what} and {other} would both be `{name}` in C", "rename one of them")
+    yield from _long_names(edition)
     for layout in layouts(edition):
         fields: dict[str, str] = {}
         for field in layout.fields:
@@ -98,6 +141,25 @@ def problems(edition: Edition) -> Iterator[NameProblem]:
             if other != field.name:
                 text = f"the fields `{field.name}` and `{other}` would both be `{member(other)}` in C"
                 yield NameProblem(field.path, text, "rename one of them")
+
+
+def _long_names(edition: Edition) -> Iterator[NameProblem]:
+    """The first name of each path that starts like another name: C compilers need not distinguish more characters."""
+    owners: dict[str, str] = {}
+    reported: set[DocumentPath] = set()
+    for name, what, path in defined(edition):
+        other = owners.setdefault(name[:SIGNIFICANT], name)
+        if other != name and path not in reported:
+            reported.add(path)
+            text = f"the first {SIGNIFICANT} characters of `{name}` in C ({what}) are those of `{other}`"
+            item = "give the command a `short_name`" if path[:1] == ("commands",) else "rename it"
+            yield NameProblem(path, text, f"{item}: {_excess(name, other)} characters less before they differ")
+
+
+def _excess(name: str, other: str) -> int:
+    """How many characters too late two names differ."""
+    same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(name, other, strict=False))
+    return len(list(same)) - SIGNIFICANT + 1
 
 
 def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
@@ -146,8 +208,9 @@ def _parameter(names: Names, parameter: Parameter) -> Iterator[tuple[str, str, D
 
 
 def _type(names: Names, type_: Type) -> Iterator[str]:
-    yield from (names.lower(type_.name) + ending for ending in TYPE_ENDINGS)
+    stem = names.type_stem(type_)
+    yield from (names.lower(stem) + ending for ending in TYPE_ENDINGS)
     for ending in ("RAW_MIN", "RAW_MAX"):
-        yield names.upper(type_.name, ending)
-        yield from (names.upper(type_.name, ending, case) for case in type_.raw_range.cases)
-    yield from (names.upper(type_.name, m.name) for m in (*type_.enum, *type_.flags))
+        yield names.upper(stem, ending)
+        yield from (names.upper(stem, ending, case) for case in type_.raw_range.cases)
+    yield from (names.upper(stem, m.name) for m in (*type_.enum, *type_.flags))

@@ -39,7 +39,7 @@ class RatioMilli:
         """The expression of the thousandths of a 64-bit raw integer."""
         product = raw if self._factor == 1 else f"{raw} * {self._factor}"
         added = f" {'+' if self._addend > 0 else '-'} {abs(self._addend)}" if self._addend else ""
-        return f"canwright_multiple64({self._ratio}, {product}{added}, {self._divisor})"
+        return f"canwright_multiple64(&{self._ratio}, {product}{added}, {self._divisor})"
 
     def share_arguments(self, limits: tuple[int, int]) -> str:
         """The arguments of `canwright_share64` after ratio and thousandths; raw integers are within `limits`."""

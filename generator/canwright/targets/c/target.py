@@ -9,7 +9,7 @@ from ...model.edition import Edition
 from ...model.types import Assignment
 from ..base import NameProblem, Output, Specification, Target
 from . import generate
-from .names import member
+from .names import Names, member
 from .problems import between, problems
 
 
@@ -29,6 +29,7 @@ class CTarget(Target):
 
     def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
         """Names without the prefix of family and edition; constants have `…_` instead."""
+        in_c = Names(edition)
         names = {command.path: f"{command.short_name}_request_t" for command in edition.commands}
         for layout in edition.layouts:
             names[layout.path] = f"{layout.name}_t"
@@ -38,9 +39,10 @@ class CTarget(Target):
             names |= {(*at, "values", v.name): f"…_{parameter.name}_{v.name}".upper() for v in parameter.values}
         for type_ in edition.types:
             key = "enum" if type_.enum else "flags"
-            names[type_.path] = f"…_{type_.name}_to_milli"
+            stem = in_c.type_stem(type_)
+            names[type_.path] = f"…_{stem}_to_milli"
             members = (*type_.enum, *type_.flags)
-            names |= {(*type_.path, key, m.name): f"…_{type_.name}_{m.name}".upper() for m in members}
+            names |= {(*type_.path, key, m.name): f"…_{stem}_{m.name}".upper() for m in members}
         for message in edition.all_messages():
             names |= {field.path: member(field.name) for field in message.layout.fields}
         return names

@@ -28,9 +28,13 @@ class NameView(NamedTuple):
 
 
 class TypeView(NamedTuple):
-    """A type with its macros, names, check and conversions. `facts` are part of `doc`; `names` are those of an enum."""
+    """A type with its macros, names, check and conversions. `facts` are part of `doc`; `names` are those of an enum.
+
+    `use` is a sentence with the type and its functions, for comments of fields.
+    """
 
     name: str
+    use: str
     heading: str
     doc: tuple[str, ...]
     facts: tuple[str, ...]
@@ -59,26 +63,41 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
     kind, check = integer(type_), valid(names, type_)
     unit = type_.unit.dbc if type_.unit else ""
     title = english(type_.title) or type_.name
+    stem = names.type_stem(type_)
     thousandths = milli(names, type_, check)
     lacking = "" if thousandths else _only_doubles(type_)
     facts = tuple(type_facts(type_))
     about = " ".join(text for text in (english(type_.about), *facts, lacking) if text)
+    in_double = double(names, type_, check)
     macros = [*_limits(names, type_, kind), *_members(names, type_, kind)]
     return TypeView(
-        name=names.lower(type_.name),
-        heading=title + (f", {unit}" if unit else ""),
+        name=names.lower(stem),
+        use=f"Type {stem}{_functions(type_, stem, thousandths or in_double)}.",
+        heading=f"{stem}: {title}" + (f", {unit}" if unit else ""),
         doc=tuple(text for text in (about, *errata(edition, type_.path)) if text),
         facts=facts,
         kind=kind.name,
         macros=tuple(macros),
-        names=tuple(NameView(names.upper(type_.name, m.name), m.name) for m in type_.enum),
+        names=tuple(NameView(names.upper(names.type_stem(type_), m.name), m.name) for m in type_.enum),
         valid=check,
         milli=thousandths,
         milli_unit=f"thousandths of {unit}" if unit else "thousandths",
-        double=double(names, type_, check),
+        double=in_double,
         only_double=bool(lacking),
         unit=unit,
     )
+
+
+def _functions(type_: Type, stem: str, conversion: ConversionView | None) -> str:
+    """The names by which a field of a type is used, without the prefix of the edition."""
+    if not type_.is_number:
+        return f": {stem}_*".upper()
+    if type_.is_plain and not type_.unit:
+        return ", a plain number"
+    if conversion is None:
+        return ""
+    given = ", with the parameters" if conversion.to_parameters or conversion.from_parameters else ""
+    return f": {stem}_to_*, {stem}_from_*{given}"
 
 
 def _only_doubles(type_: Type) -> str:
@@ -98,15 +117,17 @@ def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
         under = f" ({found.parameter} {case})" if case else ""
         for ending, word, bound in ends:
             if bound.parameter is None and bound.constant.denominator == 1:
-                name = names.upper(type_.name, ending, *([case] if case else []))
+                name = names.upper(names.type_stem(type_), ending, *([case] if case else []))
                 yield MacroView(name, _parenthesised(kind.literal(int(bound.constant))), f"{word} raw value{under}.")
 
 
 def _members(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
     for m in type_.enum:
-        yield MacroView(names.upper(type_.name, m.name), _parenthesised(kind.literal(m.value)), english(m.title))
+        yield MacroView(
+            names.upper(names.type_stem(type_), m.name), _parenthesised(kind.literal(m.value)), english(m.title)
+        )
     for m in type_.flags:
-        yield MacroView(names.upper(type_.name, m.name), kind.unsigned.bits(1 << m.value), english(m.title))
+        yield MacroView(names.upper(names.type_stem(type_), m.name), kind.unsigned.bits(1 << m.value), english(m.title))
 
 
 def _parenthesised(literal: str) -> str:

@@ -148,7 +148,7 @@ def _factors(bound: Bound) -> tuple[int, int, int]:
 def _dependent(kind: Integer, bound: Bound, is_low: bool) -> Alternatives:
     ratio = parameter_access(bound.parameter or "")
     function, sign = ("canwright_ceiling", ">=") if is_low else ("canwright_floor", "<=")
-    limit = f"{function}({ratio}, {', '.join(INT64.literal(n) for n in _factors(bound))})"
+    limit = f"{function}(&{ratio}, {', '.join(INT64.literal(n) for n in _factors(bound))})"
     if kind != UINT64:
         within = f"(int64_t)raw {sign} {limit}" if kind != INT64 else f"raw {sign} {limit}"
     elif is_low:

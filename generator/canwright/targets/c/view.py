@@ -89,12 +89,23 @@ class AvailabilityView(NamedTuple):
 
 
 class ContentView(NamedTuple):
-    """Commands whose messages of one direction have the same layout; `doc` has their names."""
+    """A command whose message of one direction has fields: its member in the union."""
 
-    commands: tuple[str, ...]
-    doc: str
+    command: str
     member: str
+    doc: str
+
+
+class ContentsView(NamedTuple):
+    """Commands whose messages of one direction have the same layout."""
+
     layout: LayoutView
+    commands: tuple[ContentView, ...]
+
+    @property
+    def member(self) -> str:
+        """One of the members; all have the same type."""
+        return self.commands[0].member
 
 
 class DirectionView(NamedTuple):
@@ -103,15 +114,25 @@ class DirectionView(NamedTuple):
     word: str
     identify: tuple[RouteView, ...]
     decode: tuple[RouteView, ...]
-    contents: tuple[ContentView, ...]
+    contents: tuple[ContentsView, ...]
 
     @property
-    def has_members(self) -> bool:
-        return any(content.layout.members for content in self.contents)
+    def members(self) -> list[tuple[LayoutView, ContentView]]:
+        """The members of the union: a struct and its command."""
+        return [(some.layout, one) for some in self.contents if some.layout.members for one in some.commands]
 
     @property
     def depends(self) -> bool:
         return any(content.layout.depends for content in self.contents)
+
+    @property
+    def checked(self) -> list[ContentsView]:
+        """The contents that have something to check."""
+        return [content for content in self.contents if content.layout.has_check]
+
+    @property
+    def check_parameters(self) -> bool:
+        return any(content.layout.check_parameters for content in self.contents)
 
 
 class EditionView(NamedTuple):
@@ -296,29 +317,23 @@ def _availability(names: Names, edition: Edition) -> list[AvailabilityView]:
 def _direction(
     names: Names, edition: Edition, messages: Messages, direction: Direction, views: Mapping[Layout, LayoutView]
 ) -> DirectionView:
-    commands: dict[Layout, list[str]] = {}
+    contents: dict[Layout, list[ContentView]] = {}
     for message in edition.messages(direction):
         if views[message.layout].members or views[message.layout].depends:
-            commands.setdefault(message.layout, []).append(message.command)
-    contents = {
-        layout: ContentView(
-            commands=tuple(names.command(command) for command in names_),
-            doc=f"Fields of {', '.join(names_)}.",
-            member=member(layout.name),
-            layout=views[layout],
-        )
-        for layout, names_ in commands.items()
-    }
-    unpack = {layout: _unpack(direction, content) for layout, content in contents.items()}
+            enumerator = names.command(message.command)
+            content = ContentView(enumerator, member(names.short(message.command)), f"With {enumerator}.")
+            contents.setdefault(message.layout, []).append(content)
+    some = {layout: ContentsView(views[layout], tuple(commands)) for layout, commands in contents.items()}
+    unpack = {layout: _unpack(direction, content) for layout, content in some.items()}
     return DirectionView(
         word=direction.value,
         identify=tuple(routes(names, edition, messages, direction, {})),
         decode=tuple(routes(names, edition, messages, direction, unpack)),
-        contents=tuple(contents.values()),
+        contents=tuple(some.values()),
     )
 
 
-def _unpack(direction: Direction, content: ContentView) -> UnpackView:
+def _unpack(direction: Direction, content: ContentsView) -> UnpackView:
     layout = content.layout
     given = [f"&{direction.value}->as.{content.member}"] if layout.members else []
     given += ["frame", *(["parameters"] if layout.depends else [])]

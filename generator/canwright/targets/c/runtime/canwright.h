@@ -19,7 +19,34 @@
 #endif
 
 /** The version of this file. Headers that need another version do not compile. */
-#define CANWRIGHT_H_VERSION 2
+#define CANWRIGHT_H_VERSION 3
+
+/** Marks a function whose result must be used; define it before, also as empty, to replace it. */
+#ifndef CANWRIGHT_CHECKED
+#if (defined(__cplusplus) && __cplusplus >= 201703L) || (defined(__STDC_VERSION__) && __STDC_VERSION__ >= 202311L)
+#define CANWRIGHT_CHECKED [[nodiscard]]
+#elif defined(__GNUC__)
+#define CANWRIGHT_CHECKED __attribute__((warn_unused_result))
+#else
+#define CANWRIGHT_CHECKED
+#endif
+#endif
+
+/** Marks a function none of whose pointers may be NULL; define it before, also as empty, to replace it. */
+#ifndef CANWRIGHT_NONNULL
+#if defined(__GNUC__)
+#define CANWRIGHT_NONNULL __attribute__((nonnull))
+#else
+#define CANWRIGHT_NONNULL
+#endif
+#endif
+
+/** The alignment of a frame, where a compiler has a syntax for it in every standard and the target aligns anything so. */
+#if defined(__BIGGEST_ALIGNMENT__) && __BIGGEST_ALIGNMENT__ >= 8
+#define CANWRIGHT_ALIGNED __attribute__((aligned(8)))
+#else
+#define CANWRIGHT_ALIGNED
+#endif
 
 /** The most data bytes of a frame. */
 #define CANWRIGHT_MAX_DATA 8u
@@ -31,16 +58,19 @@
 #define CANWRIGHT_REMOTE 0x40000000u
 
 /**
- * A classic CAN frame. The id and its two flags are those of SocketCAN's `can_id`, so an extended or a remote frame
- * never equals a standard data frame. The data start at a word boundary, so that a compiler can combine byte accesses.
+ * A classic CAN frame with the layout of SocketCAN's `struct can_frame`: 16 bytes, the data at offset 8. The id and its
+ * two flags are those of `can_id`, so an extended or a remote frame never equals a standard data frame. A compiler can
+ * combine accesses to the data bytes, because they are aligned.
  */
 typedef struct {
     /** 11 bits, or 29 and CANWRIGHT_EXTENDED; with CANWRIGHT_REMOTE for a remote frame. */
     uint32_t id;
-    /** The data bytes; only the first `dlc` are used. */
-    uint8_t data[CANWRIGHT_MAX_DATA];
     /** Number of data bytes, 0 to CANWRIGHT_MAX_DATA. */
     uint8_t dlc;
+    /** Encoded as 0, and ignored. */
+    uint8_t reserved[3];
+    /** The data bytes; only the first `dlc` are used. */
+    CANWRIGHT_ALIGNED uint8_t data[CANWRIGHT_MAX_DATA];
 } canwright_frame_t;
 
 /** The result of a call. Unless it is CANWRIGHT_OK, the outputs are unspecified. */
@@ -107,9 +137,13 @@ static inline const char *canwright_status_name(canwright_status_t status)
     }
 }
 
-/** Sets all data bytes to 0. */
+/** Sets all data bytes and the reserved bytes to 0. */
+CANWRIGHT_NONNULL
 static inline void canwright_clear(canwright_frame_t *frame)
 {
+    frame->reserved[0] = 0u;
+    frame->reserved[1] = 0u;
+    frame->reserved[2] = 0u;
     frame->data[0] = 0u;
     frame->data[1] = 0u;
     frame->data[2] = 0u;
@@ -124,6 +158,7 @@ static inline void canwright_clear(canwright_frame_t *frame)
 }
 
 /** True for two frames with the same data bytes. */
+CANWRIGHT_NONNULL
 static inline bool canwright_same_data(const canwright_frame_t *one, const canwright_frame_t *other)
 {
     uint8_t i;
@@ -174,21 +209,24 @@ static inline int64_t canwright_divide64(int64_t dividend, int64_t divisor)
 }
 
 /** The integer nearest to `ratio * dividend / divisor`, ties away from zero; both products must fit in 64 bits. */
-static inline int64_t canwright_multiple64(canwright_ratio_t ratio, int64_t dividend, int64_t divisor)
+CANWRIGHT_NONNULL
+static inline int64_t canwright_multiple64(const canwright_ratio_t *ratio, int64_t dividend, int64_t divisor)
 {
-    return canwright_divide64(dividend * ratio.numerator, divisor * (int64_t)ratio.denominator);
+    return canwright_divide64(dividend * ratio->numerator, divisor * (int64_t)ratio->denominator);
 }
 
 /** The largest integer not above `(factor * ratio + addend) / divisor`; `ratio` is known and `divisor` positive. */
-static inline int64_t canwright_floor(canwright_ratio_t ratio, int64_t factor, int64_t addend, int64_t divisor)
+CANWRIGHT_NONNULL
+static inline int64_t canwright_floor(const canwright_ratio_t *ratio, int64_t factor, int64_t addend, int64_t divisor)
 {
-    const int64_t above = factor * ratio.numerator + addend * (int64_t)ratio.denominator;
-    const int64_t below = divisor * (int64_t)ratio.denominator;
+    const int64_t above = factor * ratio->numerator + addend * (int64_t)ratio->denominator;
+    const int64_t below = divisor * (int64_t)ratio->denominator;
     return above / below - (above % below < 0 ? 1 : 0);
 }
 
 /** The smallest integer not below `(factor * ratio + addend) / divisor`; `ratio` is known and `divisor` positive. */
-static inline int64_t canwright_ceiling(canwright_ratio_t ratio, int64_t factor, int64_t addend, int64_t divisor)
+CANWRIGHT_NONNULL
+static inline int64_t canwright_ceiling(const canwright_ratio_t *ratio, int64_t factor, int64_t addend, int64_t divisor)
 {
     return -canwright_floor(ratio, -factor, -addend, divisor);
 }
@@ -197,7 +235,8 @@ static inline int64_t canwright_ceiling(canwright_ratio_t ratio, int64_t factor,
  * The integer nearest to `(share / ratio * divisor - addend) / factor`, ties away from zero; false if it is not
  * from `lowest` to `highest`, or if `share / ratio` exceeds `most`. `ratio` and `factor` are above 0.
  */
-static inline bool canwright_share64(int64_t *nearest, canwright_ratio_t ratio, int64_t share, int64_t most,
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline bool canwright_share64(int64_t *nearest, const canwright_ratio_t *ratio, int64_t share, int64_t most,
     int64_t divisor, int64_t addend, int64_t factor, int64_t lowest, int64_t highest)
 {
     const int64_t limit = canwright_floor(ratio, most, 0, 1);
@@ -205,7 +244,7 @@ static inline bool canwright_share64(int64_t *nearest, canwright_ratio_t ratio, 
         return false;
     }
     *nearest = canwright_divide64(
-        share * divisor * (int64_t)ratio.denominator - addend * ratio.numerator, factor * ratio.numerator);
+        share * divisor * (int64_t)ratio->denominator - addend * ratio->numerator, factor * ratio->numerator);
     return *nearest >= lowest && *nearest <= highest;
 }
 
