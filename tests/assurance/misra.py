@@ -54,9 +54,19 @@ def findings(headers: Sequence[Header]) -> list[Finding]:
 
 
 def _findings(header: Header) -> Iterator[Finding]:
-    unit = header.unit.with_suffix(".misra.c")
+    unit = header.unit.with_suffix("") / "planted.c"  # cppcheck writes files beside it
+    unit.parent.mkdir(exist_ok=True)
     unit.write_text(header.unit.read_text("utf-8") + PLANTED, "utf-8")
-    command = (tool("cppcheck"), "--quiet", "--std=c99", "--addon=misra", f"--enable={CHECKS}", "-U__cplusplus")
+    command = (
+        tool("cppcheck"),
+        "--quiet",
+        "--std=c99",
+        "--addon=misra",
+        f"--enable={CHECKS}",
+        "-U__cplusplus",
+        "-DDBL_MANT_DIG=53",
+        "-DFLT_MANT_DIG=24",
+    )
     template = ("--template={file}:{line}: {id} {message}", "--template-location=")
     found = [_finding(line) for line in output(*command, *template, f"-I{header.include}", unit).splitlines()]
     if not any(finding.rule == PLANTED_RULE and finding.place.startswith(str(unit)) for finding in found):

@@ -96,7 +96,7 @@ typedef struct {
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_request_id(uint32_t *id, uint32_t node)
 {
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     *id = 0x140u + node;
@@ -108,7 +108,7 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_request_node(uint32_t *found, uint32_t id)
 {
     const uint32_t node = id - 0x140u;
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_ID;
     }
     *found = node;
@@ -119,7 +119,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_request_node(uint32_t *fo
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_reply_id(uint32_t *id, uint32_t node)
 {
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     *id = 0x140u + node;
@@ -131,7 +131,7 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_reply_node(uint32_t *found, uint32_t id)
 {
     const uint32_t node = id - 0x140u;
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_ID;
     }
     *found = node;
@@ -149,7 +149,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_request_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a request, and sets all other bits of the data to 0. */
@@ -177,7 +177,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_reply_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
@@ -249,7 +249,7 @@ static inline int32_t mwd_motor_v2_35_voltage_to_milli(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_voltage_from_milli(uint16_t *raw, int32_t milli)
 {
-    if (milli < -49 || milli > 6553549) {
+    if ((milli < -49) || (milli > 6553549)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (uint16_t)canwright_divide32(milli, 100);
@@ -271,7 +271,7 @@ static inline canwright_status_t mwd_motor_v2_35_voltage_from_milli(uint16_t *ra
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_power_valid(int16_t raw)
 {
-    return raw >= -850 && raw <= 850;
+    return (raw >= -850) && (raw <= 850);
 }
 
 /** @} */
@@ -291,7 +291,7 @@ static inline bool mwd_motor_v2_35_power_valid(int16_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_torque_current_valid(int16_t raw)
 {
-    return raw >= -2048 && raw <= 2048;
+    return (raw >= -2048) && (raw <= 2048);
 }
 
 /** To thousandths of A. */
@@ -324,13 +324,13 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_milli(
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_SERIES_MF:
-        if (milli < -16504 || milli > 16504) {
+        if ((milli < -16504) || (milli > 16504)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_SERIES_MG:
-        if (milli < -33008 || milli > 33008) {
+        if ((milli < -33008) || (milli > 33008)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -357,7 +357,7 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_milli(
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_broadcast_current_valid(int16_t raw)
 {
-    return raw >= -2000 && raw <= 2000;
+    return (raw >= -2000) && (raw <= 2000);
 }
 
 /** To thousandths of A. */
@@ -370,7 +370,7 @@ static inline int32_t mwd_motor_v2_35_broadcast_current_to_milli(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_milli(int16_t *raw, int32_t milli)
 {
-    if (milli < -32007 || milli > 32007) {
+    if ((milli < -32007) || (milli > 32007)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int16_t)canwright_divide32(milli, 16);
@@ -396,7 +396,7 @@ static inline int32_t mwd_motor_v2_35_phase_current_to_milli(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_phase_current_from_milli(int16_t *raw, int32_t milli)
 {
-    if (milli < -512007 || milli > 511992) {
+    if ((milli < -512007) || (milli > 511992)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int16_t)canwright_divide32(milli * 8, 125);
@@ -426,7 +426,7 @@ static inline int64_t mwd_motor_v2_35_speed_setpoint_to_milli(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_milli(int32_t *raw, int64_t milli)
 {
-    if (milli < -21474836484 || milli > 21474836474) {
+    if ((milli < -21474836484) || (milli > 21474836474)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int32_t)canwright_divide64(milli, 10);
@@ -452,7 +452,7 @@ static inline int64_t mwd_motor_v2_35_angle_i32_to_milli(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_milli(int32_t *raw, int64_t milli)
 {
-    if (milli < -21474836484 || milli > 21474836474) {
+    if ((milli < -21474836484) || (milli > 21474836474)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int32_t)canwright_divide64(milli, 10);
@@ -481,7 +481,7 @@ static inline int64_t mwd_motor_v2_35_single_turn_angle_to_milli(uint32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_milli(uint32_t *raw, int64_t milli)
 {
-    if (milli < -4 || milli > 42949672954) {
+    if ((milli < -4) || (milli > 42949672954)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (uint32_t)canwright_divide64(milli, 10);
@@ -504,8 +504,8 @@ CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_single_turn_position_valid(
     uint32_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    return parameters->gear_ratio.denominator == 0u || (int64_t)raw <= canwright_floor(&parameters->gear_ratio, 36000,
-        -1, 1);
+    return (parameters->gear_ratio.denominator == 0u) || ((int64_t)raw <= canwright_floor(&parameters->gear_ratio,
+        36000, -1, 1));
 }
 
 /** To thousandths of deg. */
@@ -520,7 +520,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_milli
     uint32_t *raw, int64_t milli, const mwd_motor_v2_35_parameters_t *parameters)
 {
     uint32_t nearest;
-    if (milli < -4 || milli > 42949672954) {
+    if ((milli < -4) || (milli > 42949672954)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     nearest = (uint32_t)canwright_divide64(milli, 10);
@@ -547,14 +547,14 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_milli
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_multi_turn_angle_valid(int64_t raw)
 {
-    return raw >= -36028797018963968 && raw <= 36028797018963967;
+    return (raw >= -36028797018963968) && (raw <= 36028797018963967);
 }
 
 /** To thousandths of deg. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_to_milli(int64_t *milli, int64_t raw)
 {
-    if (raw < -36028797018963968 || raw > 36028797018963967) {
+    if ((raw < -36028797018963968) || (raw > 36028797018963967)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *milli = raw * 10;
@@ -565,7 +565,7 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_to_milli(int64
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_milli(int64_t *raw, int64_t milli)
 {
-    if (milli < -360287970189639684 || milli > 360287970189639674) {
+    if ((milli < -360287970189639684) || (milli > 360287970189639674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = canwright_divide64(milli, 10);
@@ -639,19 +639,19 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_milli(
     uint16_t nearest;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
-        if (milli < -10 || milli > 1439989) {
+        if ((milli < -10) || (milli > 1439989)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 256, 5625);
         break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
-        if (milli < -5 || milli > 719994) {
+        if ((milli < -5) || (milli > 719994)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 512, 5625);
         break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
-        if (milli < -2 || milli > 359997) {
+        if ((milli < -2) || (milli > 359997)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 1024, 5625);
@@ -3756,8 +3756,8 @@ static inline bool mwd_motor_v2_35_command_available(
 {
     switch ((int)command) {
     case MWD_MOTOR_V2_35_COMMAND_SET_POWER:
-        return parameters->series != MWD_MOTOR_V2_35_SERIES_MF && parameters->series != MWD_MOTOR_V2_35_SERIES_MH
-            && parameters->series != MWD_MOTOR_V2_35_SERIES_MG;
+        return (parameters->series != MWD_MOTOR_V2_35_SERIES_MF) && (parameters->series != MWD_MOTOR_V2_35_SERIES_MH)
+            && (parameters->series != MWD_MOTOR_V2_35_SERIES_MG);
     case MWD_MOTOR_V2_35_COMMAND_SET_TORQUE:
         return parameters->series != MWD_MOTOR_V2_35_SERIES_MS;
     default:
@@ -4218,7 +4218,7 @@ static inline canwright_status_t mwd_motor_v2_35_check_reply(
     case MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM:
     case MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM:
     case MWD_MOTOR_V2_35_COMMAND_CLEAR_ANGLE:
-        answers = mwd_motor_v2_35_motor_reply_node(&from, reply->id) == CANWRIGHT_OK && from == to
+        answers = (mwd_motor_v2_35_motor_reply_node(&from, reply->id) == CANWRIGHT_OK) && (from == to)
             && canwright_same_data(request, reply);
         break;
     case MWD_MOTOR_V2_35_COMMAND_SET_POWER:
@@ -4239,15 +4239,16 @@ static inline canwright_status_t mwd_motor_v2_35_check_reply(
     case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1:
     case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2:
     case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK && from == to;
+        answers = (mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK)
+            && (from == to);
         break;
     case MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS:
-        answers = (mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Au) == CANWRIGHT_OK
-            || mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Bu) == CANWRIGHT_OK) && from == to;
+        answers = ((mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Au) == CANWRIGHT_OK)
+            || (mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Bu) == CANWRIGHT_OK)) && (from == to);
         break;
     case MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA1u) == CANWRIGHT_OK && from >= 1u
-            && from <= 4u;
+        answers = (mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA1u) == CANWRIGHT_OK) && ((from >= 1u)
+            && (from <= 4u));
         break;
     default:
         break;

@@ -94,7 +94,7 @@ typedef struct {
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_id(uint32_t *id, uint32_t node)
 {
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     *id = 0x140u + node;
@@ -106,7 +106,7 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_node(uint32_t *found, uint32_t id)
 {
     const uint32_t node = id - 0x140u;
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_ID;
     }
     *found = node;
@@ -117,7 +117,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_node(uint
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_reply_id(uint32_t *id, uint32_t node)
 {
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     *id = 0x140u + node;
@@ -129,7 +129,7 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_reply_node(uint32_t *found, uint32_t id)
 {
     const uint32_t node = id - 0x140u;
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_ID;
     }
     *found = node;
@@ -147,7 +147,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a request, and sets all other bits of the data to 0. */
@@ -175,7 +175,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_2_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code && frame->data[1] == code_2 ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return ((frame->data[0] == code) && (frame->data[1] == code_2)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a request, and sets all other bits of the data to 0. */
@@ -204,7 +204,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_reply_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
@@ -232,7 +232,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_reply_2_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code && frame->data[1] == code_2 ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return ((frame->data[0] == code) && (frame->data[1] == code_2)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
@@ -273,7 +273,7 @@ static inline int32_t mwd_motor_v2_35_2024_02_voltage_to_milli(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_voltage_from_milli(int16_t *raw, int32_t milli)
 {
-    if (milli < -327684 || milli > 327674) {
+    if ((milli < -327684) || (milli > 327674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int16_t)canwright_divide32(milli, 10);
@@ -299,7 +299,7 @@ static inline int32_t mwd_motor_v2_35_2024_02_bus_current_to_milli(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_bus_current_from_milli(int16_t *raw, int32_t milli)
 {
-    if (milli < -327684 || milli > 327674) {
+    if ((milli < -327684) || (milli > 327674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int16_t)canwright_divide32(milli, 10);
@@ -325,7 +325,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_bus_current_from_milli(
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_power_i16_valid(int16_t raw)
 {
-    return raw >= -850 && raw <= 850;
+    return (raw >= -850) && (raw <= 850);
 }
 
 /** @} */
@@ -346,7 +346,7 @@ static inline bool mwd_motor_v2_35_2024_02_power_i16_valid(int16_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_output_power_valid(int16_t raw)
 {
-    return raw >= -1000 && raw <= 1000;
+    return (raw >= -1000) && (raw <= 1000);
 }
 
 /** @} */
@@ -371,7 +371,7 @@ static inline bool mwd_motor_v2_35_2024_02_output_power_valid(int16_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_torque_current_valid(int16_t raw)
 {
-    return raw >= -2048 && raw <= 2048;
+    return (raw >= -2048) && (raw <= 2048);
 }
 
 /** To thousandths of A. */
@@ -404,13 +404,13 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_torque_current_from_mil
     case MWD_MOTOR_V2_35_2024_02_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_2024_02_SERIES_MF:
-        if (milli < -16504 || milli > 16504) {
+        if ((milli < -16504) || (milli > 16504)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_2024_02_SERIES_MG:
-        if (milli < -33008 || milli > 33008) {
+        if ((milli < -33008) || (milli > 33008)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -467,13 +467,13 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_measured_torque_current
     case MWD_MOTOR_V2_35_2024_02_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_2024_02_SERIES_MF:
-        if (milli < -264004 || milli > 263995) {
+        if ((milli < -264004) || (milli > 263995)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_2024_02_SERIES_MG:
-        if (milli < -528008 || milli > 527991) {
+        if ((milli < -528008) || (milli > 527991)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -526,13 +526,13 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_phase_current_from_mill
     case MWD_MOTOR_V2_35_2024_02_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_2024_02_SERIES_MF:
-        if (milli < -264004 || milli > 263995) {
+        if ((milli < -264004) || (milli > 263995)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_2024_02_SERIES_MG:
-        if (milli < -528008 || milli > 527991) {
+        if ((milli < -528008) || (milli > 527991)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -565,7 +565,7 @@ static inline int64_t mwd_motor_v2_35_2024_02_speed_setpoint_to_milli(int32_t ra
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_setpoint_from_milli(int32_t *raw, int64_t milli)
 {
-    if (milli < -21474836484 || milli > 21474836474) {
+    if ((milli < -21474836484) || (milli > 21474836474)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int32_t)canwright_divide64(milli, 10);
@@ -591,7 +591,7 @@ static inline int64_t mwd_motor_v2_35_2024_02_angle_i32_to_milli(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_angle_i32_from_milli(int32_t *raw, int64_t milli)
 {
-    if (milli < -21474836484 || milli > 21474836474) {
+    if ((milli < -21474836484) || (milli > 21474836474)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int32_t)canwright_divide64(milli, 10);
@@ -620,7 +620,7 @@ static inline int64_t mwd_motor_v2_35_2024_02_single_turn_angle_to_milli(uint32_
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_angle_from_milli(uint32_t *raw, int64_t milli)
 {
-    if (milli < -4 || milli > 42949672954) {
+    if ((milli < -4) || (milli > 42949672954)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (uint32_t)canwright_divide64(milli, 10);
@@ -643,8 +643,8 @@ CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_2024_02_single_turn_position_valid(
     uint32_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
-    return parameters->gear_ratio.denominator == 0u || (int64_t)raw <= canwright_floor(&parameters->gear_ratio, 36000,
-        -1, 1);
+    return (parameters->gear_ratio.denominator == 0u) || ((int64_t)raw <= canwright_floor(&parameters->gear_ratio,
+        36000, -1, 1));
 }
 
 /** To thousandths of deg. */
@@ -659,7 +659,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_position_fr
     uint32_t *raw, int64_t milli, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     uint32_t nearest;
-    if (milli < -4 || milli > 42949672954) {
+    if ((milli < -4) || (milli > 42949672954)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     nearest = (uint32_t)canwright_divide64(milli, 10);
@@ -686,14 +686,14 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_position_fr
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_multi_turn_angle_valid(int64_t raw)
 {
-    return raw >= -36028797018963968 && raw <= 36028797018963967;
+    return (raw >= -36028797018963968) && (raw <= 36028797018963967);
 }
 
 /** To thousandths of deg. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_multi_turn_angle_to_milli(int64_t *milli, int64_t raw)
 {
-    if (raw < -36028797018963968 || raw > 36028797018963967) {
+    if ((raw < -36028797018963968) || (raw > 36028797018963967)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *milli = raw * 10;
@@ -704,7 +704,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_multi_turn_angle_to_mil
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_multi_turn_angle_from_milli(int64_t *raw, int64_t milli)
 {
-    if (milli < -360287970189639684 || milli > 360287970189639674) {
+    if ((milli < -360287970189639684) || (milli > 360287970189639674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = canwright_divide64(milli, 10);
@@ -778,19 +778,19 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_encoder_position_from_m
     uint16_t nearest;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_14:
-        if (milli < -10 || milli > 1439989) {
+        if ((milli < -10) || (milli > 1439989)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 256, 5625);
         break;
     case MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_15:
-        if (milli < -5 || milli > 719994) {
+        if ((milli < -5) || (milli > 719994)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 512, 5625);
         break;
     case MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_16:
-        if (milli < -2 || milli > 359997) {
+        if ((milli < -2) || (milli > 359997)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 1024, 5625);
@@ -861,7 +861,7 @@ static inline const char *mwd_motor_v2_35_2024_02_brake_action_name(uint8_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_brake_action_valid(uint8_t raw)
 {
-    return raw <= 1u || raw == 16u;
+    return (raw <= 1u) || (raw == 16u);
 }
 
 /** @} */
@@ -920,7 +920,7 @@ static inline const char *mwd_motor_v2_35_2024_02_motor_state_name(uint8_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_2024_02_motor_state_valid(uint8_t raw)
 {
-    return raw == 0u || raw == 16u;
+    return (raw == 0u) || (raw == 16u);
 }
 
 /** @} */
@@ -4314,9 +4314,9 @@ static inline bool mwd_motor_v2_35_2024_02_command_available(
 {
     switch ((int)command) {
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER:
-        return parameters->series != MWD_MOTOR_V2_35_2024_02_SERIES_MF
-            && parameters->series != MWD_MOTOR_V2_35_2024_02_SERIES_MH
-            && parameters->series != MWD_MOTOR_V2_35_2024_02_SERIES_MG;
+        return (parameters->series != MWD_MOTOR_V2_35_2024_02_SERIES_MF)
+            && (parameters->series != MWD_MOTOR_V2_35_2024_02_SERIES_MH)
+            && (parameters->series != MWD_MOTOR_V2_35_2024_02_SERIES_MG);
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3:
         return parameters->series != MWD_MOTOR_V2_35_2024_02_SERIES_MS;
@@ -4896,7 +4896,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_check_reply(
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE:
-        answers = mwd_motor_v2_35_2024_02_motor_reply_node(&from, reply->id) == CANWRIGHT_OK && from == to
+        answers = (mwd_motor_v2_35_2024_02_motor_reply_node(&from, reply->id) == CANWRIGHT_OK) && (from == to)
             && canwright_same_data(request, reply);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE:
@@ -4918,8 +4918,8 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_check_reply(
     case MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3:
-        answers = mwd_motor_v2_35_2024_02_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK
-            && from == to;
+        answers = (mwd_motor_v2_35_2024_02_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK)
+            && (from == to);
         break;
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_TORQUE_LIMIT:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_ACCELERATION_LIMIT:
@@ -4927,8 +4927,8 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_check_reply(
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT:
-        answers = mwd_motor_v2_35_2024_02_motor_reply_2_match(&from, reply, 8u, request->data[0],
-            request->data[1]) == CANWRIGHT_OK && from == to;
+        answers = (mwd_motor_v2_35_2024_02_motor_reply_2_match(&from, reply, 8u, request->data[0],
+            request->data[1]) == CANWRIGHT_OK) && (from == to);
         break;
     default:
         break;

@@ -94,7 +94,7 @@ typedef struct {
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_id(uint32_t *id, uint32_t node)
 {
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     *id = 0x140u + node;
@@ -106,7 +106,7 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_node(uint32_t *found, uint32_t id)
 {
     const uint32_t node = id - 0x140u;
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_ID;
     }
     *found = node;
@@ -117,7 +117,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_node(uint
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_id(uint32_t *id, uint32_t node)
 {
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     *id = 0x180u + node;
@@ -129,7 +129,7 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_node(uint32_t *found, uint32_t id)
 {
     const uint32_t node = id - 0x180u;
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_ID;
     }
     *found = node;
@@ -147,7 +147,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a request, and sets all other bits of the data to 0. */
@@ -175,7 +175,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_2_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code && frame->data[1] == code_2 ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return ((frame->data[0] == code) && (frame->data[1] == code_2)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a request, and sets all other bits of the data to 0. */
@@ -204,8 +204,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_3_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code && frame->data[1] == code_2
-        && frame->data[2] == code_3 ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return ((frame->data[0] == code) && (frame->data[1] == code_2)
+        && (frame->data[2] == code_3)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a request, and sets all other bits of the data to 0. */
@@ -235,7 +235,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
@@ -263,7 +263,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_2_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code && frame->data[1] == code_2 ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return ((frame->data[0] == code) && (frame->data[1] == code_2)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
@@ -292,8 +292,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_3_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code && frame->data[1] == code_2
-        && frame->data[2] == code_3 ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return ((frame->data[0] == code) && (frame->data[1] == code_2)
+        && (frame->data[2] == code_3)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
@@ -335,7 +335,7 @@ static inline int32_t mwd_motor_v2_36_2025_03_voltage_to_milli(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_voltage_from_milli(int16_t *raw, int32_t milli)
 {
-    if (milli < -327684 || milli > 327674) {
+    if ((milli < -327684) || (milli > 327674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int16_t)canwright_divide32(milli, 10);
@@ -361,7 +361,7 @@ static inline int32_t mwd_motor_v2_36_2025_03_bus_current_to_milli(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_milli(int16_t *raw, int32_t milli)
 {
-    if (milli < -327684 || milli > 327674) {
+    if ((milli < -327684) || (milli > 327674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int16_t)canwright_divide32(milli, 10);
@@ -386,7 +386,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_milli(
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_power_i16_valid(int16_t raw)
 {
-    return raw >= -850 && raw <= 850;
+    return (raw >= -850) && (raw <= 850);
 }
 
 /** @} */
@@ -406,7 +406,7 @@ static inline bool mwd_motor_v2_36_2025_03_power_i16_valid(int16_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_output_power_valid(int16_t raw)
 {
-    return raw >= -1000 && raw <= 1000;
+    return (raw >= -1000) && (raw <= 1000);
 }
 
 /** @} */
@@ -436,7 +436,7 @@ static inline bool mwd_motor_v2_36_2025_03_output_power_valid(int16_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_torque_current_valid(int16_t raw)
 {
-    return raw >= -2048 && raw <= 2048;
+    return (raw >= -2048) && (raw <= 2048);
 }
 
 /** To thousandths of A. */
@@ -469,13 +469,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_mil
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        if (milli < -16504 || milli > 16504) {
+        if ((milli < -16504) || (milli > 16504)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        if (milli < -33008 || milli > 33008) {
+        if ((milli < -33008) || (milli > 33008)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -532,13 +532,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        if (milli < -264004 || milli > 263995) {
+        if ((milli < -264004) || (milli > 263995)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        if (milli < -528008 || milli > 527991) {
+        if ((milli < -528008) || (milli > 527991)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -591,13 +591,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_mill
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        if (milli < -264004 || milli > 263995) {
+        if ((milli < -264004) || (milli > 263995)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        if (milli < -528008 || milli > 527991) {
+        if ((milli < -528008) || (milli > 527991)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -630,7 +630,7 @@ static inline int64_t mwd_motor_v2_36_2025_03_speed_setpoint_to_milli(int32_t ra
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_setpoint_from_milli(int32_t *raw, int64_t milli)
 {
-    if (milli < -21474836484 || milli > 21474836474) {
+    if ((milli < -21474836484) || (milli > 21474836474)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int32_t)canwright_divide64(milli, 10);
@@ -656,7 +656,7 @@ static inline int64_t mwd_motor_v2_36_2025_03_angle_i32_to_milli(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_i32_from_milli(int32_t *raw, int64_t milli)
 {
-    if (milli < -21474836484 || milli > 21474836474) {
+    if ((milli < -21474836484) || (milli > 21474836474)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int32_t)canwright_divide64(milli, 10);
@@ -685,7 +685,7 @@ static inline int64_t mwd_motor_v2_36_2025_03_single_turn_angle_to_milli(uint32_
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_milli(uint32_t *raw, int64_t milli)
 {
-    if (milli < -4 || milli > 42949672954) {
+    if ((milli < -4) || (milli > 42949672954)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (uint32_t)canwright_divide64(milli, 10);
@@ -708,8 +708,8 @@ CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_36_2025_03_single_turn_position_valid(
     uint32_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    return parameters->gear_ratio.denominator == 0u || (int64_t)raw <= canwright_floor(&parameters->gear_ratio, 36000,
-        -1, 1);
+    return (parameters->gear_ratio.denominator == 0u) || ((int64_t)raw <= canwright_floor(&parameters->gear_ratio,
+        36000, -1, 1));
 }
 
 /** To thousandths of deg. */
@@ -724,7 +724,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
     uint32_t *raw, int64_t milli, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     uint32_t nearest;
-    if (milli < -4 || milli > 42949672954) {
+    if ((milli < -4) || (milli > 42949672954)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     nearest = (uint32_t)canwright_divide64(milli, 10);
@@ -751,14 +751,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_multi_turn_angle_valid(int64_t raw)
 {
-    return raw >= -36028797018963968 && raw <= 36028797018963967;
+    return (raw >= -36028797018963968) && (raw <= 36028797018963967);
 }
 
 /** To thousandths of deg. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_to_milli(int64_t *milli, int64_t raw)
 {
-    if (raw < -36028797018963968 || raw > 36028797018963967) {
+    if ((raw < -36028797018963968) || (raw > 36028797018963967)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *milli = raw * 10;
@@ -769,7 +769,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_to_mil
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_milli(int64_t *raw, int64_t milli)
 {
-    if (milli < -360287970189639684 || milli > 360287970189639674) {
+    if ((milli < -360287970189639684) || (milli > 360287970189639674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = canwright_divide64(milli, 10);
@@ -843,19 +843,19 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_m
     uint16_t nearest;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
-        if (milli < -10 || milli > 1439989) {
+        if ((milli < -10) || (milli > 1439989)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 256, 5625);
         break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
-        if (milli < -5 || milli > 719994) {
+        if ((milli < -5) || (milli > 719994)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 512, 5625);
         break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
-        if (milli < -2 || milli > 359997) {
+        if ((milli < -2) || (milli > 359997)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 1024, 5625);
@@ -919,11 +919,11 @@ static inline bool mwd_motor_v2_36_2025_03_output_limit_valid(
 {
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
-        return raw >= 0 && raw <= 850;
+        return (raw >= 0) && (raw <= 850);
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        return raw >= 0 && raw <= 2000;
+        return (raw >= 0) && (raw <= 2000);
     default:
         return true;
     }
@@ -947,7 +947,7 @@ static inline bool mwd_motor_v2_36_2025_03_output_limit_valid(
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_speed_bound_valid(int32_t raw)
 {
-    return raw >= 0 && raw <= 600000;
+    return (raw >= 0) && (raw <= 600000);
 }
 
 /** @} */
@@ -966,8 +966,8 @@ static inline bool mwd_motor_v2_36_2025_03_speed_bound_valid(int32_t raw)
  * all four bytes.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MIN 0          /**< Lowest raw value. */
-#define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MAX 2147483647 /**< Highest raw value. */
+#define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MIN 0         /**< Lowest raw value. */
+#define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MAX INT32_MAX /**< Highest raw value. */
 
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_max_angle_valid(int32_t raw)
@@ -993,7 +993,7 @@ static inline bool mwd_motor_v2_36_2025_03_max_angle_valid(int32_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_current_ramp_valid(int16_t raw)
 {
-    return raw >= 0 && raw <= 30000;
+    return (raw >= 0) && (raw <= 30000);
 }
 
 /** @} */
@@ -1014,7 +1014,7 @@ static inline bool mwd_motor_v2_36_2025_03_current_ramp_valid(int16_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_speed_ramp_valid(int32_t raw)
 {
-    return raw >= 0 && raw <= 600000;
+    return (raw >= 0) && (raw <= 600000);
 }
 
 /** @} */
@@ -1073,7 +1073,7 @@ static inline const char *mwd_motor_v2_36_2025_03_brake_action_name(uint8_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_brake_action_valid(uint8_t raw)
 {
-    return raw <= 1u || raw == 16u;
+    return (raw <= 1u) || (raw == 16u);
 }
 
 /** @} */
@@ -1133,7 +1133,7 @@ static inline const char *mwd_motor_v2_36_2025_03_motor_state_name(uint8_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_motor_state_valid(uint8_t raw)
 {
-    return raw == 0u || raw == 16u;
+    return (raw == 0u) || (raw == 16u);
 }
 
 /** @} */
@@ -7544,7 +7544,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_save_settings_request_d
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    if (frame->data[1] != 0x05u || frame->data[2] != 0xFAu) {
+    if ((frame->data[1] != 0x05u) || (frame->data[2] != 0xFAu)) {
         return CANWRIGHT_WRONG_CONSTANT;
     }
     return CANWRIGHT_OK;
@@ -7934,9 +7934,9 @@ static inline bool mwd_motor_v2_36_2025_03_command_available(
 {
     switch ((int)command) {
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER:
-        return parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MF
-            && parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MH
-            && parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MG;
+        return (parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MF)
+            && (parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MH)
+            && (parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MG);
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3:
         return parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MS;
@@ -8131,7 +8131,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_request(
                 return CANWRIGHT_UNKNOWN_CODE;
             }
         case 0x44u:
-            if (frame->data[1] != 0x05u || frame->data[2] != 0xFAu) {
+            if ((frame->data[1] != 0x05u) || (frame->data[2] != 0xFAu)) {
                 return CANWRIGHT_WRONG_CONSTANT;
             }
             *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS;
@@ -8463,7 +8463,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_request(
                 return CANWRIGHT_UNKNOWN_CODE;
             }
         case 0x44u:
-            if (frame->data[1] != 0x05u || frame->data[2] != 0xFAu) {
+            if ((frame->data[1] != 0x05u) || (frame->data[2] != 0xFAu)) {
                 return CANWRIGHT_WRONG_CONSTANT;
             }
             request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS;
@@ -9270,7 +9270,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_check_reply(
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM:
-        answers = mwd_motor_v2_36_2025_03_motor_reply_node(&from, reply->id) == CANWRIGHT_OK && from == to
+        answers = (mwd_motor_v2_36_2025_03_motor_reply_node(&from, reply->id) == CANWRIGHT_OK) && (from == to)
             && canwright_same_data(request, reply);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE:
@@ -9293,8 +9293,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_check_reply(
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS:
-        answers = mwd_motor_v2_36_2025_03_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK
-            && from == to;
+        answers = (mwd_motor_v2_36_2025_03_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK)
+            && (from == to);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID:
@@ -9318,8 +9318,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_check_reply(
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID:
-        answers = mwd_motor_v2_36_2025_03_motor_reply_2_match(&from, reply, 8u, request->data[0],
-            request->data[1]) == CANWRIGHT_OK && from == to;
+        answers = (mwd_motor_v2_36_2025_03_motor_reply_2_match(&from, reply, 8u, request->data[0],
+            request->data[1]) == CANWRIGHT_OK) && (from == to);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE:
@@ -9339,8 +9339,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_check_reply(
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP:
-        answers = mwd_motor_v2_36_2025_03_motor_reply_3_match(&from, reply, 8u, request->data[0], request->data[1],
-            request->data[2]) == CANWRIGHT_OK && from == to;
+        answers = (mwd_motor_v2_36_2025_03_motor_reply_3_match(&from, reply, 8u, request->data[0], request->data[1],
+            request->data[2]) == CANWRIGHT_OK) && (from == to);
         break;
     default:
         break;

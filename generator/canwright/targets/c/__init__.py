@@ -9,8 +9,8 @@ from typing import NamedTuple
 from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import Output, Specification
-from .bits import operand
 from .examples import example
+from .expressions import operand
 from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import edition_view
 
@@ -63,6 +63,6 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
             yield Output(f"examples/{x.file}.c", fold(env.get_template("examples/example.c.j2").render(e=view, x=x)))
     has_examples = any(x.exchanges for _, x in shown)
     env.globals.update(headers=[view.header for _, view in views], families=families, has_examples=has_examples)
-    for file in ("CMakeLists.txt", *(["examples/CMakeLists.txt"] * has_examples), "README.md") if shown else ():
+    for file in ("CMakeLists.txt", *(["examples/CMakeLists.txt"] * has_examples), "README.md", "MISRA.md") if shown else ():
         e, x = shown[0]
         yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x))

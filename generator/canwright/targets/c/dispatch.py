@@ -14,6 +14,7 @@ from ...semantics import dispatch
 from ...semantics.dispatch import dispatch_plan
 from . import bits
 from .choices import ENUM_MAX
+from .expressions import joined, operand
 from .messages import Messages, RuleView, frame_id
 from .names import Names
 from .patterns import address_mask
@@ -72,6 +73,10 @@ class RouteView(NamedTuple):
     """Bits of the id that are 0 here and that frames of the other kind (remote or not) use; empty without any."""
     then: NodeView
 
+    def only_kind(self, condition: str) -> str:
+        """A condition, and that the frame is of this kind."""
+        return joined("&&", [condition, *([f"(frame->id & {self.other_kind}) == 0u"] if self.other_kind else [])])
+
 
 class AnswerView(NamedTuple):
     """Commands with the same reply conditions: `reply` answers a request if all `conditions` are true."""
@@ -80,6 +85,10 @@ class AnswerView(NamedTuple):
     conditions: tuple[str, ...]
     uses_from: bool
     """True if the conditions read the node that replies."""
+
+    @property
+    def condition(self) -> str:
+        return joined("&&", self.conditions)
 
 
 def command_numbers(edition: Edition) -> Mapping[str, int]:
@@ -140,12 +149,13 @@ class _Printer:
 
     def _cases(self, node: dispatch.Select) -> Iterator[CaseView]:
         """The cases; those that differ only in the command, whose number is that of the case, become one."""
-        number = f"({self._type}){bits.operand(_read(node.subject))}"
+        number = f"({self._type}){_read(node.subject)}"
+        is_byte = isinstance(node.subject, BitRun) and bits.is_byte(node.subject.space, node.subject.segments)
         groups: dict[MatchView | tuple[int, ...], list[dispatch.Case]] = {}
         for case in node.cases:
             then = case.then
             key: MatchView | tuple[int, ...] = case.values
-            if isinstance(then, dispatch.Match) and key == (self._numbers[then.message.command],):
+            if is_byte and isinstance(then, dispatch.Match) and key == (self._numbers[then.message.command],):
                 key = self._match(then.message, number)
             groups.setdefault(key, []).append(case)
         for key, cases in groups.items():
@@ -168,8 +178,8 @@ def _labels(subject: dispatch.Subject, values: Sequence[int]) -> tuple[str, ...]
 
 def _differs(subject: dispatch.Subject, values: Sequence[int]) -> str:
     """The condition for a subject with none of the values."""
-    read = bits.operand(_read(subject))
-    return " && ".join(f"{read} != {label}" for label in _labels(subject, values))
+    read = operand(_read(subject))
+    return joined("&&", [f"{read} != {label}" for label in _labels(subject, values)])
 
 
 def answers(names: Names, edition: Edition, views: Messages) -> list[AnswerView]:
@@ -192,7 +202,7 @@ def _answer(views: Messages, command: Command, request: Message, reply: Message)
             f"{message.pattern.name}_match({node}{', '.join(('reply', f'{message.dlc}u', *codes))}) == CANWRIGHT_OK"
             for codes in _answering_codes(request, reply, message.codes)
         ]
-        yield f"({' || '.join(calls)})" if len(calls) > 1 else calls[0]
+        yield joined("||", calls)
     elif rule.has_nodes:
         yield f"{rule.node_function}(&from, {frame_id(reply, 'reply')}) == CANWRIGHT_OK"
     else:
@@ -211,12 +221,12 @@ def _node_fields(command: Command, request: Message, reply: Message) -> Iterator
     asked, reported = request.node_bits, reply.node_bits
     if reported is not None and command.from_each:
         nodes = sorted({node & (1 << reported.width) - 1 for node in command.from_each})
-        yield _one_of(bits.operand(bits.key_value(reported, "reply")), nodes)
+        yield _one_of(operand(bits.key_value(reported, "reply")), nodes)
     if command.from_each or (asked is None and (reported is None or request.id.nodes is None)):
         return
-    sent_to = "to" if asked is None else bits.operand(bits.key_value(asked, "request"))
+    sent_to = "to" if asked is None else operand(bits.key_value(asked, "request"))
     sources = ["from"] if reply.id.nodes is not None and asked is not None else []
-    for source in [*sources, *([bits.operand(bits.key_value(reported, "reply"))] if reported else [])]:
+    for source in [*sources, *([operand(bits.key_value(reported, "reply"))] if reported else [])]:
         width = min(key.width for key in (asked, None if source == "from" else reported) if key is not None)
         sides = (
             side if key is not None and key.width == width else f"({side} & 0x{(1 << width) - 1:X}u)"
@@ -230,12 +240,12 @@ def _answering_codes(
 ) -> tuple[tuple[str, ...], ...]:
     """The codes of a reply; if the request has the same, the expressions that read them, equal for all commands."""
     if request.keys == reply.keys and not reply.accept:
-        return (tuple(bits.operand(bits.key_value(key, "request")) for key in request.keys),)
+        return (tuple(operand(bits.key_value(key, "request")) for key in request.keys),)
     return codes
 
 
 def _one_of(name: str, numbers: Sequence[int]) -> str:
     if list(numbers) == list(range(numbers[0], numbers[-1] + 1)):
         low = [f"{name} >= {numbers[0]}u"] if numbers[0] else []
-        return " && ".join([*low, f"{name} <= {numbers[-1]}u"])
-    return "(" + " || ".join(f"{name} == {n}u" for n in numbers) + ")"
+        return joined("&&", [*low, f"{name} <= {numbers[-1]}u"])
+    return joined("||", [f"{name} == {n}u" for n in numbers])

@@ -14,6 +14,7 @@ from ..base import header
 from .choices import ParameterView, parameter_access, parameters
 from .comments import errata
 from .dispatch import AnswerView, RouteView, UnpackView, answers, command_numbers, routes
+from .expressions import joined
 from .layouts import LayoutView, fields_named, layout_view
 from .messages import AddressView, Messages, MessageView, addresses
 from .names import Names, layouts, member
@@ -310,7 +311,7 @@ def _availability(names: Names, edition: Edition) -> list[AvailabilityView]:
                 if value.name not in values
             ]
             if lacking:
-                grouped.setdefault(" && ".join(lacking), []).append(names.command(command.name))
+                grouped.setdefault(joined("&&", lacking), []).append(names.command(command.name))
     return [AvailabilityView(tuple(commands), condition) for condition, commands in grouped.items()]
 
 
