@@ -63,6 +63,8 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
             yield Output(f"examples/{x.file}.c", fold(env.get_template("examples/example.c.j2").render(e=view, x=x)))
     has_examples = any(x.exchanges for _, x in shown)
     env.globals.update(headers=[view.header for _, view in views], families=families, has_examples=has_examples)
-    for file in ("CMakeLists.txt", *(["examples/CMakeLists.txt"] * has_examples), "README.md", "MISRA.md") if shown else ():
+    for file in (
+        ("CMakeLists.txt", *(["examples/CMakeLists.txt"] * has_examples), "README.md", "MISRA.md") if shown else ()
+    ):
         e, x = shown[0]
         yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x))
