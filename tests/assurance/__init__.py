@@ -1,1 +1,1 @@
-"""Commands that verify generated code with tools beyond PyPI, one module a command."""
+"""Verification commands, one module each: `python -m tests.assurance.NAME`."""

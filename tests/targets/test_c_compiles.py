@@ -35,7 +35,7 @@ def write(described_: Sequence[Specification], folder: Path) -> Path:
 
 def headers(described_: Sequence[Specification]) -> list[str]:
     names = [f"{d.edition.family}/{d.edition.identifier}" for d in described_]
-    return [f"{name}{part}.h" for name in names for part in ("", "_float")]
+    return [f"{name}{part}.h" for name in names for part in c.PARTS]
 
 
 def everything(include: Path, names: Sequence[str]) -> str:
@@ -196,7 +196,8 @@ def _cmake(*arguments: str | Path) -> None:
 def test_the_programs_of_the_readme_compile(spec: Path, tmp_path: Path) -> None:
     folder = write([specification(spec)], tmp_path)
     blocks = re.findall(r"```c\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
-    assert len(blocks) == (2 if list(folder.glob("examples/*.c")) else 0)
+    has_flags = any("_first_flag(" in header.read_text("utf-8") for header in folder.glob("include/*/v*.h"))
+    assert len(blocks) == (2 if list(folder.glob("examples/*.c")) else 0) + 1 + has_flags
     for number, block in enumerate(blocks):
         unit = tmp_path / f"{number}.c"
         unit.write_text(block, "utf-8")

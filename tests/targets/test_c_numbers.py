@@ -80,7 +80,7 @@ def test_from_raw_to_value(name: str, size: str, made: tuple[Edition, CAdapter])
         number = _number(type_, raw)
         assert isinstance(value, float)
         if math.isfinite(number):
-            assert value == _value(number, linear.scale, linear.offset), (name, raw)
+            assert value == float(Fraction(number) * linear.scale + linear.offset), (name, raw)
         else:
             assert not math.isfinite(value)
 
@@ -99,9 +99,9 @@ def test_from_value_to_raw(name: str, size: str, made: tuple[Edition, CAdapter])
         number = _number(type_, raw)
         if not math.isfinite(number) or (number == 0 and type_.encoding is Encoding.FLOAT):
             continue
-        value = _value(number, linear.scale, linear.offset) + chance.choice([0.0, 0.3, 0.5]) * float(linear.scale)
-        steps = _steps(value, linear.scale, linear.offset)
-        wanted = _nearest(type_, steps)
+        between = Fraction(number) + Fraction(chance.choice(["0", "0.3", "0.5"]))
+        value = float(between * linear.scale + linear.offset)
+        wanted = _nearest(type_, (Fraction(value) - linear.offset) / linear.scale)
         answer = target.encode_values(Direction.REQUEST, f"{name}_command", 2, {"it": Fraction(value)}, known)
         if wanted is None or not _within(type_, wanted, size):
             assert answer == Refused(Refusal.OUT_OF_RANGE, "it"), (name, value, wanted)
@@ -200,26 +200,12 @@ def _number(type_: Type, raw: int) -> float | int:
     return number
 
 
-def _value(number: float | int, scale: Fraction, offset: Fraction) -> float:
-    """One operation a step; of integers with an offset, one rounding in all, and without, the product exact."""
-    if offset and isinstance(number, int):
-        return float(number * scale + offset)
-    value = number * scale.numerator if isinstance(number, int) else number * float(scale.numerator)
-    value = value / scale.denominator
-    return float(value + float(offset))
-
-
-def _steps(value: float, scale: Fraction, offset: Fraction) -> float:
-    steps = value - float(offset) if offset else value
-    return steps * scale.denominator / scale.numerator
-
-
-def _nearest(type_: Type, steps: float) -> int | None:
+def _nearest(type_: Type, steps: Fraction) -> int | None:
     if type_.encoding is not Encoding.FLOAT:
-        return _round(Fraction(steps)) if math.isfinite(steps) else None
+        return _round(steps)
     code = {32: ("<f", "<I"), 64: ("<d", "<Q")}[type_.width]
     try:
-        bits: int = struct.unpack(code[1], struct.pack(code[0], steps))[0]
+        bits: int = struct.unpack(code[1], struct.pack(code[0], float(steps)))[0]
     except OverflowError:
         return None
     return bits

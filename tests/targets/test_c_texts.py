@@ -59,9 +59,9 @@ def _quoted(text: str) -> str:
 
 
 def _bare(source: str) -> list[str]:
-    """The words of a source without comments and the spec's hash, as a compiler sees them: trigraphs and line ends first."""
+    """The words of a source without comments and the hashes of the spec, as a compiler sees them: trigraphs and line ends first."""
     spliced = source.replace("??/", "\\").replace("\\\n", "")
-    return re.sub(r"/\*.*?\*/|\b0x[0-9a-f]{8}u\b", " ", spliced, flags=re.S).split()
+    return re.sub(r"/\*.*?\*/|\b0x[0-9a-f]{8}u\b|\"[0-9a-f]{64}\"", " ", spliced, flags=re.S).split()
 
 
 def _code(folder: Path, text: str) -> tuple[dict[str, str], dict[str, list[str]]]:

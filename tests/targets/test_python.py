@@ -11,8 +11,10 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets import python as target
+from canwright.targets.python.text import class_name
 
 from ..conformance.adapters.python import load
 from ..spec_texts import MINIMAL, ROOT, SPECS, called
@@ -33,7 +35,26 @@ def v2_35(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
     return load(write(tmp_path_factory.mktemp("python"), SPEC), specification(SPEC).edition)
 
 
-def test_mypy_strict_and_pyright_find_nothing(tmp_path: Path) -> None:
+MATCH = """\
+from typing_extensions import assert_never
+from mwd_motor import v2_35
+from mwd_motor.nodes import Node, Nodes
+
+def dispatch(data: bytes, bus: Nodes[v2_35.AnyRequest, v2_35.AnyReply]) -> float:
+    reply = v2_35.decode_reply(0x141, data)
+    match reply:
+        case v2_35.MotionFeedback():
+            return reply.speed
+        CASES
+        case _:
+            assert_never(reply)
+
+def of_node(data: bytes) -> v2_35.AnyReply:
+    return Node(v2_35, 1).decode_reply(0x141, data)
+"""
+
+
+def test_mypy_strict_and_pyright_find_a_missing_case_and_nothing_else(tmp_path: Path) -> None:
     write(tmp_path, SPEC)
     use = tmp_path / "use.py"
     use.write_text(
@@ -53,15 +74,22 @@ def test_mypy_strict_and_pyright_find_nothing(tmp_path: Path) -> None:
         "except CodecError as error:\n"
         "    out: bool = error.refusal is Refusal.OUT_OF_RANGE\n"
     )
+    replies = [m for m in specification(SPEC).edition.messages(Direction.REPLY) if m.claims or not m.keys]
+    others = [class_name(m.name) for m in replies if m.layout.name != "motion_feedback"]
+    for name, cases in (("complete", others), ("incomplete", others[1:])):
+        listed = " | ".join(f"v2_35.{one}()" for one in cases)
+        (tmp_path / f"{name}.py").write_text(MATCH.replace("CASES", f"case {listed}: return 0"))
+    (tmp_path / "pyrightconfig.json").write_text('{"typeCheckingMode": "strict", "pythonVersion": "3.10"}')
     for command in (
         ("mypy", "--strict", "--no-incremental", "."),
         ("basedpyright", "--level", "error", "--pythonpath", sys.executable),
     ):
-        (tmp_path / "pyrightconfig.json").write_text('{"typeCheckingMode": "strict", "pythonVersion": "3.10"}')
         result = subprocess.run(
             [sys.executable, "-m", *command], cwd=tmp_path, capture_output=True, text=True, check=False
         )
-        assert result.returncode == 0, result.stdout + result.stderr
+        errors = [line for line in result.stdout.splitlines() if " error: " in line]
+        assert len(errors) == 1, result.stdout + result.stderr
+        assert "incomplete.py:12" in errors[0] and "assert_never" in errors[0] and others[0] in result.stdout
 
 
 def test_a_constructor_says_field_value_and_range(v2_35: ModuleType) -> None:
@@ -83,7 +111,7 @@ def test_a_field_of_another_series_is_absent(v2_35: ModuleType) -> None:
     assert (reply.power, reply.speed, reply.temperature) == (100, 500, 25)
     with pytest.raises(AttributeError, match="it has temperature, power, speed, encoder"):
         _ = reply.iq
-    with pytest.raises(AttributeError, match="has no attribute sped"):
+    with pytest.raises(AttributeError, match="has no attribute 'sped'"):
         _ = reply.sped
     with pytest.raises(TypeError, match="needs power"):
         v2_35.SetSpeedReply(node=1, temperature=1, speed=1, encoder=1, parameters=known)
@@ -95,7 +123,7 @@ def test_decoding_and_encoding_back_is_lossless_even_out_of_range(v2_35: ModuleT
     data = bytes.fromhex("A1000000C4090000")
     message = v2_35.decode_request(0x141, data, v2_35.Parameters(series=v2_35.Series.MG))
     assert message.iq_raw == 2500
-    assert message.encode() == data
+    assert message.encode_unchecked() == data
 
 
 @pytest.mark.parametrize(
@@ -331,14 +359,14 @@ def test_parameters_may_be_named_like_words_of_python(tmp_path: Path) -> None:
     spec = tmp_path / "v1.yaml"
     spec.write_text(NAMED_LIKE_PYTHON, "utf-8")
     lamp = load(write(tmp_path, spec), specification(spec).edition)
-    old = lamp.DimRequest(level=0.5, limit=1, parameters=lamp.Parameters(type_=lamp.Type.OLD))
+    old = lamp.DimRequest(level=0.5, limit=1, parameters=lamp.Parameters(type=lamp.Type.OLD))
     assert old.encode() == bytes.fromhex("10 00 05 00 01 00 00 00")
-    new = lamp.Parameters(type_=lamp.Type.NEW, float_=4, class_=8)
+    new = lamp.Parameters(type=lamp.Type.NEW, float_=4, class_=8)
     read = lamp.decode_request(0x100, bytes.fromhex("10 00 05 00 00 00 00 00"), new)
     assert (read.fields(), read.glow) == (("glow", "limit"), 20.0)
     with pytest.raises(lamp.CodecError, match=r"limit=17 is out of range 0\.0\.\.16\.0"):
         lamp.DimRequest(glow=20, limit=17, parameters=new)
-    with pytest.raises(lamp.CodecError, match=r"pass Parameters\(type_=\.\.\.\)"):
+    with pytest.raises(lamp.CodecError, match=r"pass Parameters\(type=\.\.\.\)"):
         lamp.decode_request(0x100, bytes.fromhex("10 00 05 00 00 00 00 00"))
 
 

@@ -80,6 +80,41 @@ def test_a_message_of_another_edition_is_refused(nodes: Any, package: dict[str, 
         package["nodes"].Node(middle, 1, old.Parameters())
 
 
+def test_a_broadcast_made_by_a_node_is_for_every_node(nodes: Any, package: dict[str, ModuleType]) -> None:
+    first, _, _ = nodes
+    broadcast = first.make(package["v2_35"].BroadcastTorqueRequest, iq=(1, 0, 0, -1))
+    assert (broadcast.can_id, broadcast.node) == (0x280, None)
+    # 1 A is raw 62.5 of 0.016 A, away from zero 63
+    assert broadcast.encode() == bytes.fromhex("3F 00 00 00 00 00 C1 FF")
+    with pytest.raises(TypeError, match="node"):
+        first.make(package["v2_35"].BroadcastTorqueRequest, node=1, iq=(1, 0, 0, -1))
+
+
+def test_a_request_to_nodes_of_two_editions_is_refused(package: dict[str, ModuleType]) -> None:
+    """Nodes that differ in the ids of their replies only."""
+    old, middle, new = (package[name] for name in NAMES[:3])
+    make, codec = package["nodes"].Node, package["_codec"]
+    first, second, third = make(old, 1), make(middle, 2), make(new, 1)
+    data = b"\x9a" + bytes(7)
+    for order in ((first, second, third), (third, second, first)):
+        bus = package["nodes"].Nodes(order)
+        assert bus.nodes_of("request", 0x141) == tuple(one for one in order if one is not second)
+        with pytest.raises(codec.CodecError, match=r"^0x141 is a request of Node.* and of Node.*; decode it") as caught:
+            bus.decode_request(0x141, data)
+        assert caught.value.refusal is codec.Refusal.UNKNOWN_NODE
+        assert [one.decode_request(0x141, data).node for one in bus.nodes_of("request", 0x141)] == [1, 1]
+        assert type(bus.decode_request(0x142, data)) is middle.ReadStatus1Request
+
+
+def test_a_broadcast_is_decoded_with_the_parameters_that_all_nodes_share(package: dict[str, ModuleType]) -> None:
+    old = package["v2_35"]
+    mf, mg = (old.Parameters(series=series, encoder_bits=18) for series in (old.Series.MF, old.Series.MG))
+    for second, shared in ((mg, mg), (mf, old.Parameters(encoder_bits=18)), (None, old.UNKNOWN)):
+        bus = package["nodes"].Nodes([package["nodes"].Node(old, 1, mg), package["nodes"].Node(old, 2, second)])
+        broadcast = bus.decode_request(0x280, bytes.fromhex("3F 00 00 00 00 00 C1 FF"))
+        assert (broadcast.iq_raw, broadcast.parameters) == ((63, 0, 0, -63), shared)
+
+
 def test_what_is_of_no_node(nodes: Any, package: dict[str, ModuleType]) -> None:
     for can_id in (0x181, 0x143, 0x144, 0x7FF):
         with pytest.raises(package["_codec"].CodecError, match="no node of this bus") as caught:
@@ -95,7 +130,7 @@ def test_two_nodes_on_one_id_are_refused(package: dict[str, ModuleType]) -> None
 
 
 def test_a_full_bus_costs_no_more_than_its_editions(package: dict[str, ModuleType]) -> None:
-    """Each edition is asked once a frame, and no id is tried out when the nodes are put together."""
+    """Each edition is asked once an id, and no id is tried out when the nodes are put together."""
     asked: list[str] = []
 
     class Counted:
@@ -114,6 +149,8 @@ def test_a_full_bus_costs_no_more_than_its_editions(package: dict[str, ModuleTyp
     asked.clear()
     reply = bus.decode_reply(0x180 + 31, bytes.fromhex("9A 32 08 13 64 00 10 00"))
     assert (reply.node, reply.voltage) == (31, 48.72)
+    assert asked.count("node_of") == 2
+    bus.decode_reply(0x180 + 31, bytes.fromhex("9A 32 08 13 64 00 10 00"))
     assert asked.count("node_of") == 2
 
 

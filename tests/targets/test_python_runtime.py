@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ast
+import copy
 import math
+import pickle
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import IntEnum
+from decimal import Decimal
+from enum import IntEnum, IntFlag
 from fractions import Fraction
 from pathlib import Path
 from struct import pack, unpack
@@ -22,9 +25,12 @@ from canwright.targets.python import RUNTIME, SHARED, target
 from canwright.targets.python.imports import NAMES, PUBLIC, Imports
 from canwright.targets.python.runtime import _codec, _dispatch
 from canwright.targets.python.runtime._codec import (
+    ArrayType,
     Bound,
     CodecError,
+    EnumType,
     FieldAbsent,
+    FlagsType,
     Float,
     Message,
     Number,
@@ -36,14 +42,8 @@ from canwright.targets.python.runtime._codec import (
     check_choice,
     check_number,
     constant,
-    each,
-    flags,
-    member,
     merge,
-    named,
     nearest,
-    node_in,
-    require,
 )
 from canwright.targets.python.runtime._dispatch import (
     Answer,
@@ -73,35 +73,35 @@ LEVEL = Number(0, 0xFFFF, "%", scale=(1, 10, 0), limits=(Bound(0), Bound(1000)))
 class Level(Message):
     """A field `level` in bytes 1 and 2."""
 
-    __slots__ = ("level_raw",)
+    __slots__ = ()
 
     CODE: ClassVar[int]
     NODES = (1, 4)
     DLC = 3
     DEFAULTS = UNKNOWN
-    TYPES: ClassVar[Any] = {"level": LEVEL.check}
-
-    level_raw: int
+    TYPES: ClassVar[Any] = {"level": LEVEL}
 
     def __init__(self, *, node: int, level: Real) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.level_raw = LEVEL.raw(level, UNKNOWN, "level")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (LEVEL.raw(level, UNKNOWN, "level"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Any) -> Any:
         self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        (self.level_raw,) = unpack("<xH", data)
+        self._node = node
+        self._parameters = parameters
+        self._raws = unpack("<xH", data)
+        self._checked = False
         return self
 
     @property
     def level(self) -> float:
-        return LEVEL.value(self.level_raw, self.parameters, "level")
+        return LEVEL.value(self._raws[0], self._parameters, "level")
 
-    def encode(self) -> bytes:
-        return pack("<BH", self.CODE, self.level_raw)
+    def encode_unchecked(self) -> bytes:
+        return pack("<BH", self.CODE, self._raws[0])
 
 
 class DimReply(Level, Reply):
@@ -143,7 +143,7 @@ def by_code(length: int, cases: dict[int, DispatchNode]) -> Select:
 
 
 NODES = range(1, 5)
-DISPATCHER = Dispatcher(
+DISPATCHER: Dispatcher[Parameters, Message, Message] = Dispatcher(
     requests=(
         Route(0x100, 1, NODES, by_code(3, {0x10: DimRequest, 0x20: EchoRequest})),
         Route(0x80, 1, None, Select(data_length, {1: SyncRequest}, Refusal.WRONG_LENGTH)),
@@ -153,8 +153,8 @@ DISPATCHER = Dispatcher(
         Route(0x300, 1, NODES, Select(data_length, {3: EchoReply}, Refusal.WRONG_LENGTH)),
     ),
     answers={
-        DimRequest: Answer(DimReply, ((code, (0x11,)),), (), False),
-        EchoRequest: Answer(EchoReply, ((code, (0x20,)),), (), True),
+        DimRequest: Answer(DimReply, ((code, (0x11,)),)),
+        EchoRequest: Answer(EchoReply, ((code, (0x20,)),), echo=True),
     },
     unknown=UNKNOWN,
 )
@@ -186,9 +186,10 @@ def test_each_module_is_copied_behind_one_header_line(tmp_path: Path) -> None:
 
 
 def test_the_runtime_depends_on_the_standard_library_only() -> None:
-    others = {"python_can.py": {"can"}, "_codec.py": {"typing_extensions"}}
+    others = {"python_can.py": {"can"}}
     for name in SHARED:
         tree = ast.parse((RUNTIME / name).read_text("utf-8"))
+        tree.body = [one for one in tree.body if not ast.unparse(one).startswith("if TYPE_CHECKING:")]
         imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
         absolute = {a.name for node in imports if isinstance(node, ast.Import) for a in node.names}
         absolute |= {str(node.module) for node in imports if isinstance(node, ast.ImportFrom) and not node.level}
@@ -204,7 +205,9 @@ def test_a_module_imports_what_was_used_from_where_it_is() -> None:
         assert imports.use(name) == name
     for module, names in imports.runtime():
         assert all(hasattr({"_codec": _codec, "_dispatch": _dispatch}[module], name) for name in names)
-    assert dict(imports.standard_library())["typing"] == ["TYPE_CHECKING", "Any", "ClassVar"]
+    assert dict(imports.standard_library())["typing"] == [
+        *("TYPE_CHECKING", "Any", "Literal", "NoReturn", "TypeAlias", "Union")
+    ]
     assert list(Imports().runtime()) == [("_codec", list(PUBLIC))]
     with pytest.raises(KeyError, match="Routes"):
         imports.use("Routes")
@@ -222,12 +225,15 @@ def test_a_module_imports_what_was_used_from_where_it_is() -> None:
         (2.5, 3),
         (0.49999999999999994, 0),
         (Fraction(7, 2), 4),
+        (Decimal("2.5"), 3),
         (-7, -7),
         (2.0**60, 2**60),
     ],
 )
 def test_the_nearest_integer_ties_away_from_zero(value: Real, integer: int) -> None:
-    assert nearest(value) == integer
+    numerator, denominator = value.as_integer_ratio()
+    assert nearest(numerator, denominator) == nearest(-numerator, -denominator) == integer
+    assert Number(-(2**62), 2**62).raw(value, UNKNOWN, "it") == integer
 
 
 def test_a_number_converts_in_both_directions() -> None:
@@ -263,10 +269,12 @@ def test_scale_and_range_depend_on_parameters() -> None:
     rejected(Refusal.MISSING_PARAMETER, number.value, 5, Parameters(size=3), "it")
     rejected(Refusal.OUT_OF_RANGE, number.value, 5, Parameters(size=3, top=-1), "it")
     rejected(Refusal.NOT_FINITE, number.value, 5, Parameters(size=3, top=math.inf), "it")
-    assert number.span(Parameters(size=1)) == (-10, 100)
-    assert number.span(Parameters(size=1, top=Fraction(15, 4))) == (-10, 7)
-    assert number.span(Parameters(size=2)) == number.span(UNKNOWN) == (-100, 100)
-    assert Number(0, 10, limits=(Bound(-5), Bound(20))).span(UNKNOWN) == (0, 10)
+    assert number.raw_range(Parameters(size=1)) == (-10, 100)
+    assert number.raw_range(Parameters(size=1, top=Fraction(15, 4))) == (-10, 7)
+    assert number.raw_range(Parameters(size=2)) == number.raw_range(UNKNOWN) == (-100, 100)
+    assert number.value_range(Parameters(size=1)) == (-5, 50)
+    assert Number(0, 10, scale=(-1, 2, 0), limits=(Bound(-5), Bound(20))).value_range(UNKNOWN) == (-5, 0)
+    rejected(Refusal.MISSING_PARAMETER, number.value_range, UNKNOWN)
 
 
 @pytest.mark.parametrize(("width", "layout"), [(32, "<f"), (64, "<d")])
@@ -289,15 +297,31 @@ class Color(IntEnum):
     BLUE = 4
 
 
+class Faults(IntFlag):
+    HOT = 1
+    COLD = 4
+
+
 def test_checks_of_enums_flags_arrays_and_constants() -> None:
-    assert member(Color)(4, UNKNOWN, "color") == 4
-    assert rejected(Refusal.OUT_OF_RANGE, member(Color), 2, UNKNOWN, "color") == "color=2 is none of the values 1, 4"
-    assert (named(Color, 4), named(Color, 2)) == (Color.BLUE, 2)
-    assert flags(0x5)(4, UNKNOWN, "errors") == 4
-    rejected(Refusal.OUT_OF_RANGE, flags(0x5), 2, UNKNOWN, "errors")
-    levels = each(LEVEL.raw, 2)
-    assert levels((1, 2), UNKNOWN, "level") == (10, 20)
-    rejected(Refusal.OUT_OF_RANGE, levels, (1,), UNKNOWN, "level")
+    color, faults, levels = EnumType(Color), FlagsType(Faults, 0x5), ArrayType(LEVEL, 2)
+    assert (color.raw(Color.BLUE, UNKNOWN, "color"), color.check(4, UNKNOWN, "color")) == (4, 4)
+    text = rejected(Refusal.OUT_OF_RANGE, color.check, 2, UNKNOWN, "color")
+    assert text == "color=2 is none of the values 1, 4"
+    assert (color.value(4, UNKNOWN, "color"), color.value(2, UNKNOWN, "color")) == (Color.BLUE, 2)
+    assert (color.raw_range(UNKNOWN), faults.raw_range(UNKNOWN), levels.raw_range(UNKNOWN)) == (
+        (1, 4),
+        (0, 5),
+        (0, 1000),
+    )
+    assert faults.raw(Faults.COLD, UNKNOWN, "errors") == 4
+    assert repr(faults.value(5, UNKNOWN, "errors")) == repr(faults.value(5, UNKNOWN, "errors")) == repr(Faults(5))
+    rejected(Refusal.OUT_OF_RANGE, faults.check, 2, UNKNOWN, "errors")
+    assert levels.raw((1, 2), UNKNOWN, "level") == (10, 20)
+    assert levels.value((10, 20), UNKNOWN, "level") == (1, 2)
+    assert (levels.unit, levels.value_range(UNKNOWN)) == ("%", (0, 100))
+    for convert in (levels.raw, levels.check):
+        rejected(Refusal.OUT_OF_RANGE, convert, (1,), UNKNOWN, "level")
+    rejected(Refusal.OUT_OF_RANGE, levels.check, (1, 1001), UNKNOWN, "level")
     constant(5, 5, "group")
     assert rejected(Refusal.WRONG_CONSTANT, constant, 4, 5, "group") == "group is 0x4, always 0x5 in this frame"
     assert merge(0x0102, 0xA00000, 3) == bytes([0xA2, 0x01, 0x00])
@@ -328,30 +352,62 @@ def test_a_message_holds_raw_integers_and_compares_by_value() -> None:
     rejected(Refusal.OUT_OF_RANGE, DimRequest.from_raw, node=2, level=1001)
     with pytest.raises(TypeError, match="from_raw takes level"):
         DimRequest.from_raw(node=2)
-    with pytest.raises(AttributeError, match="DimRequest has no attribute label"):
+    with pytest.raises(AttributeError, match="'DimRequest' object has no attribute 'label'"):
         _ = request.label  # type: ignore[attr-defined]
+
+
+def test_a_message_is_immutable_and_copied() -> None:
+    request = DimRequest(node=2, level=12.3)
+    for name in ("node", "parameters", "can_id", "level"):
+        with pytest.raises(AttributeError, match=rf"DimRequest is immutable, so {name} cannot be changed; replace\(\)"):
+            setattr(request, name, 1)
+        with pytest.raises(AttributeError, match=rf"DimRequest is immutable, so {name} cannot be changed; replace\(\)"):
+            delattr(request, name)
+    for again in (copy.copy(request), copy.deepcopy(request), pickle.loads(pickle.dumps(request))):
+        assert (type(again), again, again.parameters) == (DimRequest, request, UNKNOWN)
+    assert request.replace(node=3, level=5) == DimRequest(node=3, level=5)
+    assert request.replace(parameters=Parameters(size=1)).parameters == Parameters(size=1)
+    assert request == DimRequest(node=2, level=12.3)
+    rejected(Refusal.OUT_OF_RANGE, request.replace, level=101)
+    rejected(Refusal.UNKNOWN_NODE, request.replace, node=5)
+    with pytest.raises(TypeError, match="DimRequest has no label here; it has level"):
+        request.replace(label=1)
+
+
+def test_what_is_out_of_range_is_decoded_and_written_back_but_not_encoded() -> None:
+    data = b"\x10\xe9\x03"
+    decoded = DISPATCHER.requests.decode(0x102, data)
+    assert (decoded.raw(), decoded.values(), decoded.encode_unchecked()) == ({"level": 1001}, {"level": 100.1}, data)
+    rejected(Refusal.OUT_OF_RANGE, decoded.encode)
+    rejected(Refusal.OUT_OF_RANGE, decoded.check)
+    rejected(Refusal.OUT_OF_RANGE, decoded.replace, node=3)
+    assert decoded.replace(level=1).encode() == b"\x10\x0a\x00"
+    rejected(Refusal.UNKNOWN_NODE, DimRequest.unpack(9, 0x109, b"\x10\x00\x00", UNKNOWN).encode)
+    rejected(Refusal.UNKNOWN_NODE, DimRequest.from_raw, level=1)
+    with pytest.raises(TypeError, match="SyncRequest has no node, its id is fixed"):
+        SyncRequest.from_raw(node=1)
 
 
 def test_optional_fields_are_required_or_absent() -> None:
     request = DimRequest(node=2, level=1)
-    require(request, level=1)
+    request._require(level=1)
     with pytest.raises(TypeError, match="DimRequest needs level"):
-        require(request, level=None)
+        request._require(level=None)
     with pytest.raises(FieldAbsent, match="DimRequest has no power"):
-        require(request, power=1)
+        request._require(power=1)
 
 
 # Dispatch
 
 
 def test_a_frame_is_decoded_by_its_id_and_selector() -> None:
-    assert DISPATCHER.decode_request(0x103, b"\x10\x01\x00") == DimRequest(node=3, level=0.1)
-    assert DISPATCHER.decode_reply(0x203, b"\x11\x01\x00", Parameters(size=1)).parameters == Parameters(size=1)
-    assert type(DISPATCHER.decode_request(0x80, b"\x01")) is SyncRequest
-    rejected(Refusal.UNKNOWN_ID, DISPATCHER.decode_request, 0x105, b"\x10\x01\x00")
-    rejected(Refusal.UNKNOWN_ID, DISPATCHER.decode_request, 0x103, b"\x10\x01\x00", extended=True)
-    rejected(Refusal.UNKNOWN_CODE, DISPATCHER.decode_request, 0x103, b"\x12\x01\x00")
-    rejected(Refusal.WRONG_LENGTH, DISPATCHER.decode_request, 0x103, b"\x10\x01")
+    assert DISPATCHER.requests.decode(0x103, b"\x10\x01\x00") == DimRequest(node=3, level=0.1)
+    assert DISPATCHER.replies.decode(0x203, b"\x11\x01\x00", Parameters(size=1)).parameters == Parameters(size=1)
+    assert type(DISPATCHER.requests.decode(0x80, b"\x01")) is SyncRequest
+    rejected(Refusal.UNKNOWN_ID, DISPATCHER.requests.decode, 0x105, b"\x10\x01\x00")
+    rejected(Refusal.UNKNOWN_ID, DISPATCHER.requests.decode, 0x103, b"\x10\x01\x00", extended=True)
+    rejected(Refusal.UNKNOWN_CODE, DISPATCHER.requests.decode, 0x103, b"\x12\x01\x00")
+    rejected(Refusal.WRONG_LENGTH, DISPATCHER.requests.decode, 0x103, b"\x10\x01")
     assert DISPATCHER.node_of("reply", 0x204) == 4
     assert DISPATCHER.node_of("request", 0x80) is None
     assert DISPATCHER.ids_of("request", 1) == ((0x101, 0, False, False),)
@@ -380,19 +436,19 @@ def test_an_answer_comes_from_the_node_of_the_request() -> None:
 @pytest.mark.parametrize(
     ("answer", "source", "accepted"),
     [
-        (Answer(DimReply, (), (2, 3), False), 0x203, True),
-        (Answer(DimReply, (), (2, 3), False), 0x201, False),
-        (Answer(DimReply, (), (), False, request_node=(addressed, 0xFF)), 0x202, True),
-        (Answer(DimReply, (), (), False, request_node=(addressed, 0xFF)), 0x201, False),
-        (Answer(DimReply, (), (), False, reply_node=(addressed, 0xFF)), 0x201, True),
-        (Answer(DimReply, (), (2,), False, reply_node=(addressed, 0xFF)), 0x202, False),
-        (Answer(DimReply, (), (2,), False, reply_node=(addressed, 0xFC)), 0x202, True),
+        (Answer(DimReply, (), (2, 3)), 0x203, True),
+        (Answer(DimReply, (), (2, 3)), 0x201, False),
+        (Answer(DimReply, (), request_node=(addressed, 0xFF)), 0x202, True),
+        (Answer(DimReply, (), request_node=(addressed, 0xFF)), 0x201, False),
+        (Answer(DimReply, (), reply_node=(addressed, 0xFF)), 0x201, True),
+        (Answer(DimReply, (), (2,), reply_node=(addressed, 0xFF)), 0x202, False),
+        (Answer(DimReply, (), (2,), reply_node=(addressed, 0xFC)), 0x202, True),
     ],
 )
 def test_the_node_of_an_answer_may_be_listed_or_in_a_field(answer: Answer, source: int, accepted: bool) -> None:
-    route = DISPATCHER._requests.routes[0]
-    dispatcher = Dispatcher(
-        requests=[route], replies=DISPATCHER._replies.routes, answers={DimRequest: answer}, unknown=UNKNOWN
+    route = DISPATCHER.requests.routes[0]
+    dispatcher: Dispatcher[Parameters, Message, Message] = Dispatcher(
+        requests=[route], replies=DISPATCHER.replies.routes, answers={DimRequest: answer}, unknown=UNKNOWN
     )
     frames = (0x101, b"\x10\x02\x00", source, b"\x11\x01\x00")
     if accepted:
@@ -421,7 +477,7 @@ def test_messages_of_one_code_differ_by_length_further_selectors_or_bits_of_the_
     )
     unused = Select(lambda can_id, data: can_id & 0x400, {0: DimRequest}, Refusal.UNKNOWN_ID)
     by_bits = Route(0x100, 1, NODES, unused, mask=0x400)
-    assert Router("request", (by_bits,)).find(0x501, False, False) == (by_bits, 1)
+    assert Router("request", (by_bits,), UNKNOWN).find(0x501, False, False) == (by_bits, 1)
     assert by_bits.message(0x101, bytes(3)) is DimRequest
     assert "the bits 0x400," in rejected(Refusal.UNKNOWN_ID, by_bits.message, 0x501, bytes(3))
 
@@ -429,25 +485,34 @@ def test_messages_of_one_code_differ_by_length_further_selectors_or_bits_of_the_
 # Nodes and python-can
 
 
-def test_a_bus_finds_the_node_of_a_frame() -> None:
-    edition: Any = SimpleNamespace(
-        EDITION="v1",
+def speaking(name: str) -> Any:
+    """An edition with the messages above."""
+    return SimpleNamespace(
+        EDITION=name,
         UNKNOWN=UNKNOWN,
         __name__=__name__,
-        decode_request=DISPATCHER.decode_request,
-        decode_reply=DISPATCHER.decode_reply,
+        decode_request=DISPATCHER.requests.decode,
+        decode_reply=DISPATCHER.replies.decode,
         node_of=DISPATCHER.node_of,
         ids_of=DISPATCHER.ids_of,
     )
+
+
+def test_a_bus_finds_the_node_of_a_frame() -> None:
+    edition, other = speaking("v1"), speaking("v2")
     first = Node(edition, 1, Parameters(size=3))
     bus = Nodes([first, Node(edition, 2)])
     assert first.make(DimRequest, level=1) == DimRequest(node=1, level=1)
-    assert (first.has("reply", 0x201), first.has("reply", 0x202), first.has("reply", 0x300)) == (True, False, False)
+    assert [bus.nodes_of("reply", can_id) for can_id in (0x201, 0x203, 0x300)] == [(first,), (), ()]
     assert bus.decode_reply(0x201, b"\x11\x01\x00").parameters == Parameters(size=3)
     assert bus.decode_reply(0x202, b"\x11\x01\x00").parameters == UNKNOWN
     rejected(Refusal.UNKNOWN_ID, bus.decode_reply, 0x203, b"\x11\x01\x00")
+    assert type(bus.decode_request(0x80, b"\x01")) is type(first.make(SyncRequest)) is SyncRequest
     with pytest.raises(ValueError, match="both reply with the id 0x201"):
         Nodes([first, Node(edition, 1)])
+    mixed = Nodes([first, Node(other, 5)])
+    said = rejected(Refusal.UNKNOWN_NODE, mixed.decode_request, 0x80, b"\x01")
+    assert said == "0x80 is a request of Node(v1, 1) and of Node(v2, 5); decode it with one of these nodes"
     edition.ids_of = lambda direction, node: ((0x200 + node, 0x0F, False, False),)
     with pytest.raises(ValueError, match="both reply with the id 0x202"):
         Nodes([first, Node(edition, 2)])
@@ -457,8 +522,8 @@ def test_messages_of_python_can() -> None:
     request = DimRequest(node=2, level=12.3)
     frame = to_message(request)
     assert (frame.arbitration_id, bytes(frame.data), frame.is_extended_id) == (0x102, b"\x10\x7b\x00", False)
-    assert from_message(frame, DISPATCHER.decode_request) == request
-    assert from_message(frame, DISPATCHER.decode_request, Parameters(size=1)).parameters == Parameters(size=1)
+    assert from_message(frame, DISPATCHER.requests.decode) == request
+    assert from_message(frame, DISPATCHER.requests.decode, Parameters(size=1)).parameters == Parameters(size=1)
     for kind in ("is_error_frame", "is_fd", "is_extended_id"):
         fields: dict[str, Any] = {
             "arbitration_id": 0x102,
@@ -467,4 +532,4 @@ def test_messages_of_python_can() -> None:
             kind: True,
         }
         other = can.Message(**fields)
-        rejected(Refusal.UNKNOWN_ID, from_message, other, DISPATCHER.decode_request)
+        rejected(Refusal.UNKNOWN_ID, from_message, other, DISPATCHER.requests.decode)

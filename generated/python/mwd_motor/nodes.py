@@ -3,16 +3,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from typing import Any, Protocol, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from ._codec import CodecError, Message, Refusal
 
+if TYPE_CHECKING:
+    from typing_extensions import Buffer
+
 M = TypeVar("M", bound=Message)
+Q = TypeVar("Q", bound=Message, covariant=True)
+A = TypeVar("A", bound=Message, covariant=True)
 
 
-class Edition(Protocol):
-    """A module of this package; choose the one of your firmware."""
+class Edition(Protocol[Q, A]):
+    """A module of this package; choose the one of your firmware. `Q` are its requests, `A` its replies."""
 
     @property
     def EDITION(self) -> str: ...  # noqa: N802
@@ -21,22 +27,22 @@ class Edition(Protocol):
     def UNKNOWN(self) -> Any: ...  # noqa: N802
 
     def decode_request(
-        self, can_id: int, data: bytes, parameters: Any = ..., *, extended: bool = ..., remote: bool = ...
-    ) -> Message: ...
+        self, can_id: int, data: Buffer, parameters: Any = ..., *, extended: bool = ..., remote: bool = ...
+    ) -> Q: ...
 
     def decode_reply(
-        self, can_id: int, data: bytes, parameters: Any = ..., *, extended: bool = ..., remote: bool = ...
-    ) -> Message: ...
+        self, can_id: int, data: Buffer, parameters: Any = ..., *, extended: bool = ..., remote: bool = ...
+    ) -> A: ...
 
     def node_of(self, direction: str, can_id: int, *, extended: bool = ..., remote: bool = ...) -> int | None: ...
 
     def ids_of(self, direction: str, node: int) -> Iterable[tuple[int, int, bool, bool]]: ...
 
 
-class Node:
+class Node(Generic[Q, A]):
     """A node: its edition, its number, and its `Parameters` of that edition."""
 
-    def __init__(self, edition: Edition, node: int, parameters: Any = None) -> None:
+    def __init__(self, edition: Edition[Q, A], node: int, parameters: Any = None) -> None:
         self.edition = edition
         self.node = node
         self.parameters = edition.UNKNOWN if parameters is None else parameters
@@ -50,46 +56,54 @@ class Node:
         return f"Node({self.edition.EDITION}, {self.node})"
 
     def make(self, message: type[M], **values: Any) -> M:
-        """A message to or from this node, of a class of its edition. Raises CodecError and TypeError."""
+        """A message to or from this node, of a class of its edition. Raises CodecError and TypeError.
+
+        A message whose id has no node, such as a broadcast, is for every node on the bus; only its values are computed
+        with the parameters of this node.
+        """
         if message.__module__ != getattr(self.edition, "__name__", None):
             raise TypeError(f"{message.__module__}.{message.__name__} is of another edition than {self!r}")
-        known = {"parameters": self.parameters} if "parameters" in message.__init__.__annotations__ else {}
-        return _made(message, node=self.node, **values, **known)
-
-    def has(self, direction: str, can_id: int, extended: bool = False, remote: bool = False) -> bool:
-        """Whether an id belongs to this node, as a `request` to it or a `reply` from it."""
-        try:
-            node = self.edition.node_of(direction, can_id, extended=extended, remote=remote)
-        except CodecError:
-            return False
-        return node is None or node == self.node
+        own = {"node": self.node, "parameters": self.parameters}
+        taken = message.__init__.__annotations__
+        return _made(message, **values, **{name: value for name, value in own.items() if name in taken})
 
     def ids_of(self, direction: str) -> Iterable[tuple[int, int, bool, bool]]:
         """The ids of this node, as a `request` or a `reply`; see the function of the edition."""
         return self.edition.ids_of(direction, self.node)
 
-    def decode_request(self, can_id: int, data: bytes, *, extended: bool = False, remote: bool = False) -> Message:
+    def decode_request(self, can_id: int, data: Buffer, *, extended: bool = False, remote: bool = False) -> Q:
         """Decodes a request to this node. Raises CodecError."""
         return self.edition.decode_request(can_id, data, self.parameters, extended=extended, remote=remote)
 
-    def decode_reply(self, can_id: int, data: bytes, *, extended: bool = False, remote: bool = False) -> Message:
+    def decode_reply(self, can_id: int, data: Buffer, *, extended: bool = False, remote: bool = False) -> A:
         """Decodes a reply from this node. Raises CodecError."""
         return self.edition.decode_reply(can_id, data, self.parameters, extended=extended, remote=remote)
 
 
-class Nodes:
-    """The nodes of one bus. Each frame is decoded by the edition of the node that sent it.
+Key = int | tuple[int, bool, bool]
+"""A CAN id; with `extended` and `remote` where one of them is True."""
+
+MAX_KNOWN_IDS = 1 << 11
+"""The most ids of one direction whose nodes are stored; each 11-bit id fits in."""
+
+
+class Nodes(Generic[Q, A]):
+    """The nodes of one bus. Each frame is decoded by the edition and with the parameters of its node.
+
+    A frame whose id has no node, such as a broadcast, belongs to every node whose edition has that id. It is decoded with
+    the parameters that are the same in all of them; the others are unknown. A frame that belongs to nodes of two
+    editions is rejected (unknown_node): decode it with each of `nodes_of`, or with the one you want.
 
     Raises ValueError when two nodes would reply with the same id.
     """
 
-    def __init__(self, nodes: Iterable[Node]) -> None:
+    def __init__(self, nodes: Iterable[Node[Q, A]]) -> None:
         self._nodes = tuple(nodes)
-        self._by_edition: dict[int, tuple[Edition, dict[int | None, tuple[int, Node]]]] = {}
-        taken: list[tuple[Node, int, int, tuple[bool, bool]]] = []
-        for place, one in enumerate(self._nodes):
-            _, by_number = self._by_edition.setdefault(id(one.edition), (one.edition, {None: (place, one)}))
-            by_number.setdefault(one.node, (place, one))
+        self._editions = tuple({id(one.edition): one.edition for one in self._nodes}.values())
+        self._requests: dict[Key, tuple[Edition[Q, A], Any]] = {}
+        self._replies: dict[Key, tuple[Edition[Q, A], Any]] = {}
+        taken: list[tuple[Node[Q, A], int, int, tuple[bool, bool]]] = []
+        for one in self._nodes:
             own = [(one, can_id, mask, (extended, remote)) for can_id, mask, extended, remote in one.ids_of("reply")]
             for _, can_id, mask, kind in own:
                 for other, other_id, other_mask, other_kind in taken:
@@ -99,32 +113,59 @@ class Nodes:
                         )
             taken += own
 
-    def __iter__(self) -> Iterator[Node]:
+    def __iter__(self) -> Iterator[Node[Q, A]]:
         return iter(self._nodes)
 
-    def decode_request(self, can_id: int, data: bytes, *, extended: bool = False, remote: bool = False) -> Message:
-        """Decodes a request with the edition of the node it goes to. Raises CodecError."""
-        node = self._of("request", can_id, extended, remote)
-        return node.decode_request(can_id, data, extended=extended, remote=remote)
-
-    def decode_reply(self, can_id: int, data: bytes, *, extended: bool = False, remote: bool = False) -> Message:
-        """Decodes a reply with the edition of the node that sent it. Raises CodecError."""
-        node = self._of("reply", can_id, extended, remote)
-        return node.decode_reply(can_id, data, extended=extended, remote=remote)
-
-    def _of(self, direction: str, can_id: int, extended: bool, remote: bool) -> Node:
-        """The first node with an id. Each edition is asked once, no matter how many nodes use it."""
-        found: list[tuple[int, Node]] = []
-        for edition, by_number in self._by_edition.values():
+    def nodes_of(
+        self, direction: str, can_id: int, *, extended: bool = False, remote: bool = False
+    ) -> tuple[Node[Q, A], ...]:
+        """The nodes that a `request` with this id goes to, or that a `reply` with this id comes from."""
+        numbers: dict[int, int | None] = {}
+        for edition in self._editions:
             try:
-                number = edition.node_of(direction, can_id, extended=extended, remote=remote)
+                numbers[id(edition)] = edition.node_of(direction, can_id, extended=extended, remote=remote)
             except CodecError:
                 continue
-            if number in by_number:
-                found.append(by_number[number])
+        known = (one for one in self._nodes if id(one.edition) in numbers)
+        return tuple(one for one in known if numbers[id(one.edition)] in (None, one.node))
+
+    def decode_request(self, can_id: int, data: Buffer, *, extended: bool = False, remote: bool = False) -> Q:
+        """Decodes a request with the edition of the node it goes to. Raises CodecError."""
+        key = (can_id, extended, remote) if extended or remote else can_id
+        edition, parameters = self._requests.get(key) or self._edition("request", self._requests, key)
+        return edition.decode_request(can_id, data, parameters, extended=extended, remote=remote)
+
+    def decode_reply(self, can_id: int, data: Buffer, *, extended: bool = False, remote: bool = False) -> A:
+        """Decodes a reply with the edition of the node that sent it. Raises CodecError."""
+        key = (can_id, extended, remote) if extended or remote else can_id
+        edition, parameters = self._replies.get(key) or self._edition("reply", self._replies, key)
+        return edition.decode_reply(can_id, data, parameters, extended=extended, remote=remote)
+
+    def _edition(
+        self, direction: str, known: dict[Key, tuple[Edition[Q, A], Any]], key: Key
+    ) -> tuple[Edition[Q, A], Any]:
+        """The edition and the parameters for frames with an id, which are stored in `known`. Raises CodecError."""
+        can_id, extended, remote = (key, False, False) if isinstance(key, int) else key
+        found = self.nodes_of(direction, can_id, extended=extended, remote=remote)
         if not found:
             raise CodecError(Refusal.UNKNOWN_ID, f"no node of this bus has a {direction} with the id 0x{can_id:X}")
-        return min(found, key=lambda one: one[0])[1]
+        edition = found[0].edition
+        other = next((one for one in found if one.edition is not edition), None)
+        if other is not None:
+            text = f"0x{can_id:X} is a {direction} of {found[0]!r} and of {other!r}; decode it with one of these nodes"
+            raise CodecError(Refusal.UNKNOWN_NODE, text)
+        result = edition, _common([one.parameters for one in found])
+        if len(known) < MAX_KNOWN_IDS:
+            known[key] = result
+        return result
+
+
+def _common(parameters: Sequence[Any]) -> Any:
+    """The parameters with those known that are the same in all."""
+    first = parameters[0]
+    names = [field.name for field in fields(first)]
+    differing = [name for name in names if any(getattr(one, name) != getattr(first, name) for one in parameters)]
+    return replace(first, **dict.fromkeys(differing)) if differing else first
 
 
 def _made(build: Callable[..., M], **values: Any) -> M:

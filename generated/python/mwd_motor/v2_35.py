@@ -11,13 +11,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
-from struct import Struct, pack
-from typing import TYPE_CHECKING, Any, ClassVar
+from struct import Struct
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, Union
 
 from ._codec import (
+    ArrayType,
     Bound,
     CodecError,
+    EnumType,
     FieldAbsent,
+    FlagsType,
     Message,
     Number,
     Real,
@@ -27,17 +30,11 @@ from ._codec import (
     ToNode,
     check_choice,
     check_number,
-    each,
-    flags,
-    known,
-    member,
     missing,
-    named,
-    node_in,
-    require,
 )
 from ._dispatch import (
     Answer,
+    DataByte,
     Dispatcher,
     Route,
     Select,
@@ -48,6 +45,8 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 __all__ = [
+    "AnyReply",
+    "AnyRequest",
     "BroadcastTorqueRequest",
     "ClearAngleReply",
     "ClearAngleRequest",
@@ -156,7 +155,7 @@ class Parameters:
     """Motor series. One of MS, MF, MH, MG. Printed on the motor. It determines the scale of the torque current
     in amperes. MS motors report power in place of the torque current.
     """
-    encoder_bits: int | None = None
+    encoder_bits: Literal[14, 15, 18] | None = None
     """Encoder resolution in bits. One of 14, 15, 18. Determines the number of counts per turn. For an 18-bit
     encoder, the upper 16 bits are reported: 65536 counts per turn.
     """
@@ -195,7 +194,14 @@ class ErrorFlags(IntFlag):
 TEMPERATURE = Number(-128, 127, "degC")
 VOLTAGE = Number(0, 65535, "V", scale=(1, 10, 0))
 POWER = Number(-32768, 32767, limits=(Bound(-850), Bound(850)))
-TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series", limits=(Bound(-2048), Bound(2048)))
+TORQUE_CURRENT = Number(
+    -32768,
+    32767,
+    "A",
+    scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
+    scale_by="series",
+    limits=(Bound(-2048), Bound(2048)),
+)
 BROADCAST_CURRENT = Number(-32768, 32767, "A", scale=(2, 125, 0), limits=(Bound(-2000), Bound(2000)))
 PHASE_CURRENT = Number(-32768, 32767, "A", scale=(1, 64, 0))
 SPEED = Number(-32768, 32767, "deg/s")
@@ -204,18 +210,52 @@ SPEED_LIMIT = Number(0, 65535, "deg/s")
 ACCELERATION = Number(-2147483648, 2147483647, "deg/s^2")
 ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0))
 SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0))
-SINGLE_TURN_POSITION = Number(0, 4294967295, "deg", scale=(1, 100, 0), limits=(Bound(0), Bound(-1, 36000, "gear_ratio")))
+SINGLE_TURN_POSITION = Number(
+    0,
+    4294967295,
+    "deg",
+    scale=(1, 100, 0),
+    limits=(Bound(0), Bound(-1, 36000, "gear_ratio")),
+)
 MULTI_TURN_ANGLE = Number(-36028797018963968, 36028797018963967, "deg", scale=(1, 100, 0))
-ENCODER_POSITION = Number(0, 65535, "deg", scale={14: (45, 2048, 0), 15: (45, 4096, 0), 18: (45, 8192, 0)}, scale_by="encoder_bits", limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 18: (Bound(0), Bound(65535))}, limits_by="encoder_bits")
+ENCODER_POSITION = Number(
+    0,
+    65535,
+    "deg",
+    scale={14: (45, 2048, 0), 15: (45, 4096, 0), 18: (45, 8192, 0)},
+    scale_by="encoder_bits",
+    limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 18: (Bound(0), Bound(65535))},
+    limits_by="encoder_bits",
+)
 GAIN = Number(0, 255)
+_SpinDirection = EnumType(SpinDirection)
+_ErrorFlags = FlagsType(ErrorFlags, 0x9)
 _UNPACK_1 = Struct("<2xBBBBBB").unpack
-_UNPACK_2 = Struct("<xbhhH").unpack
-_UNPACK_3 = Struct("<xbxH2xB").unpack
-_UNPACK_4 = Struct("<2xHi").unpack
-_UNPACK_5 = Struct("<xB2xI").unpack
-_UNPACK_6 = Struct("<xBHI").unpack
-_UNPACK_7 = Struct("<2xHHH").unpack
-_UNPACK_8 = Struct("<xbhhh").unpack
+_UNPACK_2 = Struct("<4xi").unpack
+_UNPACK_3 = Struct("<6xH").unpack
+_UNPACK_4 = Struct("<xbhhH").unpack
+_UNPACK_5 = Struct("<xbxH2xB").unpack
+_UNPACK_6 = Struct("<4xh2x").unpack
+_UNPACK_7 = Struct("<2xHi").unpack
+_UNPACK_8 = Struct("<xB2xI").unpack
+_UNPACK_9 = Struct("<xBHI").unpack
+_UNPACK_10 = Struct("<hhhh").unpack
+_UNPACK_11 = Struct("<2xHHH").unpack
+_UNPACK_12 = Struct("<4xI").unpack
+_UNPACK_13 = Struct("<xbhhh").unpack
+_PACK_1 = Struct("<BxBBBBBB").pack
+_PACK_2 = Struct("<B3xi").pack
+_PACK_3 = Struct("<B5xH").pack
+_PACK_4 = Struct("<BbhhH").pack
+_PACK_5 = Struct("<BbxH2xB").pack
+_PACK_6 = Struct("<B3xh2x").pack
+_PACK_7 = Struct("<BxHi").pack
+_PACK_8 = Struct("<BB2xI").pack
+_PACK_9 = Struct("<BBHI").pack
+_PACK_10 = Struct("<hhhh").pack
+_PACK_11 = Struct("<BxHHH").pack
+_PACK_12 = Struct("<B3xI").pack
+_PACK_13 = Struct("<Bbhhh").pack
 
 
 class PidGains(Message):
@@ -224,23 +264,20 @@ class PidGains(Message):
     Manual 2.13 - 2.15.
     """
 
-    __slots__ = ("angle_kp_raw", "angle_ki_raw", "speed_kp_raw", "speed_ki_raw", "iq_kp_raw", "iq_ki_raw")
+    __slots__ = ()
 
+    __match_args__ = ("angle_kp", "angle_ki", "speed_kp", "speed_ki", "iq_kp", "iq_ki")
     TYPES = {
-        "angle_kp": GAIN.check,
-        "angle_ki": GAIN.check,
-        "speed_kp": GAIN.check,
-        "speed_ki": GAIN.check,
-        "iq_kp": GAIN.check,
-        "iq_ki": GAIN.check,
+        "angle_kp": GAIN,
+        "angle_ki": GAIN,
+        "speed_kp": GAIN,
+        "speed_ki": GAIN,
+        "iq_kp": GAIN,
+        "iq_ki": GAIN,
     }
+    DEFAULTS = UNKNOWN
 
-    angle_kp_raw: int
-    angle_ki_raw: int
-    speed_kp_raw: int
-    speed_ki_raw: int
-    iq_kp_raw: int
-    iq_ki_raw: int
+    _raws: tuple[int, int, int, int, int, int]
 
     def __init__(
         self,
@@ -253,57 +290,93 @@ class PidGains(Message):
         iq_kp: Real,
         iq_ki: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.angle_kp_raw = GAIN.raw(angle_kp, self.parameters, "angle_kp")
-        self.angle_ki_raw = GAIN.raw(angle_ki, self.parameters, "angle_ki")
-        self.speed_kp_raw = GAIN.raw(speed_kp, self.parameters, "speed_kp")
-        self.speed_ki_raw = GAIN.raw(speed_ki, self.parameters, "speed_ki")
-        self.iq_kp_raw = GAIN.raw(iq_kp, self.parameters, "iq_kp")
-        self.iq_ki_raw = GAIN.raw(iq_ki, self.parameters, "iq_ki")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            GAIN.raw(angle_kp, self._parameters, "angle_kp"),
+            GAIN.raw(angle_ki, self._parameters, "angle_ki"),
+            GAIN.raw(speed_kp, self._parameters, "speed_kp"),
+            GAIN.raw(speed_ki, self._parameters, "speed_ki"),
+            GAIN.raw(iq_kp, self._parameters, "iq_kp"),
+            GAIN.raw(iq_ki, self._parameters, "iq_ki"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_kp_raw, self.angle_ki_raw, self.speed_kp_raw, self.speed_ki_raw, self.iq_kp_raw, self.iq_ki_raw = _UNPACK_1(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_1(data)
         return self
 
     @property
     def angle_kp(self) -> int:
         """Position loop, P."""
-        return self.angle_kp_raw
+        return self._raws[0]
+
+    @property
+    def angle_kp_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def angle_ki(self) -> int:
         """Position loop, I."""
-        return self.angle_ki_raw
+        return self._raws[1]
+
+    @property
+    def angle_ki_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def speed_kp(self) -> int:
         """Speed loop, P."""
-        return self.speed_kp_raw
+        return self._raws[2]
+
+    @property
+    def speed_kp_raw(self) -> int:
+        return self._raws[2]
 
     @property
     def speed_ki(self) -> int:
         """Speed loop, I."""
-        return self.speed_ki_raw
+        return self._raws[3]
+
+    @property
+    def speed_ki_raw(self) -> int:
+        return self._raws[3]
 
     @property
     def iq_kp(self) -> int:
         """Torque loop, P."""
-        return self.iq_kp_raw
+        return self._raws[4]
+
+    @property
+    def iq_kp_raw(self) -> int:
+        return self._raws[4]
 
     @property
     def iq_ki(self) -> int:
         """Torque loop, I."""
-        return self.iq_ki_raw
+        return self._raws[5]
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxBBBBBB", self.CODE, self.angle_kp_raw, self.angle_ki_raw, self.speed_kp_raw, self.speed_ki_raw, self.iq_kp_raw, self.iq_ki_raw)
+    @property
+    def iq_ki_raw(self) -> int:
+        return self._raws[5]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_1(
+            self.CODE,
+            self._raws[0],
+            self._raws[1],
+            self._raws[2],
+            self._raws[3],
+            self._raws[4],
+            self._raws[5],
+        )
 
 
 class WriteAccelerationRam(Message):
@@ -312,13 +385,15 @@ class WriteAccelerationRam(Message):
     Manual 2.17.
     """
 
-    __slots__ = ("acceleration_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("acceleration",)
     TYPES = {
-        "acceleration": ACCELERATION.check,
+        "acceleration": ACCELERATION,
     }
+    DEFAULTS = UNKNOWN
 
-    acceleration_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -326,17 +401,19 @@ class WriteAccelerationRam(Message):
         node: int,
         acceleration: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.acceleration_raw = ACCELERATION.raw(acceleration, self.parameters, "acceleration")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ACCELERATION.raw(acceleration, self._parameters, "acceleration"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.acceleration_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -345,11 +422,15 @@ class WriteAccelerationRam(Message):
 
         In °/s².
         """
-        return self.acceleration_raw
+        return self._raws[0]
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", self.CODE, self.acceleration_raw)
+    @property
+    def acceleration_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_2(self.CODE, self._raws[0])
 
 
 class WriteEncoderOffsetRom(Message):
@@ -358,14 +439,15 @@ class WriteEncoderOffsetRom(Message):
     Manual 2.19.
     """
 
-    __slots__ = ("encoder_offset_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("encoder_offset",)
     TYPES = {
-        "encoder_offset": ENCODER_POSITION.check,
+        "encoder_offset": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    encoder_offset_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -374,17 +456,19 @@ class WriteEncoderOffsetRom(Message):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.encoder_offset_raw = int.from_bytes(data[6:8], "little")
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -394,11 +478,15 @@ class WriteEncoderOffsetRom(Message):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
-        return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
+        return ENCODER_POSITION.value(self._raws[0], self._parameters, "encoder_offset")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B5xH", self.CODE, self.encoder_offset_raw)
+    @property
+    def encoder_offset_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_3(self.CODE, self._raws[0])
 
 
 class MotionFeedback(Message):
@@ -410,22 +498,30 @@ class MotionFeedback(Message):
     Manual 2.4, 2.5, 2.26.
     """
 
-    __slots__ = ("temperature_raw", "power_raw", "iq_raw", "speed_raw", "encoder_raw")
+    __slots__ = ()
 
+    __match_args__ = ("temperature", "power", "iq", "speed", "encoder")
     TYPES = {
-        "temperature": TEMPERATURE.check,
-        "power": POWER.check,
-        "iq": TORQUE_CURRENT.check,
-        "speed": SPEED.check,
-        "encoder": ENCODER_POSITION.check,
+        "temperature": TEMPERATURE,
+        "power": POWER,
+        "iq": TORQUE_CURRENT,
+        "speed": SPEED,
+        "encoder": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
+    VARIANTS = (
+        ("temperature", "power", "speed", "encoder"),
+        ("temperature", "iq", "speed", "encoder"),
+    )
+    VARIANT_BY = "series"
+    VARIANT_OF = {
+        Series.MS: 0,
+        Series.MF: 1,
+        Series.MH: 1,
+        Series.MG: 1,
+    }
 
-    temperature_raw: int
-    power_raw: int
-    iq_raw: int
-    speed_raw: int
-    encoder_raw: int
+    _raws: tuple[int, Any, Any, int, int]
 
     def __init__(
         self,
@@ -438,42 +534,35 @@ class MotionFeedback(Message):
         encoder: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        require(self, power=power, iq=iq)
-        self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
-        if power is not None:
-            self.power_raw = POWER.raw(power, self.parameters, "power")
-        if iq is not None:
-            self.iq_raw = TORQUE_CURRENT.raw(iq, self.parameters, "iq")
-        self.speed_raw = SPEED.raw(speed, self.parameters, "speed")
-        self.encoder_raw = ENCODER_POSITION.raw(encoder, self.parameters, "encoder")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._require(power=power, iq=iq)
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            self._optional(POWER, power, "power"),
+            self._optional(TORQUE_CURRENT, iq, "iq"),
+            SPEED.raw(speed, self._parameters, "speed"),
+            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        choice = parameters.series
-        if choice is None:
-            raise missing("series", cls.__name__)
-        if choice in (Series.MS,):
-            self.temperature_raw, self.power_raw, self.speed_raw, self.encoder_raw = _UNPACK_2(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        variant = cls.VARIANT_OF.get(parameters.series)
+        if variant == 0:
+            found = _UNPACK_4(data)
+            self._raws = (found[0], found[1], None, found[2], found[3])
+        elif variant == 1:
+            found = _UNPACK_4(data)
+            self._raws = (found[0], None, found[1], found[2], found[3])
         else:
-            self.temperature_raw, self.iq_raw, self.speed_raw, self.encoder_raw = _UNPACK_2(data)
+            raise missing("series", cls.__name__)
         return self
-
-    def fields(self) -> tuple[str, ...]:
-        """Names of the fields that exist under the parameters."""
-        return self._VARIANTS[known(self.parameters, "series", type(self).__name__)]
-
-    _VARIANTS: ClassVar[dict[Any, tuple[str, ...]]] = {
-        Series.MS: ("temperature", "power", "speed", "encoder"),
-        Series.MF: ("temperature", "iq", "speed", "encoder"),
-        Series.MH: ("temperature", "iq", "speed", "encoder"),
-        Series.MG: ("temperature", "iq", "speed", "encoder"),
-    }
 
     @property
     def temperature(self) -> int:
@@ -481,7 +570,11 @@ class MotionFeedback(Message):
 
         In °C.
         """
-        return self.temperature_raw
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def power(self) -> int:
@@ -490,7 +583,17 @@ class MotionFeedback(Message):
         Raw -850..850. A plain number without a unit in the manual. The corresponding current and torque
         differ between motors. Exists under MS only.
         """
-        return self.power_raw
+        raw: int | None = self._raws[1]
+        if raw is None:
+            raise self._absent("power")
+        return raw
+
+    @property
+    def power_raw(self) -> int:
+        raw: int | None = self._raws[1]
+        if raw is None:
+            raise self._absent("power")
+        return raw
 
     @property
     def iq(self) -> float:
@@ -499,7 +602,17 @@ class MotionFeedback(Message):
         In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048. Exists
         under MF, MH, MG only.
         """
-        return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
+        raw: int | None = self._raws[2]
+        if raw is None:
+            raise self._absent("iq")
+        return TORQUE_CURRENT.value(raw, self._parameters, "iq")
+
+    @property
+    def iq_raw(self) -> int:
+        raw: int | None = self._raws[2]
+        if raw is None:
+            raise self._absent("iq")
+        return raw
 
     @property
     def speed(self) -> int:
@@ -507,7 +620,11 @@ class MotionFeedback(Message):
 
         In °/s.
         """
-        return self.speed_raw
+        return self._raws[3]
+
+    @property
+    def speed_raw(self) -> int:
+        return self._raws[3]
 
     @property
     def encoder(self) -> float:
@@ -516,14 +633,18 @@ class MotionFeedback(Message):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
-        return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[4], self._parameters, "encoder")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        choice = known(self.parameters, "series", type(self).__name__)
-        if choice in (Series.MS,):
-            return pack("<BbhhH", self.CODE, self.temperature_raw, self.power_raw, self.speed_raw, self.encoder_raw)
-        return pack("<BbhhH", self.CODE, self.temperature_raw, self.iq_raw, self.speed_raw, self.encoder_raw)
+    @property
+    def encoder_raw(self) -> int:
+        return self._raws[4]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        variant = self.VARIANT_OF[self._parameters.series]
+        if variant == 0:
+            return _PACK_4(self.CODE, self._raws[0], self._raws[1], self._raws[3], self._raws[4])
+        return _PACK_4(self.CODE, self._raws[0], self._raws[2], self._raws[3], self._raws[4])
 
 
 class Status1(Message):
@@ -532,17 +653,17 @@ class Status1(Message):
     Manual 2.24, 2.25.
     """
 
-    __slots__ = ("temperature_raw", "voltage_raw", "errors_raw")
+    __slots__ = ()
 
+    __match_args__ = ("temperature", "voltage", "errors")
     TYPES = {
-        "temperature": TEMPERATURE.check,
-        "voltage": VOLTAGE.check,
-        "errors": flags(0x9),
+        "temperature": TEMPERATURE,
+        "voltage": VOLTAGE,
+        "errors": _ErrorFlags,
     }
+    DEFAULTS = UNKNOWN
 
-    temperature_raw: int
-    voltage_raw: int
-    errors_raw: int
+    _raws: tuple[int, int, int]
 
     def __init__(
         self,
@@ -552,19 +673,23 @@ class Status1(Message):
         voltage: Real,
         errors: ErrorFlags | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
-        self.voltage_raw = VOLTAGE.raw(voltage, self.parameters, "voltage")
-        self.errors_raw = self.TYPES["errors"](errors, self.parameters, "errors")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            VOLTAGE.raw(voltage, self._parameters, "voltage"),
+            _ErrorFlags.raw(errors, self._parameters, "errors"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.temperature_raw, self.voltage_raw, self.errors_raw = _UNPACK_3(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_5(data)
         return self
 
     @property
@@ -573,7 +698,11 @@ class Status1(Message):
 
         In °C.
         """
-        return self.temperature_raw
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def voltage(self) -> float:
@@ -581,16 +710,24 @@ class Status1(Message):
 
         In V; resolution (1 LSB) 0.1 V.
         """
-        return self.voltage_raw / 10
+        return self._raws[1] / 10
+
+    @property
+    def voltage_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def errors(self) -> ErrorFlags:
         """Errors."""
-        return ErrorFlags(self.errors_raw)
+        return _ErrorFlags.value(self._raws[2], self._parameters, "errors")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BbxH2xB", self.CODE, self.temperature_raw, self.voltage_raw, self.errors_raw)
+    @property
+    def errors_raw(self) -> int:
+        return self._raws[2]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_5(self.CODE, self._raws[0], self._raws[1], self._raws[2])
 
 
 class MotorOffRequest(ToNode, Request["MotorOffReply"]):
@@ -608,7 +745,7 @@ class MotorOffRequest(ToNode, Request["MotorOffReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x80
-    DATA = b'\x80\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("80 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Motor off"
     MANUAL = "2.1"
@@ -632,7 +769,7 @@ class MotorOnRequest(ToNode, Request["MotorOnReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x88
-    DATA = b'\x88\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("88 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Motor on"
     MANUAL = "2.2"
@@ -653,7 +790,7 @@ class MotorStopRequest(ToNode, Request["MotorStopReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x81
-    DATA = b'\x81\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("81 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Motor stop"
     MANUAL = "2.3"
@@ -668,6 +805,8 @@ class SetPowerRequest(Request["SetPowerReply"]):
     Effects: The motor moves.
     """
 
+    __slots__ = ()
+
     COMMAND = "set_power"
     DIRECTION = "request"
     ID = 0x140
@@ -678,13 +817,13 @@ class SetPowerRequest(Request["SetPowerReply"]):
     EFFECTS = ("moves",)
     ONLY = {"series": (Series.MS,)}
 
-    __slots__ = ("power_raw",)
-
+    __match_args__ = ("power",)
     TYPES = {
-        "power": POWER.check,
+        "power": POWER,
     }
+    DEFAULTS = UNKNOWN
 
-    power_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -692,17 +831,19 @@ class SetPowerRequest(Request["SetPowerReply"]):
         node: int,
         power: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.power_raw = POWER.raw(power, self.parameters, "power")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (POWER.raw(power, self._parameters, "power"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.power_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_6(data)
         return self
 
     @property
@@ -712,11 +853,15 @@ class SetPowerRequest(Request["SetPowerReply"]):
         Raw -850..850. A plain number without a unit in the manual. The corresponding current and torque
         differ between motors.
         """
-        return self.power_raw
+        return self._raws[0]
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xh2x", 0xA0, self.power_raw)
+    @property
+    def power_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_6(0xA0, self._raws[0])
 
 
 class SetTorqueRequest(Request["SetTorqueReply"]):
@@ -728,6 +873,8 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     Effects: The motor moves.
     """
 
+    __slots__ = ()
+
     COMMAND = "set_torque"
     DIRECTION = "request"
     ID = 0x140
@@ -738,14 +885,13 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     EFFECTS = ("moves",)
     ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
-    __slots__ = ("iq_raw",)
-
+    __match_args__ = ("iq",)
     TYPES = {
-        "iq": TORQUE_CURRENT.check,
+        "iq": TORQUE_CURRENT,
     }
     DEFAULTS = UNKNOWN
 
-    iq_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -754,17 +900,19 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.iq_raw = TORQUE_CURRENT.raw(iq, self.parameters, "iq")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.iq_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_6(data)
         return self
 
     @property
@@ -773,11 +921,15 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
 
         In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
-        return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
+        return TORQUE_CURRENT.value(self._raws[0], self._parameters, "iq")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xh2x", 0xA1, self.iq_raw)
+    @property
+    def iq_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_6(0xA1, self._raws[0])
 
 
 class SetSpeedRequest(Request["SetSpeedReply"]):
@@ -787,6 +939,8 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "set_speed"
     DIRECTION = "request"
@@ -798,13 +952,13 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("speed_raw",)
-
+    __match_args__ = ("speed",)
     TYPES = {
-        "speed": SPEED_SETPOINT.check,
+        "speed": SPEED_SETPOINT,
     }
+    DEFAULTS = UNKNOWN
 
-    speed_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -812,17 +966,19 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         node: int,
         speed: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.speed_raw = SPEED_SETPOINT.raw(speed, self.parameters, "speed")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (SPEED_SETPOINT.raw(speed, self._parameters, "speed"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.speed_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -831,11 +987,15 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
 
         In °/s; resolution (1 LSB) 0.01 °/s.
         """
-        return self.speed_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", 0xA2, self.speed_raw)
+    @property
+    def speed_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_2(0xA2, self._raws[0])
 
 
 class MoveToAngleRequest(Request["MoveToAngleReply"]):
@@ -847,6 +1007,8 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     Effects: The motor moves.
     """
 
+    __slots__ = ()
+
     COMMAND = "move_to_angle"
     DIRECTION = "request"
     ID = 0x140
@@ -857,13 +1019,13 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_angle", "max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("angle_raw",)
-
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": ANGLE.check,
+        "angle": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -871,17 +1033,19 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         node: int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.angle_raw = ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ANGLE.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -890,11 +1054,15 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", 0xA3, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_2(0xA3, self._raws[0])
 
 
 class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
@@ -904,6 +1072,8 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "move_to_angle_at_speed"
     DIRECTION = "request"
@@ -915,15 +1085,14 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_angle", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("max_speed_raw", "angle_raw")
-
+    __match_args__ = ("max_speed", "angle")
     TYPES = {
-        "max_speed": SPEED_LIMIT.check,
-        "angle": ANGLE.check,
+        "max_speed": SPEED_LIMIT,
+        "angle": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    max_speed_raw: int
-    angle_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -932,18 +1101,22 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
-        self.angle_raw = ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
+            ANGLE.raw(angle, self._parameters, "angle"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_speed_raw, self.angle_raw = _UNPACK_4(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_7(data)
         return self
 
     @property
@@ -952,7 +1125,11 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
         In °/s.
         """
-        return self.max_speed_raw
+        return self._raws[0]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def angle(self) -> float:
@@ -960,11 +1137,15 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxHi", 0xA4, self.max_speed_raw, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_7(0xA4, self._raws[0], self._raws[1])
 
 
 class TurnToAngleRequest(Request["TurnToAngleReply"]):
@@ -974,6 +1155,8 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "turn_to_angle"
     DIRECTION = "request"
@@ -985,15 +1168,14 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("spin_direction_raw", "angle_raw")
-
+    __match_args__ = ("spin_direction", "angle")
     TYPES = {
-        "spin_direction": member(SpinDirection),
-        "angle": SINGLE_TURN_ANGLE.check,
+        "spin_direction": _SpinDirection,
+        "angle": SINGLE_TURN_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    spin_direction_raw: int
-    angle_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1002,24 +1184,32 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         spin_direction: SpinDirection | int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.spin_direction_raw = self.TYPES["spin_direction"](spin_direction, self.parameters, "spin_direction")
-        self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
+            SINGLE_TURN_ANGLE.raw(angle, self._parameters, "angle"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.spin_direction_raw, self.angle_raw = _UNPACK_5(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_8(data)
         return self
 
     @property
     def spin_direction(self) -> SpinDirection | int:
         """Direction of rotation."""
-        return named(SpinDirection, self.spin_direction_raw)
+        return _SpinDirection.value(self._raws[0], self._parameters, "spin_direction")
+
+    @property
+    def spin_direction_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def angle(self) -> float:
@@ -1027,11 +1217,15 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xI", 0xA5, self.spin_direction_raw, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_8(0xA5, self._raws[0], self._raws[1])
 
 
 class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
@@ -1041,6 +1235,8 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "turn_to_angle_at_speed"
     DIRECTION = "request"
@@ -1052,17 +1248,15 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("spin_direction_raw", "max_speed_raw", "angle_raw")
-
+    __match_args__ = ("spin_direction", "max_speed", "angle")
     TYPES = {
-        "spin_direction": member(SpinDirection),
-        "max_speed": SPEED_LIMIT.check,
-        "angle": SINGLE_TURN_ANGLE.check,
+        "spin_direction": _SpinDirection,
+        "max_speed": SPEED_LIMIT,
+        "angle": SINGLE_TURN_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    spin_direction_raw: int
-    max_speed_raw: int
-    angle_raw: int
+    _raws: tuple[int, int, int]
 
     def __init__(
         self,
@@ -1072,25 +1266,33 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.spin_direction_raw = self.TYPES["spin_direction"](spin_direction, self.parameters, "spin_direction")
-        self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
-        self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
+            SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
+            SINGLE_TURN_ANGLE.raw(angle, self._parameters, "angle"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.spin_direction_raw, self.max_speed_raw, self.angle_raw = _UNPACK_6(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_9(data)
         return self
 
     @property
     def spin_direction(self) -> SpinDirection | int:
         """Direction of rotation."""
-        return named(SpinDirection, self.spin_direction_raw)
+        return _SpinDirection.value(self._raws[0], self._parameters, "spin_direction")
+
+    @property
+    def spin_direction_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def max_speed(self) -> int:
@@ -1098,7 +1300,11 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
         In °/s.
         """
-        return self.max_speed_raw
+        return self._raws[1]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def angle(self) -> float:
@@ -1106,11 +1312,15 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[2] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHI", 0xA6, self.spin_direction_raw, self.max_speed_raw, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[2]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_9(0xA6, self._raws[0], self._raws[1], self._raws[2])
 
 
 class MoveByAngleRequest(Request["MoveByAngleReply"]):
@@ -1120,6 +1330,8 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
 
     Effects: The motor moves. The angle is added to the target, so a repeated frame moves the motor again.
     """
+
+    __slots__ = ()
 
     COMMAND = "move_by_angle"
     DIRECTION = "request"
@@ -1131,13 +1343,13 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     EFFECTS = ("moves", "adds_up")
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("increment_raw",)
-
+    __match_args__ = ("increment",)
     TYPES = {
-        "increment": ANGLE.check,
+        "increment": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    increment_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1145,17 +1357,19 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         node: int,
         increment: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.increment_raw = ANGLE.raw(increment, self.parameters, "increment")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ANGLE.raw(increment, self._parameters, "increment"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.increment_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -1164,11 +1378,15 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.increment_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", 0xA7, self.increment_raw)
+    @property
+    def increment_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_2(0xA7, self._raws[0])
 
 
 class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
@@ -1180,6 +1398,8 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     Effects: The motor moves. The angle is added to the target, so a repeated frame moves the motor again.
     """
 
+    __slots__ = ()
+
     COMMAND = "move_by_angle_at_speed"
     DIRECTION = "request"
     ID = 0x140
@@ -1190,15 +1410,14 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     EFFECTS = ("moves", "adds_up")
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("max_speed_raw", "increment_raw")
-
+    __match_args__ = ("max_speed", "increment")
     TYPES = {
-        "max_speed": SPEED_LIMIT.check,
-        "increment": ANGLE.check,
+        "max_speed": SPEED_LIMIT,
+        "increment": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    max_speed_raw: int
-    increment_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1207,18 +1426,22 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         max_speed: Real,
         increment: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
-        self.increment_raw = ANGLE.raw(increment, self.parameters, "increment")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
+            ANGLE.raw(increment, self._parameters, "increment"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_speed_raw, self.increment_raw = _UNPACK_4(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_7(data)
         return self
 
     @property
@@ -1227,7 +1450,11 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
 
         In °/s.
         """
-        return self.max_speed_raw
+        return self._raws[0]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def increment(self) -> float:
@@ -1235,11 +1462,15 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.increment_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxHi", 0xA8, self.max_speed_raw, self.increment_raw)
+    @property
+    def increment_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_7(0xA8, self._raws[0], self._raws[1])
 
 
 class ReadPidRequest(ToNode, Request["ReadPidReply"]):
@@ -1254,7 +1485,7 @@ class ReadPidRequest(ToNode, Request["ReadPidReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x30
-    DATA = b'0\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("30 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read controller gains"
     MANUAL = "2.13"
@@ -1312,7 +1543,7 @@ class ReadAccelerationRequest(ToNode, Request["ReadAccelerationReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x33
-    DATA = b'3\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("33 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read acceleration"
     MANUAL = "2.16"
@@ -1351,7 +1582,7 @@ class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x90
-    DATA = b'\x90\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("90 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read encoder"
     MANUAL = "2.18"
@@ -1393,7 +1624,7 @@ class WritePositionAsZeroRomRequest(ToNode, Request["WritePositionAsZeroRomReply
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x19
-    DATA = b'\x19\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("19 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Write present position as zero to ROM"
     MANUAL = "2.20"
@@ -1412,7 +1643,7 @@ class ReadMultiTurnAngleRequest(ToNode, Request["ReadMultiTurnAngleReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x92
-    DATA = b'\x92\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("92 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read multi-turn angle"
     MANUAL = "2.21"
@@ -1430,7 +1661,7 @@ class ReadSingleTurnAngleRequest(ToNode, Request["ReadSingleTurnAngleReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x94
-    DATA = b'\x94\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("94 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read single-turn angle"
     MANUAL = "2.22"
@@ -1454,7 +1685,7 @@ class ClearAngleRequest(ToNode, Request["ClearAngleReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x95
-    DATA = b'\x95\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("95 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Clear angle"
     MANUAL = "2.23"
@@ -1473,7 +1704,7 @@ class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9A
-    DATA = b'\x9a\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9A 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read status 1 and errors"
     MANUAL = "2.24"
@@ -1493,7 +1724,7 @@ class ClearErrorsRequest(ToNode, Request["ClearErrorsReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9B
-    DATA = b'\x9b\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9B 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Clear errors"
     MANUAL = "2.25"
@@ -1511,7 +1742,7 @@ class ReadStatus2Request(ToNode, Request["ReadStatus2Reply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9C
-    DATA = b'\x9c\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9C 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read status 2"
     MANUAL = "2.26"
@@ -1529,7 +1760,7 @@ class ReadStatus3Request(ToNode, Request["ReadStatus3Reply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9D
-    DATA = b'\x9d\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9D 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read status 3"
     MANUAL = "2.27"
@@ -1546,6 +1777,8 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
     The four motors must have the ids 1 to 4, each id once.
     """
 
+    __slots__ = ()
+
     COMMAND = "broadcast_torque"
     DIRECTION = "request"
     ID = 0x280
@@ -1553,43 +1786,51 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
     MANUAL = "3.1"
     EFFECTS = ("moves",)
 
-    __slots__ = ("iq_raw",)
-
+    __match_args__ = ("iq",)
     TYPES = {
-        "iq": each(BROADCAST_CURRENT.check, 4),
+        "iq": ArrayType(BROADCAST_CURRENT, 4),
     }
+    DEFAULTS = UNKNOWN
 
-    iq_raw: tuple[int, ...]
+    _raws: tuple[tuple[int, ...]]
 
     def __init__(
         self,
         *,
         iq: Iterable[Real],
     ) -> None:
-        self.node = None
-        self.parameters = UNKNOWN
-        self.iq_raw = each(BROADCAST_CURRENT.raw, 4)(iq, self.parameters, "iq")
+        self._node = self._known_node(None)
+        self._parameters = UNKNOWN
+        self._raws = (self.TYPES["iq"].raw(iq, self._parameters, "iq"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.iq_raw = (int.from_bytes(data[0:2], "little", signed=True), int.from_bytes(data[2:4], "little", signed=True), int.from_bytes(data[4:6], "little", signed=True), int.from_bytes(data[6:8], "little", signed=True))
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        found = _UNPACK_10(data)
+        self._raws = ((found[0], found[1], found[2], found[3]),)
         return self
 
     @property
     def iq(self) -> tuple[float, ...]:
         """Torque current of each motor.
 
-        In A; resolution (1 LSB) 32/2000 A; raw -2000..2000.
+        Elements: [0] is node 1, [1] is node 2, [2] is node 3, [3] is node 4. In A; resolution (1 LSB) 32/2000
+        A; raw -2000..2000.
         """
-        return tuple(one * 2 / 125 for one in self.iq_raw)
+        return tuple(one * 2 / 125 for one in self._raws[0])
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<hhhh", self.iq_raw[0], self.iq_raw[1], self.iq_raw[2], self.iq_raw[3])
+    @property
+    def iq_raw(self) -> tuple[int, ...]:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(self._raws[0][0], self._raws[0][1], self._raws[0][2], self._raws[0][3])
 
 
 class MotorOffReply(ToNode, Reply):
@@ -1604,7 +1845,7 @@ class MotorOffReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x80
-    DATA = b'\x80\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("80 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -1620,7 +1861,7 @@ class MotorOnReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x88
-    DATA = b'\x88\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("88 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -1636,7 +1877,7 @@ class MotorStopReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x81
-    DATA = b'\x81\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("81 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -1826,19 +2067,21 @@ class ReadAccelerationReply(Reply):
     Manual 2.16.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_acceleration"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x33
     NODES = (1, 32)
 
-    __slots__ = ("acceleration_raw",)
-
+    __match_args__ = ("acceleration",)
     TYPES = {
-        "acceleration": ACCELERATION.check,
+        "acceleration": ACCELERATION,
     }
+    DEFAULTS = UNKNOWN
 
-    acceleration_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1846,17 +2089,19 @@ class ReadAccelerationReply(Reply):
         node: int,
         acceleration: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.acceleration_raw = ACCELERATION.raw(acceleration, self.parameters, "acceleration")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ACCELERATION.raw(acceleration, self._parameters, "acceleration"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.acceleration_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -1865,11 +2110,15 @@ class ReadAccelerationReply(Reply):
 
         In °/s².
         """
-        return self.acceleration_raw
+        return self._raws[0]
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", 0x33, self.acceleration_raw)
+    @property
+    def acceleration_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_2(0x33, self._raws[0])
 
 
 class WriteAccelerationRamReply(WriteAccelerationRam, Reply):
@@ -1893,24 +2142,23 @@ class ReadEncoderReply(Reply):
     Manual 2.18.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_encoder"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x90
     NODES = (1, 32)
 
-    __slots__ = ("encoder_raw", "encoder_measured_raw", "encoder_offset_raw")
-
+    __match_args__ = ("encoder", "encoder_measured", "encoder_offset")
     TYPES = {
-        "encoder": ENCODER_POSITION.check,
-        "encoder_measured": ENCODER_POSITION.check,
-        "encoder_offset": ENCODER_POSITION.check,
+        "encoder": ENCODER_POSITION,
+        "encoder_measured": ENCODER_POSITION,
+        "encoder_offset": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    encoder_raw: int
-    encoder_measured_raw: int
-    encoder_offset_raw: int
+    _raws: tuple[int, int, int]
 
     def __init__(
         self,
@@ -1921,19 +2169,23 @@ class ReadEncoderReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.encoder_raw = ENCODER_POSITION.raw(encoder, self.parameters, "encoder")
-        self.encoder_measured_raw = ENCODER_POSITION.raw(encoder_measured, self.parameters, "encoder_measured")
-        self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (
+            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
+            ENCODER_POSITION.raw(encoder_measured, self._parameters, "encoder_measured"),
+            ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.encoder_raw, self.encoder_measured_raw, self.encoder_offset_raw = _UNPACK_7(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_11(data)
         return self
 
     @property
@@ -1943,7 +2195,11 @@ class ReadEncoderReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
-        return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[0], self._parameters, "encoder")
+
+    @property
+    def encoder_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def encoder_measured(self) -> float:
@@ -1952,7 +2208,11 @@ class ReadEncoderReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
-        return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
+        return ENCODER_POSITION.value(self._raws[1], self._parameters, "encoder_measured")
+
+    @property
+    def encoder_measured_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def encoder_offset(self) -> float:
@@ -1961,11 +2221,15 @@ class ReadEncoderReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
-        return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
+        return ENCODER_POSITION.value(self._raws[2], self._parameters, "encoder_offset")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxHHH", 0x90, self.encoder_raw, self.encoder_measured_raw, self.encoder_offset_raw)
+    @property
+    def encoder_offset_raw(self) -> int:
+        return self._raws[2]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_11(0x90, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WriteEncoderOffsetRomReply(WriteEncoderOffsetRom, Reply):
@@ -1989,20 +2253,21 @@ class WritePositionAsZeroRomReply(Reply):
     Manual 2.20.
     """
 
+    __slots__ = ()
+
     COMMAND = "write_position_as_zero_rom"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x19
     NODES = (1, 32)
 
-    __slots__ = ("encoder_offset_raw",)
-
+    __match_args__ = ("encoder_offset",)
     TYPES = {
-        "encoder_offset": ENCODER_POSITION.check,
+        "encoder_offset": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    encoder_offset_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -2011,17 +2276,19 @@ class WritePositionAsZeroRomReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.encoder_offset_raw = int.from_bytes(data[6:8], "little")
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -2031,11 +2298,15 @@ class WritePositionAsZeroRomReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
-        return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
+        return ENCODER_POSITION.value(self._raws[0], self._parameters, "encoder_offset")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B5xH", 0x19, self.encoder_offset_raw)
+    @property
+    def encoder_offset_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_3(0x19, self._raws[0])
 
 
 class ReadMultiTurnAngleReply(Reply):
@@ -2044,19 +2315,21 @@ class ReadMultiTurnAngleReply(Reply):
     Manual 2.21.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_multi_turn_angle"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x92
     NODES = (1, 32)
 
-    __slots__ = ("angle_raw",)
-
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": MULTI_TURN_ANGLE.check,
+        "angle": MULTI_TURN_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -2064,17 +2337,19 @@ class ReadMultiTurnAngleReply(Reply):
         node: int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.angle_raw = MULTI_TURN_ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (MULTI_TURN_ANGLE.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[1:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = (int.from_bytes(data[1:8], "little", signed=True),)
         return self
 
     @property
@@ -2083,11 +2358,16 @@ class ReadMultiTurnAngleReply(Reply):
 
         In °; resolution (1 LSB) 0.01 °. Positive values are clockwise, negative values counter-clockwise.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return ((0x92 & 0xFF) | ((self.angle_raw & 0xFFFFFFFFFFFFFF) << 8)).to_bytes(8, "little")
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        little = 0x92 & 0xFF | (self._raws[0] & 0xFFFFFFFFFFFFFF) << 8
+        return little.to_bytes(8, "little")
 
 
 class ReadSingleTurnAngleReply(Reply):
@@ -2096,20 +2376,21 @@ class ReadSingleTurnAngleReply(Reply):
     Manual 2.22.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_single_turn_angle"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x94
     NODES = (1, 32)
 
-    __slots__ = ("angle_raw",)
-
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": SINGLE_TURN_POSITION.check,
+        "angle": SINGLE_TURN_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -2118,17 +2399,19 @@ class ReadSingleTurnAngleReply(Reply):
         angle: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.angle_raw = SINGLE_TURN_POSITION.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (SINGLE_TURN_POSITION.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[4:8], "little")
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_12(data)
         return self
 
     @property
@@ -2138,11 +2421,15 @@ class ReadSingleTurnAngleReply(Reply):
         In °; resolution (1 LSB) 0.01 °; raw 0..36000*gear_ratio-1. Increases clockwise from the encoder zero;
         at the zero it restarts at 0.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xI", 0x94, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0x94, self._raws[0])
 
 
 class ClearAngleReply(ToNode, Reply):
@@ -2157,7 +2444,7 @@ class ClearAngleReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x95
-    DATA = b'\x95\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("95 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -2212,25 +2499,24 @@ class ReadStatus3Reply(Reply):
     Manual 2.27.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_status_3"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x9D
     NODES = (1, 32)
 
-    __slots__ = ("temperature_raw", "phase_a_raw", "phase_b_raw", "phase_c_raw")
-
+    __match_args__ = ("temperature", "phase_a", "phase_b", "phase_c")
     TYPES = {
-        "temperature": TEMPERATURE.check,
-        "phase_a": PHASE_CURRENT.check,
-        "phase_b": PHASE_CURRENT.check,
-        "phase_c": PHASE_CURRENT.check,
+        "temperature": TEMPERATURE,
+        "phase_a": PHASE_CURRENT,
+        "phase_b": PHASE_CURRENT,
+        "phase_c": PHASE_CURRENT,
     }
+    DEFAULTS = UNKNOWN
 
-    temperature_raw: int
-    phase_a_raw: int
-    phase_b_raw: int
-    phase_c_raw: int
+    _raws: tuple[int, int, int, int]
 
     def __init__(
         self,
@@ -2241,20 +2527,24 @@ class ReadStatus3Reply(Reply):
         phase_b: Real,
         phase_c: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
-        self.phase_a_raw = PHASE_CURRENT.raw(phase_a, self.parameters, "phase_a")
-        self.phase_b_raw = PHASE_CURRENT.raw(phase_b, self.parameters, "phase_b")
-        self.phase_c_raw = PHASE_CURRENT.raw(phase_c, self.parameters, "phase_c")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            PHASE_CURRENT.raw(phase_a, self._parameters, "phase_a"),
+            PHASE_CURRENT.raw(phase_b, self._parameters, "phase_b"),
+            PHASE_CURRENT.raw(phase_c, self._parameters, "phase_c"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw = _UNPACK_8(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_13(data)
         return self
 
     @property
@@ -2263,7 +2553,11 @@ class ReadStatus3Reply(Reply):
 
         In °C.
         """
-        return self.temperature_raw
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def phase_a(self) -> float:
@@ -2271,7 +2565,11 @@ class ReadStatus3Reply(Reply):
 
         In A; resolution (1 LSB) 1/64 A.
         """
-        return self.phase_a_raw / 64
+        return self._raws[1] / 64
+
+    @property
+    def phase_a_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def phase_b(self) -> float:
@@ -2279,7 +2577,11 @@ class ReadStatus3Reply(Reply):
 
         In A; resolution (1 LSB) 1/64 A.
         """
-        return self.phase_b_raw / 64
+        return self._raws[2] / 64
+
+    @property
+    def phase_b_raw(self) -> int:
+        return self._raws[2]
 
     @property
     def phase_c(self) -> float:
@@ -2287,116 +2589,371 @@ class ReadStatus3Reply(Reply):
 
         In A; resolution (1 LSB) 1/64 A.
         """
-        return self.phase_c_raw / 64
+        return self._raws[3] / 64
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<Bbhhh", 0x9D, self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw)
+    @property
+    def phase_c_raw(self) -> int:
+        return self._raws[3]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
-def _key_1(can_id: int, data: bytes) -> int:
-    return data[0]
+AnyRequest: TypeAlias = Union[
+    MotorOffRequest,
+    MotorOnRequest,
+    MotorStopRequest,
+    SetPowerRequest,
+    SetTorqueRequest,
+    SetSpeedRequest,
+    MoveToAngleRequest,
+    MoveToAngleAtSpeedRequest,
+    TurnToAngleRequest,
+    TurnToAngleAtSpeedRequest,
+    MoveByAngleRequest,
+    MoveByAngleAtSpeedRequest,
+    ReadPidRequest,
+    WritePidRamRequest,
+    WritePidRomRequest,
+    ReadAccelerationRequest,
+    WriteAccelerationRamRequest,
+    ReadEncoderRequest,
+    WriteEncoderOffsetRomRequest,
+    WritePositionAsZeroRomRequest,
+    ReadMultiTurnAngleRequest,
+    ReadSingleTurnAngleRequest,
+    ClearAngleRequest,
+    ReadStatus1Request,
+    ClearErrorsRequest,
+    ReadStatus2Request,
+    ReadStatus3Request,
+    BroadcastTorqueRequest,
+]
+"""Every request that `decode_request` returns."""
+AnyReply: TypeAlias = Union[
+    MotorOffReply,
+    MotorOnReply,
+    MotorStopReply,
+    SetPowerReply,
+    SetTorqueReply,
+    SetSpeedReply,
+    MoveToAngleReply,
+    MoveToAngleAtSpeedReply,
+    TurnToAngleReply,
+    TurnToAngleAtSpeedReply,
+    MoveByAngleReply,
+    MoveByAngleAtSpeedReply,
+    ReadPidReply,
+    WritePidRamReply,
+    WritePidRomReply,
+    ReadAccelerationReply,
+    WriteAccelerationRamReply,
+    ReadEncoderReply,
+    WriteEncoderOffsetRomReply,
+    WritePositionAsZeroRomReply,
+    ReadMultiTurnAngleReply,
+    ReadSingleTurnAngleReply,
+    ClearAngleReply,
+    ReadStatus1Reply,
+    ClearErrorsReply,
+    ReadStatus2Reply,
+    ReadStatus3Reply,
+]
+"""Every reply that `decode_reply` returns."""
+
+_data_0 = DataByte(0)
 
 
-_dispatcher = Dispatcher(
+_dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     requests=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffRequest,
-            0x88: MotorOnRequest,
-            0x81: MotorStopRequest,
-            0xA0: SetPowerRequest,
-            0xA1: SetTorqueRequest,
-            0xA2: SetSpeedRequest,
-            0xA3: MoveToAngleRequest,
-            0xA4: MoveToAngleAtSpeedRequest,
-            0xA5: TurnToAngleRequest,
-            0xA6: TurnToAngleAtSpeedRequest,
-            0xA7: MoveByAngleRequest,
-            0xA8: MoveByAngleAtSpeedRequest,
-            0x30: ReadPidRequest,
-            0x31: WritePidRamRequest,
-            0x32: WritePidRomRequest,
-            0x33: ReadAccelerationRequest,
-            0x34: WriteAccelerationRamRequest,
-            0x90: ReadEncoderRequest,
-            0x91: WriteEncoderOffsetRomRequest,
-            0x19: WritePositionAsZeroRomRequest,
-            0x92: ReadMultiTurnAngleRequest,
-            0x94: ReadSingleTurnAngleRequest,
-            0x95: ClearAngleRequest,
-            0x9A: ReadStatus1Request,
-            0x9B: ClearErrorsRequest,
-            0x9C: ReadStatus2Request,
-            0x9D: ReadStatus3Request,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
-        Route(0x280, 1, None, Select(data_length, {8: BroadcastTorqueRequest}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffRequest,
+                            0x88: MotorOnRequest,
+                            0x81: MotorStopRequest,
+                            0xA0: SetPowerRequest,
+                            0xA1: SetTorqueRequest,
+                            0xA2: SetSpeedRequest,
+                            0xA3: MoveToAngleRequest,
+                            0xA4: MoveToAngleAtSpeedRequest,
+                            0xA5: TurnToAngleRequest,
+                            0xA6: TurnToAngleAtSpeedRequest,
+                            0xA7: MoveByAngleRequest,
+                            0xA8: MoveByAngleAtSpeedRequest,
+                            0x30: ReadPidRequest,
+                            0x31: WritePidRamRequest,
+                            0x32: WritePidRomRequest,
+                            0x33: ReadAccelerationRequest,
+                            0x34: WriteAccelerationRamRequest,
+                            0x90: ReadEncoderRequest,
+                            0x91: WriteEncoderOffsetRomRequest,
+                            0x19: WritePositionAsZeroRomRequest,
+                            0x92: ReadMultiTurnAngleRequest,
+                            0x94: ReadSingleTurnAngleRequest,
+                            0x95: ClearAngleRequest,
+                            0x9A: ReadStatus1Request,
+                            0x9B: ClearErrorsRequest,
+                            0x9C: ReadStatus2Request,
+                            0x9D: ReadStatus3Request,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
+        Route(
+            0x280,
+            1,
+            None,
+            Select(
+                data_length,
+                {
+                    8: BroadcastTorqueRequest,
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     replies=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffReply,
-            0x88: MotorOnReply,
-            0x81: MotorStopReply,
-            0xA0: SetPowerReply,
-            0xA1: SetTorqueReply,
-            0xA2: SetSpeedReply,
-            0xA3: MoveToAngleReply,
-            0xA4: MoveToAngleAtSpeedReply,
-            0xA5: TurnToAngleReply,
-            0xA6: TurnToAngleAtSpeedReply,
-            0xA7: MoveByAngleReply,
-            0xA8: MoveByAngleAtSpeedReply,
-            0x30: ReadPidReply,
-            0x31: WritePidRamReply,
-            0x32: WritePidRomReply,
-            0x33: ReadAccelerationReply,
-            0x34: WriteAccelerationRamReply,
-            0x90: ReadEncoderReply,
-            0x91: WriteEncoderOffsetRomReply,
-            0x19: WritePositionAsZeroRomReply,
-            0x92: ReadMultiTurnAngleReply,
-            0x94: ReadSingleTurnAngleReply,
-            0x95: ClearAngleReply,
-            0x9A: ReadStatus1Reply,
-            0x9B: ClearErrorsReply,
-            0x9C: ReadStatus2Reply,
-            0x9D: ReadStatus3Reply,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffReply,
+                            0x88: MotorOnReply,
+                            0x81: MotorStopReply,
+                            0xA0: SetPowerReply,
+                            0xA1: SetTorqueReply,
+                            0xA2: SetSpeedReply,
+                            0xA3: MoveToAngleReply,
+                            0xA4: MoveToAngleAtSpeedReply,
+                            0xA5: TurnToAngleReply,
+                            0xA6: TurnToAngleAtSpeedReply,
+                            0xA7: MoveByAngleReply,
+                            0xA8: MoveByAngleAtSpeedReply,
+                            0x30: ReadPidReply,
+                            0x31: WritePidRamReply,
+                            0x32: WritePidRomReply,
+                            0x33: ReadAccelerationReply,
+                            0x34: WriteAccelerationRamReply,
+                            0x90: ReadEncoderReply,
+                            0x91: WriteEncoderOffsetRomReply,
+                            0x19: WritePositionAsZeroRomReply,
+                            0x92: ReadMultiTurnAngleReply,
+                            0x94: ReadSingleTurnAngleReply,
+                            0x95: ClearAngleReply,
+                            0x9A: ReadStatus1Reply,
+                            0x9B: ClearErrorsReply,
+                            0x9C: ReadStatus2Reply,
+                            0x9D: ReadStatus3Reply,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     answers={
-        MotorOffRequest: Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
-        MotorOnRequest: Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
-        MotorStopRequest: Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
-        SetPowerRequest: Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
-        SetTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
-        SetSpeedRequest: Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
-        MoveToAngleRequest: Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
-        MoveToAngleAtSpeedRequest: Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
-        TurnToAngleRequest: Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
-        TurnToAngleAtSpeedRequest: Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
-        MoveByAngleRequest: Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
-        MoveByAngleAtSpeedRequest: Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
-        ReadPidRequest: Answer(ReadPidReply, ((_key_1, (0x30,)),), (), False),
-        WritePidRamRequest: Answer(WritePidRamReply, ((_key_1, (0x31,)),), (), True),
-        WritePidRomRequest: Answer(WritePidRomReply, ((_key_1, (0x32,)),), (), True),
-        ReadAccelerationRequest: Answer(ReadAccelerationReply, ((_key_1, (0x33,)),), (), False),
-        WriteAccelerationRamRequest: Answer(WriteAccelerationRamReply, ((_key_1, (0x34,)),), (), True),
-        ReadEncoderRequest: Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
-        WriteEncoderOffsetRomRequest: Answer(WriteEncoderOffsetRomReply, ((_key_1, (0x91,)),), (), True),
-        WritePositionAsZeroRomRequest: Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
-        ReadMultiTurnAngleRequest: Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
-        ReadSingleTurnAngleRequest: Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
-        ClearAngleRequest: Answer(ClearAngleReply, ((_key_1, (0x95,)),), (), True),
-        ReadStatus1Request: Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
-        ClearErrorsRequest: Answer(ClearErrorsReply, ((_key_1, (0x9A, 0x9B)),), (), False),
-        ReadStatus2Request: Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
-        ReadStatus3Request: Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
-        BroadcastTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (1, 2, 3, 4), False),
+        MotorOffRequest: Answer(
+            MotorOffReply,
+            (
+                (_data_0, (0x80,)),
+            ),
+            echo=True,
+        ),
+        MotorOnRequest: Answer(
+            MotorOnReply,
+            (
+                (_data_0, (0x88,)),
+            ),
+            echo=True,
+        ),
+        MotorStopRequest: Answer(
+            MotorStopReply,
+            (
+                (_data_0, (0x81,)),
+            ),
+            echo=True,
+        ),
+        SetPowerRequest: Answer(
+            SetPowerReply,
+            (
+                (_data_0, (0xA0,)),
+            ),
+        ),
+        SetTorqueRequest: Answer(
+            SetTorqueReply,
+            (
+                (_data_0, (0xA1,)),
+            ),
+        ),
+        SetSpeedRequest: Answer(
+            SetSpeedReply,
+            (
+                (_data_0, (0xA2,)),
+            ),
+        ),
+        MoveToAngleRequest: Answer(
+            MoveToAngleReply,
+            (
+                (_data_0, (0xA3,)),
+            ),
+        ),
+        MoveToAngleAtSpeedRequest: Answer(
+            MoveToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA4,)),
+            ),
+        ),
+        TurnToAngleRequest: Answer(
+            TurnToAngleReply,
+            (
+                (_data_0, (0xA5,)),
+            ),
+        ),
+        TurnToAngleAtSpeedRequest: Answer(
+            TurnToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA6,)),
+            ),
+        ),
+        MoveByAngleRequest: Answer(
+            MoveByAngleReply,
+            (
+                (_data_0, (0xA7,)),
+            ),
+        ),
+        MoveByAngleAtSpeedRequest: Answer(
+            MoveByAngleAtSpeedReply,
+            (
+                (_data_0, (0xA8,)),
+            ),
+        ),
+        ReadPidRequest: Answer(
+            ReadPidReply,
+            (
+                (_data_0, (0x30,)),
+            ),
+        ),
+        WritePidRamRequest: Answer(
+            WritePidRamReply,
+            (
+                (_data_0, (0x31,)),
+            ),
+            echo=True,
+        ),
+        WritePidRomRequest: Answer(
+            WritePidRomReply,
+            (
+                (_data_0, (0x32,)),
+            ),
+            echo=True,
+        ),
+        ReadAccelerationRequest: Answer(
+            ReadAccelerationReply,
+            (
+                (_data_0, (0x33,)),
+            ),
+        ),
+        WriteAccelerationRamRequest: Answer(
+            WriteAccelerationRamReply,
+            (
+                (_data_0, (0x34,)),
+            ),
+            echo=True,
+        ),
+        ReadEncoderRequest: Answer(
+            ReadEncoderReply,
+            (
+                (_data_0, (0x90,)),
+            ),
+        ),
+        WriteEncoderOffsetRomRequest: Answer(
+            WriteEncoderOffsetRomReply,
+            (
+                (_data_0, (0x91,)),
+            ),
+            echo=True,
+        ),
+        WritePositionAsZeroRomRequest: Answer(
+            WritePositionAsZeroRomReply,
+            (
+                (_data_0, (0x19,)),
+            ),
+        ),
+        ReadMultiTurnAngleRequest: Answer(
+            ReadMultiTurnAngleReply,
+            (
+                (_data_0, (0x92,)),
+            ),
+        ),
+        ReadSingleTurnAngleRequest: Answer(
+            ReadSingleTurnAngleReply,
+            (
+                (_data_0, (0x94,)),
+            ),
+        ),
+        ClearAngleRequest: Answer(
+            ClearAngleReply,
+            (
+                (_data_0, (0x95,)),
+            ),
+            echo=True,
+        ),
+        ReadStatus1Request: Answer(
+            ReadStatus1Reply,
+            (
+                (_data_0, (0x9A,)),
+            ),
+        ),
+        ClearErrorsRequest: Answer(
+            ClearErrorsReply,
+            (
+                (_data_0, (0x9A, 0x9B)),
+            ),
+        ),
+        ReadStatus2Request: Answer(
+            ReadStatus2Reply,
+            (
+                (_data_0, (0x9C,)),
+            ),
+        ),
+        ReadStatus3Request: Answer(
+            ReadStatus3Reply,
+            (
+                (_data_0, (0x9D,)),
+            ),
+        ),
+        BroadcastTorqueRequest: Answer(
+            SetTorqueReply,
+            (
+                (_data_0, (0xA1,)),
+            ),
+            nodes=(1, 2, 3, 4),
+        ),
     },
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
 ids_of = _dispatcher.ids_of
-decode_request = _dispatcher.decode_request
-decode_reply = _dispatcher.decode_reply
+decode_request = _dispatcher.requests.decode
+decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply

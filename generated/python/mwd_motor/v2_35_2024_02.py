@@ -9,13 +9,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
-from struct import Struct, pack
-from typing import TYPE_CHECKING, Any, ClassVar
+from struct import Struct
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, Union
 
 from ._codec import (
     Bound,
     CodecError,
+    EnumType,
     FieldAbsent,
+    FlagsType,
     Message,
     Number,
     Real,
@@ -25,16 +27,11 @@ from ._codec import (
     ToNode,
     check_choice,
     check_number,
-    flags,
-    known,
-    member,
     missing,
-    named,
-    node_in,
-    require,
 )
 from ._dispatch import (
     Answer,
+    DataByte,
     Dispatcher,
     Route,
     Select,
@@ -45,6 +42,8 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 __all__ = [
+    "AnyReply",
+    "AnyRequest",
     "BrakeAction",
     "BrakeReply",
     "BrakeRequest",
@@ -163,7 +162,7 @@ class Parameters:
     """Motor series. One of MS, MF, MH, MG. Printed on the motor. It determines the scale of the torque current
     in amperes. MS motors report power in place of the torque current.
     """
-    encoder_bits: int | None = None
+    encoder_bits: Literal[14, 15, 16] | None = None
     """Encoder resolution in bits. One of 14, 15, 16. Determines the number of counts per turn."""
     gear_ratio: Real | None = None
     """Gear ratio. 1 or more. Motor turns per turn of the output shaft; 1 without a gearbox. It determines the
@@ -231,27 +230,85 @@ VOLTAGE = Number(-32768, 32767, "V", scale=(1, 100, 0))
 BUS_CURRENT = Number(-32768, 32767, "A", scale=(1, 100, 0))
 POWER = Number(-32768, 32767, limits=(Bound(-850), Bound(850)))
 OUTPUT_POWER = Number(-32768, 32767, limits=(Bound(-1000), Bound(1000)))
-TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series", limits=(Bound(-2048), Bound(2048)))
-MEASURED_TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series")
-PHASE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series")
+TORQUE_CURRENT = Number(
+    -32768,
+    32767,
+    "A",
+    scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
+    scale_by="series",
+    limits=(Bound(-2048), Bound(2048)),
+)
+MEASURED_TORQUE_CURRENT = Number(
+    -32768,
+    32767,
+    "A",
+    scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
+    scale_by="series",
+)
+PHASE_CURRENT = Number(
+    -32768,
+    32767,
+    "A",
+    scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
+    scale_by="series",
+)
 SPEED = Number(-32768, 32767, "deg/s")
 SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0))
 SPEED_LIMIT = Number(0, 65535, "deg/s")
 ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0))
 SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0))
-SINGLE_TURN_POSITION = Number(0, 4294967295, "deg", scale=(1, 100, 0), limits=(Bound(0), Bound(-1, 36000, "gear_ratio")))
+SINGLE_TURN_POSITION = Number(
+    0,
+    4294967295,
+    "deg",
+    scale=(1, 100, 0),
+    limits=(Bound(0), Bound(-1, 36000, "gear_ratio")),
+)
 MULTI_TURN_ANGLE = Number(-36028797018963968, 36028797018963967, "deg", scale=(1, 100, 0))
-ENCODER_POSITION = Number(0, 65535, "deg", scale={14: (45, 2048, 0), 15: (45, 4096, 0), 16: (45, 8192, 0)}, scale_by="encoder_bits", limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))}, limits_by="encoder_bits")
+ENCODER_POSITION = Number(
+    0,
+    65535,
+    "deg",
+    scale={14: (45, 2048, 0), 15: (45, 4096, 0), 16: (45, 8192, 0)},
+    scale_by="encoder_bits",
+    limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))},
+    limits_by="encoder_bits",
+)
+_SpinDirection = EnumType(SpinDirection)
+_BrakeAction = EnumType(BrakeAction)
+_BrakeState = EnumType(BrakeState)
+_MotorState = EnumType(MotorState)
+_ErrorFlags = FlagsType(ErrorFlags, 0x9)
 I16 = Number(-32768, 32767)
 I32 = Number(-2147483648, 2147483647)
-_UNPACK_1 = Struct("<xbhhH").unpack
-_UNPACK_2 = Struct("<xbhhBB").unpack
-_UNPACK_3 = Struct("<2xhi").unpack
-_UNPACK_4 = Struct("<2xHi").unpack
-_UNPACK_5 = Struct("<xB2xI").unpack
-_UNPACK_6 = Struct("<xBHI").unpack
-_UNPACK_7 = Struct("<2xHHH").unpack
-_UNPACK_8 = Struct("<xbhhh").unpack
+_UNPACK_1 = Struct("<4xh2x").unpack
+_UNPACK_2 = Struct("<4xi").unpack
+_UNPACK_3 = Struct("<6xH").unpack
+_UNPACK_4 = Struct("<xbhhH").unpack
+_UNPACK_5 = Struct("<xbhhBB").unpack
+_UNPACK_6 = Struct("<xB6x").unpack
+_UNPACK_7 = Struct("<2xhi").unpack
+_UNPACK_8 = Struct("<2xHi").unpack
+_UNPACK_9 = Struct("<xB2xI").unpack
+_UNPACK_10 = Struct("<xBHI").unpack
+_UNPACK_11 = Struct("<2xHHH").unpack
+_UNPACK_12 = Struct("<4xI").unpack
+_UNPACK_13 = Struct("<xbhhh").unpack
+_PACK_1 = Struct("<B5xH").pack
+_PACK_2 = Struct("<B3xi").pack
+_PACK_3 = Struct("<BbhhH").pack
+_PACK_4 = Struct("<BbhhBB").pack
+_PACK_5 = Struct("<BB6x").pack
+_PACK_6 = Struct("<B3xh2x").pack
+_PACK_7 = Struct("<Bxhi").pack
+_PACK_8 = Struct("<BxHi").pack
+_PACK_9 = Struct("<BB2xI").pack
+_PACK_10 = Struct("<BBHI").pack
+_PACK_11 = Struct("<BB2xh2x").pack
+_PACK_12 = Struct("<BB2xi").pack
+_PACK_13 = Struct("<BxHHH").pack
+_PACK_14 = Struct("<B3xI").pack
+_PACK_15 = Struct("<Bbhhh").pack
 
 
 class ControlParametersTorqueLimit(Message):
@@ -260,13 +317,15 @@ class ControlParametersTorqueLimit(Message):
     Manual 2.19.
     """
 
-    __slots__ = ("torque_limit_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("torque_limit",)
     TYPES = {
-        "torque_limit": I16.check,
+        "torque_limit": I16,
     }
+    DEFAULTS = UNKNOWN
 
-    torque_limit_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -274,23 +333,29 @@ class ControlParametersTorqueLimit(Message):
         node: int,
         torque_limit: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.torque_limit_raw = I16.raw(torque_limit, self.parameters, "torque_limit")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (I16.raw(torque_limit, self._parameters, "torque_limit"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.torque_limit_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_1(data)
         return self
 
     @property
     def torque_limit(self) -> int:
         """Torque limit."""
-        return self.torque_limit_raw
+        return self._raws[0]
+
+    @property
+    def torque_limit_raw(self) -> int:
+        return self._raws[0]
 
 
 class ControlParametersAccelerationLimit(Message):
@@ -299,13 +364,15 @@ class ControlParametersAccelerationLimit(Message):
     Manual 2.19.
     """
 
-    __slots__ = ("acceleration_limit_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("acceleration_limit",)
     TYPES = {
-        "acceleration_limit": I32.check,
+        "acceleration_limit": I32,
     }
+    DEFAULTS = UNKNOWN
 
-    acceleration_limit_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -313,23 +380,29 @@ class ControlParametersAccelerationLimit(Message):
         node: int,
         acceleration_limit: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.acceleration_limit_raw = I32.raw(acceleration_limit, self.parameters, "acceleration_limit")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (I32.raw(acceleration_limit, self._parameters, "acceleration_limit"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.acceleration_limit_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
     def acceleration_limit(self) -> int:
         """Acceleration limit."""
-        return self.acceleration_limit_raw
+        return self._raws[0]
+
+    @property
+    def acceleration_limit_raw(self) -> int:
+        return self._raws[0]
 
 
 class ControlParametersSpeedLimit(Message):
@@ -338,13 +411,15 @@ class ControlParametersSpeedLimit(Message):
     Manual 2.19.
     """
 
-    __slots__ = ("speed_limit_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("speed_limit",)
     TYPES = {
-        "speed_limit": I32.check,
+        "speed_limit": I32,
     }
+    DEFAULTS = UNKNOWN
 
-    speed_limit_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -352,23 +427,29 @@ class ControlParametersSpeedLimit(Message):
         node: int,
         speed_limit: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.speed_limit_raw = I32.raw(speed_limit, self.parameters, "speed_limit")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (I32.raw(speed_limit, self._parameters, "speed_limit"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.speed_limit_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
     def speed_limit(self) -> int:
         """Speed limit."""
-        return self.speed_limit_raw
+        return self._raws[0]
+
+    @property
+    def speed_limit_raw(self) -> int:
+        return self._raws[0]
 
 
 class WriteEncoderOffsetRom(Message):
@@ -377,14 +458,15 @@ class WriteEncoderOffsetRom(Message):
     Manual 2.22.
     """
 
-    __slots__ = ("encoder_offset_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("encoder_offset",)
     TYPES = {
-        "encoder_offset": ENCODER_POSITION.check,
+        "encoder_offset": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    encoder_offset_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -393,17 +475,19 @@ class WriteEncoderOffsetRom(Message):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.encoder_offset_raw = int.from_bytes(data[6:8], "little")
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -413,11 +497,15 @@ class WriteEncoderOffsetRom(Message):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
+        return ENCODER_POSITION.value(self._raws[0], self._parameters, "encoder_offset")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B5xH", self.CODE, self.encoder_offset_raw)
+    @property
+    def encoder_offset_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_1(self.CODE, self._raws[0])
 
 
 class SetAngle(Message):
@@ -426,13 +514,15 @@ class SetAngle(Message):
     Manual 2.26.
     """
 
-    __slots__ = ("angle_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": ANGLE.check,
+        "angle": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -440,17 +530,19 @@ class SetAngle(Message):
         node: int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.angle_raw = ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ANGLE.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -459,11 +551,15 @@ class SetAngle(Message):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", self.CODE, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_2(self.CODE, self._raws[0])
 
 
 class MotionFeedback(Message):
@@ -475,22 +571,30 @@ class MotionFeedback(Message):
     Manual 2.3, 2.9 - 2.18.
     """
 
-    __slots__ = ("temperature_raw", "power_raw", "iq_raw", "speed_raw", "encoder_raw")
+    __slots__ = ()
 
+    __match_args__ = ("temperature", "power", "iq", "speed", "encoder")
     TYPES = {
-        "temperature": TEMPERATURE.check,
-        "power": OUTPUT_POWER.check,
-        "iq": MEASURED_TORQUE_CURRENT.check,
-        "speed": SPEED.check,
-        "encoder": ENCODER_POSITION.check,
+        "temperature": TEMPERATURE,
+        "power": OUTPUT_POWER,
+        "iq": MEASURED_TORQUE_CURRENT,
+        "speed": SPEED,
+        "encoder": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
+    VARIANTS = (
+        ("temperature", "power", "speed", "encoder"),
+        ("temperature", "iq", "speed", "encoder"),
+    )
+    VARIANT_BY = "series"
+    VARIANT_OF = {
+        Series.MS: 0,
+        Series.MF: 1,
+        Series.MH: 1,
+        Series.MG: 1,
+    }
 
-    temperature_raw: int
-    power_raw: int
-    iq_raw: int
-    speed_raw: int
-    encoder_raw: int
+    _raws: tuple[int, Any, Any, int, int]
 
     def __init__(
         self,
@@ -503,42 +607,35 @@ class MotionFeedback(Message):
         encoder: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        require(self, power=power, iq=iq)
-        self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
-        if power is not None:
-            self.power_raw = OUTPUT_POWER.raw(power, self.parameters, "power")
-        if iq is not None:
-            self.iq_raw = MEASURED_TORQUE_CURRENT.raw(iq, self.parameters, "iq")
-        self.speed_raw = SPEED.raw(speed, self.parameters, "speed")
-        self.encoder_raw = ENCODER_POSITION.raw(encoder, self.parameters, "encoder")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._require(power=power, iq=iq)
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            self._optional(OUTPUT_POWER, power, "power"),
+            self._optional(MEASURED_TORQUE_CURRENT, iq, "iq"),
+            SPEED.raw(speed, self._parameters, "speed"),
+            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        choice = parameters.series
-        if choice is None:
-            raise missing("series", cls.__name__)
-        if choice in (Series.MS,):
-            self.temperature_raw, self.power_raw, self.speed_raw, self.encoder_raw = _UNPACK_1(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        variant = cls.VARIANT_OF.get(parameters.series)
+        if variant == 0:
+            found = _UNPACK_4(data)
+            self._raws = (found[0], found[1], None, found[2], found[3])
+        elif variant == 1:
+            found = _UNPACK_4(data)
+            self._raws = (found[0], None, found[1], found[2], found[3])
         else:
-            self.temperature_raw, self.iq_raw, self.speed_raw, self.encoder_raw = _UNPACK_1(data)
+            raise missing("series", cls.__name__)
         return self
-
-    def fields(self) -> tuple[str, ...]:
-        """Names of the fields that exist under the parameters."""
-        return self._VARIANTS[known(self.parameters, "series", type(self).__name__)]
-
-    _VARIANTS: ClassVar[dict[Any, tuple[str, ...]]] = {
-        Series.MS: ("temperature", "power", "speed", "encoder"),
-        Series.MF: ("temperature", "iq", "speed", "encoder"),
-        Series.MH: ("temperature", "iq", "speed", "encoder"),
-        Series.MG: ("temperature", "iq", "speed", "encoder"),
-    }
 
     @property
     def temperature(self) -> int:
@@ -546,7 +643,11 @@ class MotionFeedback(Message):
 
         In °C.
         """
-        return self.temperature_raw
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def power(self) -> int:
@@ -554,7 +655,17 @@ class MotionFeedback(Message):
 
         Raw -1000..1000. A plain number without a unit in the manual. Exists under MS only.
         """
-        return self.power_raw
+        raw: int | None = self._raws[1]
+        if raw is None:
+            raise self._absent("power")
+        return raw
+
+    @property
+    def power_raw(self) -> int:
+        raw: int | None = self._raws[1]
+        if raw is None:
+            raise self._absent("power")
+        return raw
 
     @property
     def iq(self) -> float:
@@ -563,7 +674,17 @@ class MotionFeedback(Message):
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). Exists under MF, MH, MG
         only.
         """
-        return MEASURED_TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
+        raw: int | None = self._raws[2]
+        if raw is None:
+            raise self._absent("iq")
+        return MEASURED_TORQUE_CURRENT.value(raw, self._parameters, "iq")
+
+    @property
+    def iq_raw(self) -> int:
+        raw: int | None = self._raws[2]
+        if raw is None:
+            raise self._absent("iq")
+        return raw
 
     @property
     def speed(self) -> int:
@@ -571,7 +692,11 @@ class MotionFeedback(Message):
 
         In °/s.
         """
-        return self.speed_raw
+        return self._raws[3]
+
+    @property
+    def speed_raw(self) -> int:
+        return self._raws[3]
 
     @property
     def encoder(self) -> float:
@@ -580,14 +705,18 @@ class MotionFeedback(Message):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[4], self._parameters, "encoder")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        choice = known(self.parameters, "series", type(self).__name__)
-        if choice in (Series.MS,):
-            return pack("<BbhhH", self.CODE, self.temperature_raw, self.power_raw, self.speed_raw, self.encoder_raw)
-        return pack("<BbhhH", self.CODE, self.temperature_raw, self.iq_raw, self.speed_raw, self.encoder_raw)
+    @property
+    def encoder_raw(self) -> int:
+        return self._raws[4]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        variant = self.VARIANT_OF[self._parameters.series]
+        if variant == 0:
+            return _PACK_3(self.CODE, self._raws[0], self._raws[1], self._raws[3], self._raws[4])
+        return _PACK_3(self.CODE, self._raws[0], self._raws[2], self._raws[3], self._raws[4])
 
 
 class Status1(Message):
@@ -596,21 +725,19 @@ class Status1(Message):
     Manual 2.1, 2.2.
     """
 
-    __slots__ = ("temperature_raw", "voltage_raw", "current_raw", "motor_state_raw", "errors_raw")
+    __slots__ = ()
 
+    __match_args__ = ("temperature", "voltage", "current", "motor_state", "errors")
     TYPES = {
-        "temperature": TEMPERATURE.check,
-        "voltage": VOLTAGE.check,
-        "current": BUS_CURRENT.check,
-        "motor_state": member(MotorState),
-        "errors": flags(0x9),
+        "temperature": TEMPERATURE,
+        "voltage": VOLTAGE,
+        "current": BUS_CURRENT,
+        "motor_state": _MotorState,
+        "errors": _ErrorFlags,
     }
+    DEFAULTS = UNKNOWN
 
-    temperature_raw: int
-    voltage_raw: int
-    current_raw: int
-    motor_state_raw: int
-    errors_raw: int
+    _raws: tuple[int, int, int, int, int]
 
     def __init__(
         self,
@@ -622,21 +749,25 @@ class Status1(Message):
         motor_state: MotorState | int,
         errors: ErrorFlags | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
-        self.voltage_raw = VOLTAGE.raw(voltage, self.parameters, "voltage")
-        self.current_raw = BUS_CURRENT.raw(current, self.parameters, "current")
-        self.motor_state_raw = self.TYPES["motor_state"](motor_state, self.parameters, "motor_state")
-        self.errors_raw = self.TYPES["errors"](errors, self.parameters, "errors")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            VOLTAGE.raw(voltage, self._parameters, "voltage"),
+            BUS_CURRENT.raw(current, self._parameters, "current"),
+            _MotorState.raw(motor_state, self._parameters, "motor_state"),
+            _ErrorFlags.raw(errors, self._parameters, "errors"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.temperature_raw, self.voltage_raw, self.current_raw, self.motor_state_raw, self.errors_raw = _UNPACK_2(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_5(data)
         return self
 
     @property
@@ -645,7 +776,11 @@ class Status1(Message):
 
         In °C.
         """
-        return self.temperature_raw
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def voltage(self) -> float:
@@ -653,7 +788,11 @@ class Status1(Message):
 
         In V; resolution (1 LSB) 0.01 V.
         """
-        return self.voltage_raw / 100
+        return self._raws[1] / 100
+
+    @property
+    def voltage_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def current(self) -> float:
@@ -661,21 +800,33 @@ class Status1(Message):
 
         In A; resolution (1 LSB) 0.01 A.
         """
-        return self.current_raw / 100
+        return self._raws[2] / 100
+
+    @property
+    def current_raw(self) -> int:
+        return self._raws[2]
 
     @property
     def motor_state(self) -> MotorState | int:
         """Motor state."""
-        return named(MotorState, self.motor_state_raw)
+        return _MotorState.value(self._raws[3], self._parameters, "motor_state")
+
+    @property
+    def motor_state_raw(self) -> int:
+        return self._raws[3]
 
     @property
     def errors(self) -> ErrorFlags:
         """Errors."""
-        return ErrorFlags(self.errors_raw)
+        return _ErrorFlags.value(self._raws[4], self._parameters, "errors")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BbhhBB", self.CODE, self.temperature_raw, self.voltage_raw, self.current_raw, self.motor_state_raw, self.errors_raw)
+    @property
+    def errors_raw(self) -> int:
+        return self._raws[4]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_4(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3], self._raws[4])
 
 
 class MotorOffRequest(ToNode, Request["MotorOffReply"]):
@@ -693,7 +844,7 @@ class MotorOffRequest(ToNode, Request["MotorOffReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x80
-    DATA = b'\x80\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("80 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Motor off"
     MANUAL = "2.5"
@@ -717,7 +868,7 @@ class MotorOnRequest(ToNode, Request["MotorOnReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x88
-    DATA = b'\x88\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("88 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Motor on"
     MANUAL = "2.6"
@@ -738,7 +889,7 @@ class MotorStopRequest(ToNode, Request["MotorStopReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x81
-    DATA = b'\x81\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("81 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Motor stop"
     MANUAL = "2.7"
@@ -753,6 +904,8 @@ class BrakeRequest(Request["BrakeReply"]):
     Effects: The brake is locked or released.
     """
 
+    __slots__ = ()
+
     COMMAND = "brake"
     DIRECTION = "request"
     ID = 0x140
@@ -762,13 +915,13 @@ class BrakeRequest(Request["BrakeReply"]):
     MANUAL = "2.8"
     EFFECTS = ("switches_brake",)
 
-    __slots__ = ("action_raw",)
-
+    __match_args__ = ("action",)
     TYPES = {
-        "action": member(BrakeAction),
+        "action": _BrakeAction,
     }
+    DEFAULTS = UNKNOWN
 
-    action_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -776,27 +929,33 @@ class BrakeRequest(Request["BrakeReply"]):
         node: int,
         action: BrakeAction | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.action_raw = self.TYPES["action"](action, self.parameters, "action")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (_BrakeAction.raw(action, self._parameters, "action"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.action_raw = data[1]
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_6(data)
         return self
 
     @property
     def action(self) -> BrakeAction | int:
         """Brake action."""
-        return named(BrakeAction, self.action_raw)
+        return _BrakeAction.value(self._raws[0], self._parameters, "action")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB6x", 0x8C, self.action_raw)
+    @property
+    def action_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_5(0x8C, self._raws[0])
 
 
 class SetPowerRequest(Request["SetPowerReply"]):
@@ -806,6 +965,8 @@ class SetPowerRequest(Request["SetPowerReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "set_power"
     DIRECTION = "request"
@@ -817,13 +978,13 @@ class SetPowerRequest(Request["SetPowerReply"]):
     EFFECTS = ("moves",)
     ONLY = {"series": (Series.MS,)}
 
-    __slots__ = ("power_raw",)
-
+    __match_args__ = ("power",)
     TYPES = {
-        "power": POWER.check,
+        "power": POWER,
     }
+    DEFAULTS = UNKNOWN
 
-    power_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -831,17 +992,19 @@ class SetPowerRequest(Request["SetPowerReply"]):
         node: int,
         power: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.power_raw = POWER.raw(power, self.parameters, "power")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (POWER.raw(power, self._parameters, "power"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.power_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_1(data)
         return self
 
     @property
@@ -851,11 +1014,15 @@ class SetPowerRequest(Request["SetPowerReply"]):
         Raw -850..850. A plain number without a unit in the manual. The corresponding current and torque
         differ between motors.
         """
-        return self.power_raw
+        return self._raws[0]
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xh2x", 0xA0, self.power_raw)
+    @property
+    def power_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_6(0xA0, self._raws[0])
 
 
 class SetTorqueRequest(Request["SetTorqueReply"]):
@@ -867,6 +1034,8 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     Effects: The motor moves.
     """
 
+    __slots__ = ()
+
     COMMAND = "set_torque"
     DIRECTION = "request"
     ID = 0x140
@@ -877,14 +1046,13 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     EFFECTS = ("moves",)
     ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
-    __slots__ = ("iq_raw",)
-
+    __match_args__ = ("iq",)
     TYPES = {
-        "iq": TORQUE_CURRENT.check,
+        "iq": TORQUE_CURRENT,
     }
     DEFAULTS = UNKNOWN
 
-    iq_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -893,17 +1061,19 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.iq_raw = TORQUE_CURRENT.raw(iq, self.parameters, "iq")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.iq_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_1(data)
         return self
 
     @property
@@ -912,11 +1082,15 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
 
         In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
-        return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
+        return TORQUE_CURRENT.value(self._raws[0], self._parameters, "iq")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xh2x", 0xA1, self.iq_raw)
+    @property
+    def iq_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_6(0xA1, self._raws[0])
 
 
 class SetSpeedRequest(Request["SetSpeedReply"]):
@@ -926,6 +1100,8 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "set_speed"
     DIRECTION = "request"
@@ -937,13 +1113,13 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("speed_raw",)
-
+    __match_args__ = ("speed",)
     TYPES = {
-        "speed": SPEED_SETPOINT.check,
+        "speed": SPEED_SETPOINT,
     }
+    DEFAULTS = UNKNOWN
 
-    speed_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -951,17 +1127,19 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         node: int,
         speed: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.speed_raw = SPEED_SETPOINT.raw(speed, self.parameters, "speed")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (SPEED_SETPOINT.raw(speed, self._parameters, "speed"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.speed_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -970,11 +1148,15 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
 
         In °/s; resolution (1 LSB) 0.01 °/s.
         """
-        return self.speed_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", 0xA2, self.speed_raw)
+    @property
+    def speed_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_2(0xA2, self._raws[0])
 
 
 class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
@@ -984,6 +1166,8 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "set_speed_limited"
     DIRECTION = "request"
@@ -995,16 +1179,14 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration")
 
-    __slots__ = ("iq_limit_raw", "speed_raw")
-
+    __match_args__ = ("iq_limit", "speed")
     TYPES = {
-        "iq_limit": TORQUE_CURRENT.check,
-        "speed": SPEED_SETPOINT.check,
+        "iq_limit": TORQUE_CURRENT,
+        "speed": SPEED_SETPOINT,
     }
     DEFAULTS = UNKNOWN
 
-    iq_limit_raw: int
-    speed_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1014,18 +1196,22 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
         speed: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.iq_limit_raw = TORQUE_CURRENT.raw(iq_limit, self.parameters, "iq_limit")
-        self.speed_raw = SPEED_SETPOINT.raw(speed, self.parameters, "speed")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (
+            TORQUE_CURRENT.raw(iq_limit, self._parameters, "iq_limit"),
+            SPEED_SETPOINT.raw(speed, self._parameters, "speed"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.iq_limit_raw, self.speed_raw = _UNPACK_3(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_7(data)
         return self
 
     @property
@@ -1034,7 +1220,11 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
 
         In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
-        return TORQUE_CURRENT.value(self.iq_limit_raw, self.parameters, "iq_limit")
+        return TORQUE_CURRENT.value(self._raws[0], self._parameters, "iq_limit")
+
+    @property
+    def iq_limit_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def speed(self) -> float:
@@ -1042,11 +1232,15 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
 
         In °/s; resolution (1 LSB) 0.01 °/s.
         """
-        return self.speed_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<Bxhi", 0xAD, self.iq_limit_raw, self.speed_raw)
+    @property
+    def speed_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_7(0xAD, self._raws[0], self._raws[1])
 
 
 class MoveToAngleRequest(Request["MoveToAngleReply"]):
@@ -1058,6 +1252,8 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     Effects: The motor moves.
     """
 
+    __slots__ = ()
+
     COMMAND = "move_to_angle"
     DIRECTION = "request"
     ID = 0x140
@@ -1068,13 +1264,13 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_angle", "max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("angle_raw",)
-
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": ANGLE.check,
+        "angle": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1082,17 +1278,19 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         node: int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.angle_raw = ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ANGLE.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -1101,11 +1299,15 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", 0xA3, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_2(0xA3, self._raws[0])
 
 
 class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
@@ -1115,6 +1317,8 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "move_to_angle_at_speed"
     DIRECTION = "request"
@@ -1126,15 +1330,14 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_angle", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("max_speed_raw", "angle_raw")
-
+    __match_args__ = ("max_speed", "angle")
     TYPES = {
-        "max_speed": SPEED_LIMIT.check,
-        "angle": ANGLE.check,
+        "max_speed": SPEED_LIMIT,
+        "angle": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    max_speed_raw: int
-    angle_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1143,18 +1346,22 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
-        self.angle_raw = ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
+            ANGLE.raw(angle, self._parameters, "angle"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_speed_raw, self.angle_raw = _UNPACK_4(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_8(data)
         return self
 
     @property
@@ -1163,7 +1370,11 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
         In °/s.
         """
-        return self.max_speed_raw
+        return self._raws[0]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def angle(self) -> float:
@@ -1171,11 +1382,15 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxHi", 0xA4, self.max_speed_raw, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_8(0xA4, self._raws[0], self._raws[1])
 
 
 class TurnToAngleRequest(Request["TurnToAngleReply"]):
@@ -1185,6 +1400,8 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "turn_to_angle"
     DIRECTION = "request"
@@ -1196,15 +1413,14 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("spin_direction_raw", "angle_raw")
-
+    __match_args__ = ("spin_direction", "angle")
     TYPES = {
-        "spin_direction": member(SpinDirection),
-        "angle": SINGLE_TURN_ANGLE.check,
+        "spin_direction": _SpinDirection,
+        "angle": SINGLE_TURN_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    spin_direction_raw: int
-    angle_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1213,24 +1429,32 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         spin_direction: SpinDirection | int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.spin_direction_raw = self.TYPES["spin_direction"](spin_direction, self.parameters, "spin_direction")
-        self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
+            SINGLE_TURN_ANGLE.raw(angle, self._parameters, "angle"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.spin_direction_raw, self.angle_raw = _UNPACK_5(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_9(data)
         return self
 
     @property
     def spin_direction(self) -> SpinDirection | int:
         """Direction of rotation."""
-        return named(SpinDirection, self.spin_direction_raw)
+        return _SpinDirection.value(self._raws[0], self._parameters, "spin_direction")
+
+    @property
+    def spin_direction_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def angle(self) -> float:
@@ -1238,11 +1462,15 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xI", 0xA5, self.spin_direction_raw, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_9(0xA5, self._raws[0], self._raws[1])
 
 
 class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
@@ -1252,6 +1480,8 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "turn_to_angle_at_speed"
     DIRECTION = "request"
@@ -1263,17 +1493,15 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("spin_direction_raw", "max_speed_raw", "angle_raw")
-
+    __match_args__ = ("spin_direction", "max_speed", "angle")
     TYPES = {
-        "spin_direction": member(SpinDirection),
-        "max_speed": SPEED_LIMIT.check,
-        "angle": SINGLE_TURN_ANGLE.check,
+        "spin_direction": _SpinDirection,
+        "max_speed": SPEED_LIMIT,
+        "angle": SINGLE_TURN_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    spin_direction_raw: int
-    max_speed_raw: int
-    angle_raw: int
+    _raws: tuple[int, int, int]
 
     def __init__(
         self,
@@ -1283,25 +1511,33 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.spin_direction_raw = self.TYPES["spin_direction"](spin_direction, self.parameters, "spin_direction")
-        self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
-        self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
+            SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
+            SINGLE_TURN_ANGLE.raw(angle, self._parameters, "angle"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.spin_direction_raw, self.max_speed_raw, self.angle_raw = _UNPACK_6(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_10(data)
         return self
 
     @property
     def spin_direction(self) -> SpinDirection | int:
         """Direction of rotation."""
-        return named(SpinDirection, self.spin_direction_raw)
+        return _SpinDirection.value(self._raws[0], self._parameters, "spin_direction")
+
+    @property
+    def spin_direction_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def max_speed(self) -> int:
@@ -1309,7 +1545,11 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
         In °/s.
         """
-        return self.max_speed_raw
+        return self._raws[1]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def angle(self) -> float:
@@ -1317,11 +1557,15 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[2] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHI", 0xA6, self.spin_direction_raw, self.max_speed_raw, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[2]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xA6, self._raws[0], self._raws[1], self._raws[2])
 
 
 class MoveByAngleRequest(Request["MoveByAngleReply"]):
@@ -1331,6 +1575,8 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
 
     Effects: The motor moves. The angle is added to the target, so a repeated frame moves the motor again.
     """
+
+    __slots__ = ()
 
     COMMAND = "move_by_angle"
     DIRECTION = "request"
@@ -1342,13 +1588,13 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     EFFECTS = ("moves", "adds_up")
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("increment_raw",)
-
+    __match_args__ = ("increment",)
     TYPES = {
-        "increment": ANGLE.check,
+        "increment": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    increment_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1356,17 +1602,19 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         node: int,
         increment: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.increment_raw = ANGLE.raw(increment, self.parameters, "increment")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ANGLE.raw(increment, self._parameters, "increment"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.increment_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -1375,11 +1623,15 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.increment_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", 0xA7, self.increment_raw)
+    @property
+    def increment_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_2(0xA7, self._raws[0])
 
 
 class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
@@ -1391,6 +1643,8 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     Effects: The motor moves. The angle is added to the target, so a repeated frame moves the motor again.
     """
 
+    __slots__ = ()
+
     COMMAND = "move_by_angle_at_speed"
     DIRECTION = "request"
     ID = 0x140
@@ -1401,15 +1655,14 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     EFFECTS = ("moves", "adds_up")
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("max_speed_raw", "increment_raw")
-
+    __match_args__ = ("max_speed", "increment")
     TYPES = {
-        "max_speed": SPEED_LIMIT.check,
-        "increment": ANGLE.check,
+        "max_speed": SPEED_LIMIT,
+        "increment": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    max_speed_raw: int
-    increment_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1418,18 +1671,22 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         max_speed: Real,
         increment: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
-        self.increment_raw = ANGLE.raw(increment, self.parameters, "increment")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
+            ANGLE.raw(increment, self._parameters, "increment"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_speed_raw, self.increment_raw = _UNPACK_4(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_8(data)
         return self
 
     @property
@@ -1438,7 +1695,11 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
 
         In °/s.
         """
-        return self.max_speed_raw
+        return self._raws[0]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def increment(self) -> float:
@@ -1446,11 +1707,15 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.increment_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxHi", 0xA8, self.max_speed_raw, self.increment_raw)
+    @property
+    def increment_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_8(0xA8, self._raws[0], self._raws[1])
 
 
 class ReadControlParameterTorqueLimitRequest(ToNode, Request["ReadControlParameterTorqueLimitReply"]):
@@ -1465,7 +1730,7 @@ class ReadControlParameterTorqueLimitRequest(ToNode, Request["ReadControlParamet
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xB0
-    DATA = b'\xb0\n\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("B0 0A 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Torque limit"
     MANUAL = "2.19"
@@ -1483,7 +1748,7 @@ class ReadControlParameterAccelerationLimitRequest(ToNode, Request["ReadControlP
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xB0
-    DATA = b'\xb0\x0c\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("B0 0C 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Acceleration limit"
     MANUAL = "2.19"
@@ -1501,13 +1766,16 @@ class ReadControlParameterSpeedLimitRequest(ToNode, Request["ReadControlParamete
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xB0
-    DATA = b'\xb0\x0e\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("B0 0E 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Speed limit"
     MANUAL = "2.19"
 
 
-class WriteControlParameterRamTorqueLimitRequest(ControlParametersTorqueLimit, Request["WriteControlParameterRamTorqueLimitReply"]):
+class WriteControlParameterRamTorqueLimitRequest(
+    ControlParametersTorqueLimit,
+    Request["WriteControlParameterRamTorqueLimitReply"],
+):
     """Write control parameter to RAM: Torque limit (0xB1), request.
 
     Sets one control parameter, valid until power-off. Manual 2.20.
@@ -1528,12 +1796,15 @@ class WriteControlParameterRamTorqueLimitRequest(ControlParametersTorqueLimit, R
     MANUAL = "2.20"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xh2x", 0xB1, 0x0A, self.torque_limit_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_11(0xB1, 0x0A, self._raws[0])
 
 
-class WriteControlParameterRamAccelerationLimitRequest(ControlParametersAccelerationLimit, Request["WriteControlParameterRamAccelerationLimitReply"]):
+class WriteControlParameterRamAccelerationLimitRequest(
+    ControlParametersAccelerationLimit,
+    Request["WriteControlParameterRamAccelerationLimitReply"],
+):
     """Write control parameter to RAM: Acceleration limit (0xB1), request.
 
     Sets one control parameter, valid until power-off. Manual 2.20.
@@ -1554,12 +1825,15 @@ class WriteControlParameterRamAccelerationLimitRequest(ControlParametersAccelera
     MANUAL = "2.20"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xB1, 0x0C, self.acceleration_limit_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xB1, 0x0C, self._raws[0])
 
 
-class WriteControlParameterRamSpeedLimitRequest(ControlParametersSpeedLimit, Request["WriteControlParameterRamSpeedLimitReply"]):
+class WriteControlParameterRamSpeedLimitRequest(
+    ControlParametersSpeedLimit,
+    Request["WriteControlParameterRamSpeedLimitReply"],
+):
     """Write control parameter to RAM: Speed limit (0xB1), request.
 
     Sets one control parameter, valid until power-off. Manual 2.20.
@@ -1580,9 +1854,9 @@ class WriteControlParameterRamSpeedLimitRequest(ControlParametersSpeedLimit, Req
     MANUAL = "2.20"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xB1, 0x0E, self.speed_limit_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xB1, 0x0E, self._raws[0])
 
 
 class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
@@ -1598,7 +1872,7 @@ class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x90
-    DATA = b'\x90\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("90 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read encoder"
     MANUAL = "2.21"
@@ -1640,7 +1914,7 @@ class WritePositionAsZeroRomRequest(ToNode, Request["WritePositionAsZeroRomReply
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x19
-    DATA = b'\x19\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("19 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Write present position as zero to ROM"
     MANUAL = "2.23"
@@ -1659,7 +1933,7 @@ class ReadMultiTurnAngleRequest(ToNode, Request["ReadMultiTurnAngleReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x92
-    DATA = b'\x92\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("92 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read multi-turn angle"
     MANUAL = "2.24"
@@ -1677,7 +1951,7 @@ class ReadSingleTurnAngleRequest(ToNode, Request["ReadSingleTurnAngleReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x94
-    DATA = b'\x94\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("94 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read single-turn angle"
     MANUAL = "2.25"
@@ -1717,7 +1991,7 @@ class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9A
-    DATA = b'\x9a\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9A 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read status 1 and errors"
     MANUAL = "2.1"
@@ -1737,7 +2011,7 @@ class ClearErrorsRequest(ToNode, Request["ClearErrorsReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9B
-    DATA = b'\x9b\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9B 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Clear errors"
     MANUAL = "2.2"
@@ -1755,7 +2029,7 @@ class ReadStatus2Request(ToNode, Request["ReadStatus2Reply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9C
-    DATA = b'\x9c\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9C 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read status 2"
     MANUAL = "2.3"
@@ -1773,7 +2047,7 @@ class ReadStatus3Request(ToNode, Request["ReadStatus3Reply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9D
-    DATA = b'\x9d\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9D 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read status 3"
     MANUAL = "2.4"
@@ -1792,7 +2066,7 @@ class MotorOffReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x80
-    DATA = b'\x80\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("80 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -1808,7 +2082,7 @@ class MotorOnReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x88
-    DATA = b'\x88\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("88 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -1824,7 +2098,7 @@ class MotorStopReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x81
-    DATA = b'\x81\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("81 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -1834,19 +2108,21 @@ class BrakeReply(Reply):
     Manual 2.8.
     """
 
+    __slots__ = ()
+
     COMMAND = "brake"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x8C
     NODES = (1, 32)
 
-    __slots__ = ("state_raw",)
-
+    __match_args__ = ("state",)
     TYPES = {
-        "state": member(BrakeState),
+        "state": _BrakeState,
     }
+    DEFAULTS = UNKNOWN
 
-    state_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1854,27 +2130,33 @@ class BrakeReply(Reply):
         node: int,
         state: BrakeState | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.state_raw = self.TYPES["state"](state, self.parameters, "state")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (_BrakeState.raw(state, self._parameters, "state"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.state_raw = data[1]
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_6(data)
         return self
 
     @property
     def state(self) -> BrakeState | int:
         """Brake state."""
-        return named(BrakeState, self.state_raw)
+        return _BrakeState.value(self._raws[0], self._parameters, "state")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB6x", 0x8C, self.state_raw)
+    @property
+    def state_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_5(0x8C, self._raws[0])
 
 
 class SetPowerReply(MotionFeedback, Reply):
@@ -2041,9 +2323,9 @@ class ReadControlParameterTorqueLimitReply(ControlParametersTorqueLimit, Reply):
     CODE = 0xB0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xh2x", 0xB0, 0x0A, self.torque_limit_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_11(0xB0, 0x0A, self._raws[0])
 
 
 class ReadControlParameterAccelerationLimitReply(ControlParametersAccelerationLimit, Reply):
@@ -2060,9 +2342,9 @@ class ReadControlParameterAccelerationLimitReply(ControlParametersAccelerationLi
     CODE = 0xB0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xB0, 0x0C, self.acceleration_limit_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xB0, 0x0C, self._raws[0])
 
 
 class ReadControlParameterSpeedLimitReply(ControlParametersSpeedLimit, Reply):
@@ -2079,9 +2361,9 @@ class ReadControlParameterSpeedLimitReply(ControlParametersSpeedLimit, Reply):
     CODE = 0xB0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xB0, 0x0E, self.speed_limit_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xB0, 0x0E, self._raws[0])
 
 
 class WriteControlParameterRamTorqueLimitReply(ControlParametersTorqueLimit, Reply):
@@ -2098,9 +2380,9 @@ class WriteControlParameterRamTorqueLimitReply(ControlParametersTorqueLimit, Rep
     CODE = 0xB1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xh2x", 0xB1, 0x0A, self.torque_limit_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_11(0xB1, 0x0A, self._raws[0])
 
 
 class WriteControlParameterRamAccelerationLimitReply(ControlParametersAccelerationLimit, Reply):
@@ -2117,9 +2399,9 @@ class WriteControlParameterRamAccelerationLimitReply(ControlParametersAccelerati
     CODE = 0xB1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xB1, 0x0C, self.acceleration_limit_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xB1, 0x0C, self._raws[0])
 
 
 class WriteControlParameterRamSpeedLimitReply(ControlParametersSpeedLimit, Reply):
@@ -2136,9 +2418,9 @@ class WriteControlParameterRamSpeedLimitReply(ControlParametersSpeedLimit, Reply
     CODE = 0xB1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xB1, 0x0E, self.speed_limit_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xB1, 0x0E, self._raws[0])
 
 
 class ReadEncoderReply(Reply):
@@ -2147,24 +2429,23 @@ class ReadEncoderReply(Reply):
     Manual 2.21.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_encoder"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x90
     NODES = (1, 32)
 
-    __slots__ = ("encoder_raw", "encoder_measured_raw", "encoder_offset_raw")
-
+    __match_args__ = ("encoder", "encoder_measured", "encoder_offset")
     TYPES = {
-        "encoder": ENCODER_POSITION.check,
-        "encoder_measured": ENCODER_POSITION.check,
-        "encoder_offset": ENCODER_POSITION.check,
+        "encoder": ENCODER_POSITION,
+        "encoder_measured": ENCODER_POSITION,
+        "encoder_offset": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    encoder_raw: int
-    encoder_measured_raw: int
-    encoder_offset_raw: int
+    _raws: tuple[int, int, int]
 
     def __init__(
         self,
@@ -2175,19 +2456,23 @@ class ReadEncoderReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.encoder_raw = ENCODER_POSITION.raw(encoder, self.parameters, "encoder")
-        self.encoder_measured_raw = ENCODER_POSITION.raw(encoder_measured, self.parameters, "encoder_measured")
-        self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (
+            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
+            ENCODER_POSITION.raw(encoder_measured, self._parameters, "encoder_measured"),
+            ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.encoder_raw, self.encoder_measured_raw, self.encoder_offset_raw = _UNPACK_7(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_11(data)
         return self
 
     @property
@@ -2197,7 +2482,11 @@ class ReadEncoderReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[0], self._parameters, "encoder")
+
+    @property
+    def encoder_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def encoder_measured(self) -> float:
@@ -2206,7 +2495,11 @@ class ReadEncoderReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
+        return ENCODER_POSITION.value(self._raws[1], self._parameters, "encoder_measured")
+
+    @property
+    def encoder_measured_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def encoder_offset(self) -> float:
@@ -2215,11 +2508,15 @@ class ReadEncoderReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
+        return ENCODER_POSITION.value(self._raws[2], self._parameters, "encoder_offset")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxHHH", 0x90, self.encoder_raw, self.encoder_measured_raw, self.encoder_offset_raw)
+    @property
+    def encoder_offset_raw(self) -> int:
+        return self._raws[2]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x90, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WriteEncoderOffsetRomReply(WriteEncoderOffsetRom, Reply):
@@ -2243,20 +2540,21 @@ class WritePositionAsZeroRomReply(Reply):
     Manual 2.23.
     """
 
+    __slots__ = ()
+
     COMMAND = "write_position_as_zero_rom"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x19
     NODES = (1, 32)
 
-    __slots__ = ("encoder_offset_raw",)
-
+    __match_args__ = ("encoder_offset",)
     TYPES = {
-        "encoder_offset": ENCODER_POSITION.check,
+        "encoder_offset": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    encoder_offset_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -2265,17 +2563,19 @@ class WritePositionAsZeroRomReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.encoder_offset_raw = int.from_bytes(data[6:8], "little")
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -2285,11 +2585,15 @@ class WritePositionAsZeroRomReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
+        return ENCODER_POSITION.value(self._raws[0], self._parameters, "encoder_offset")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B5xH", 0x19, self.encoder_offset_raw)
+    @property
+    def encoder_offset_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_1(0x19, self._raws[0])
 
 
 class ReadMultiTurnAngleReply(Reply):
@@ -2298,19 +2602,21 @@ class ReadMultiTurnAngleReply(Reply):
     Manual 2.24.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_multi_turn_angle"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x92
     NODES = (1, 32)
 
-    __slots__ = ("angle_raw",)
-
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": MULTI_TURN_ANGLE.check,
+        "angle": MULTI_TURN_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -2318,17 +2624,19 @@ class ReadMultiTurnAngleReply(Reply):
         node: int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.angle_raw = MULTI_TURN_ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (MULTI_TURN_ANGLE.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[1:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = (int.from_bytes(data[1:8], "little", signed=True),)
         return self
 
     @property
@@ -2337,11 +2645,16 @@ class ReadMultiTurnAngleReply(Reply):
 
         In °; resolution (1 LSB) 0.01 °. Positive values are clockwise, negative values counter-clockwise.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return ((0x92 & 0xFF) | ((self.angle_raw & 0xFFFFFFFFFFFFFF) << 8)).to_bytes(8, "little")
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        little = 0x92 & 0xFF | (self._raws[0] & 0xFFFFFFFFFFFFFF) << 8
+        return little.to_bytes(8, "little")
 
 
 class ReadSingleTurnAngleReply(Reply):
@@ -2350,20 +2663,21 @@ class ReadSingleTurnAngleReply(Reply):
     Manual 2.25.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_single_turn_angle"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x94
     NODES = (1, 32)
 
-    __slots__ = ("angle_raw",)
-
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": SINGLE_TURN_POSITION.check,
+        "angle": SINGLE_TURN_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -2372,17 +2686,19 @@ class ReadSingleTurnAngleReply(Reply):
         angle: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.angle_raw = SINGLE_TURN_POSITION.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (SINGLE_TURN_POSITION.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[4:8], "little")
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_12(data)
         return self
 
     @property
@@ -2392,11 +2708,15 @@ class ReadSingleTurnAngleReply(Reply):
         In °; resolution (1 LSB) 0.01 °; raw 0..36000*gear_ratio-1. Increases clockwise from the encoder zero;
         at the zero it restarts at 0.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xI", 0x94, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_14(0x94, self._raws[0])
 
 
 class SetAngleReply(SetAngle, Reply):
@@ -2465,26 +2785,24 @@ class ReadStatus3Reply(Reply):
     Manual 2.4.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_status_3"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x9D
     NODES = (1, 32)
 
-    __slots__ = ("temperature_raw", "phase_a_raw", "phase_b_raw", "phase_c_raw")
-
+    __match_args__ = ("temperature", "phase_a", "phase_b", "phase_c")
     TYPES = {
-        "temperature": TEMPERATURE.check,
-        "phase_a": PHASE_CURRENT.check,
-        "phase_b": PHASE_CURRENT.check,
-        "phase_c": PHASE_CURRENT.check,
+        "temperature": TEMPERATURE,
+        "phase_a": PHASE_CURRENT,
+        "phase_b": PHASE_CURRENT,
+        "phase_c": PHASE_CURRENT,
     }
     DEFAULTS = UNKNOWN
 
-    temperature_raw: int
-    phase_a_raw: int
-    phase_b_raw: int
-    phase_c_raw: int
+    _raws: tuple[int, int, int, int]
 
     def __init__(
         self,
@@ -2496,20 +2814,24 @@ class ReadStatus3Reply(Reply):
         phase_c: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
-        self.phase_a_raw = PHASE_CURRENT.raw(phase_a, self.parameters, "phase_a")
-        self.phase_b_raw = PHASE_CURRENT.raw(phase_b, self.parameters, "phase_b")
-        self.phase_c_raw = PHASE_CURRENT.raw(phase_c, self.parameters, "phase_c")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            PHASE_CURRENT.raw(phase_a, self._parameters, "phase_a"),
+            PHASE_CURRENT.raw(phase_b, self._parameters, "phase_b"),
+            PHASE_CURRENT.raw(phase_c, self._parameters, "phase_c"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw = _UNPACK_8(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_13(data)
         return self
 
     @property
@@ -2518,7 +2840,11 @@ class ReadStatus3Reply(Reply):
 
         In °C.
         """
-        return self.temperature_raw
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def phase_a(self) -> float:
@@ -2526,7 +2852,11 @@ class ReadStatus3Reply(Reply):
 
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
-        return PHASE_CURRENT.value(self.phase_a_raw, self.parameters, "phase_a")
+        return PHASE_CURRENT.value(self._raws[1], self._parameters, "phase_a")
+
+    @property
+    def phase_a_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def phase_b(self) -> float:
@@ -2534,7 +2864,11 @@ class ReadStatus3Reply(Reply):
 
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
-        return PHASE_CURRENT.value(self.phase_b_raw, self.parameters, "phase_b")
+        return PHASE_CURRENT.value(self._raws[2], self._parameters, "phase_b")
+
+    @property
+    def phase_b_raw(self) -> int:
+        return self._raws[2]
 
     @property
     def phase_c(self) -> float:
@@ -2542,135 +2876,409 @@ class ReadStatus3Reply(Reply):
 
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
-        return PHASE_CURRENT.value(self.phase_c_raw, self.parameters, "phase_c")
+        return PHASE_CURRENT.value(self._raws[3], self._parameters, "phase_c")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<Bbhhh", 0x9D, self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw)
+    @property
+    def phase_c_raw(self) -> int:
+        return self._raws[3]
 
-
-def _key_1(can_id: int, data: bytes) -> int:
-    return data[0]
-
-
-def _key_2(can_id: int, data: bytes) -> int:
-    return data[1]
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_15(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
-_dispatcher = Dispatcher(
+AnyRequest: TypeAlias = Union[
+    MotorOffRequest,
+    MotorOnRequest,
+    MotorStopRequest,
+    BrakeRequest,
+    SetPowerRequest,
+    SetTorqueRequest,
+    SetSpeedRequest,
+    SetSpeedLimitedRequest,
+    MoveToAngleRequest,
+    MoveToAngleAtSpeedRequest,
+    TurnToAngleRequest,
+    TurnToAngleAtSpeedRequest,
+    MoveByAngleRequest,
+    MoveByAngleAtSpeedRequest,
+    ReadControlParameterTorqueLimitRequest,
+    ReadControlParameterAccelerationLimitRequest,
+    ReadControlParameterSpeedLimitRequest,
+    WriteControlParameterRamTorqueLimitRequest,
+    WriteControlParameterRamAccelerationLimitRequest,
+    WriteControlParameterRamSpeedLimitRequest,
+    ReadEncoderRequest,
+    WriteEncoderOffsetRomRequest,
+    WritePositionAsZeroRomRequest,
+    ReadMultiTurnAngleRequest,
+    ReadSingleTurnAngleRequest,
+    SetAngleRequest,
+    ReadStatus1Request,
+    ClearErrorsRequest,
+    ReadStatus2Request,
+    ReadStatus3Request,
+]
+"""Every request that `decode_request` returns."""
+AnyReply: TypeAlias = Union[
+    MotorOffReply,
+    MotorOnReply,
+    MotorStopReply,
+    BrakeReply,
+    SetPowerReply,
+    SetTorqueReply,
+    SetSpeedReply,
+    SetSpeedLimitedReply,
+    MoveToAngleReply,
+    MoveToAngleAtSpeedReply,
+    TurnToAngleReply,
+    TurnToAngleAtSpeedReply,
+    MoveByAngleReply,
+    MoveByAngleAtSpeedReply,
+    ReadControlParameterTorqueLimitReply,
+    ReadControlParameterAccelerationLimitReply,
+    ReadControlParameterSpeedLimitReply,
+    WriteControlParameterRamTorqueLimitReply,
+    WriteControlParameterRamAccelerationLimitReply,
+    WriteControlParameterRamSpeedLimitReply,
+    ReadEncoderReply,
+    WriteEncoderOffsetRomReply,
+    WritePositionAsZeroRomReply,
+    ReadMultiTurnAngleReply,
+    ReadSingleTurnAngleReply,
+    SetAngleReply,
+    ReadStatus1Reply,
+    ClearErrorsReply,
+    ReadStatus2Reply,
+    ReadStatus3Reply,
+]
+"""Every reply that `decode_reply` returns."""
+
+_data_0 = DataByte(0)
+_data_1 = DataByte(1)
+
+
+_dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     requests=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffRequest,
-            0x88: MotorOnRequest,
-            0x81: MotorStopRequest,
-            0x8C: BrakeRequest,
-            0xA0: SetPowerRequest,
-            0xA1: SetTorqueRequest,
-            0xA2: SetSpeedRequest,
-            0xAD: SetSpeedLimitedRequest,
-            0xA3: MoveToAngleRequest,
-            0xA4: MoveToAngleAtSpeedRequest,
-            0xA5: TurnToAngleRequest,
-            0xA6: TurnToAngleAtSpeedRequest,
-            0xA7: MoveByAngleRequest,
-            0xA8: MoveByAngleAtSpeedRequest,
-            0xB0: Select(_key_2, {
-                0x0A: ReadControlParameterTorqueLimitRequest,
-                0x0C: ReadControlParameterAccelerationLimitRequest,
-                0x0E: ReadControlParameterSpeedLimitRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0xB1: Select(_key_2, {
-                0x0A: WriteControlParameterRamTorqueLimitRequest,
-                0x0C: WriteControlParameterRamAccelerationLimitRequest,
-                0x0E: WriteControlParameterRamSpeedLimitRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0x90: ReadEncoderRequest,
-            0x91: WriteEncoderOffsetRomRequest,
-            0x19: WritePositionAsZeroRomRequest,
-            0x92: ReadMultiTurnAngleRequest,
-            0x94: ReadSingleTurnAngleRequest,
-            0x95: SetAngleRequest,
-            0x9A: ReadStatus1Request,
-            0x9B: ClearErrorsRequest,
-            0x9C: ReadStatus2Request,
-            0x9D: ReadStatus3Request,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffRequest,
+                            0x88: MotorOnRequest,
+                            0x81: MotorStopRequest,
+                            0x8C: BrakeRequest,
+                            0xA0: SetPowerRequest,
+                            0xA1: SetTorqueRequest,
+                            0xA2: SetSpeedRequest,
+                            0xAD: SetSpeedLimitedRequest,
+                            0xA3: MoveToAngleRequest,
+                            0xA4: MoveToAngleAtSpeedRequest,
+                            0xA5: TurnToAngleRequest,
+                            0xA6: TurnToAngleAtSpeedRequest,
+                            0xA7: MoveByAngleRequest,
+                            0xA8: MoveByAngleAtSpeedRequest,
+                            0xB0: Select(
+                                _data_1,
+                                {
+                                    0x0A: ReadControlParameterTorqueLimitRequest,
+                                    0x0C: ReadControlParameterAccelerationLimitRequest,
+                                    0x0E: ReadControlParameterSpeedLimitRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0xB1: Select(
+                                _data_1,
+                                {
+                                    0x0A: WriteControlParameterRamTorqueLimitRequest,
+                                    0x0C: WriteControlParameterRamAccelerationLimitRequest,
+                                    0x0E: WriteControlParameterRamSpeedLimitRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x90: ReadEncoderRequest,
+                            0x91: WriteEncoderOffsetRomRequest,
+                            0x19: WritePositionAsZeroRomRequest,
+                            0x92: ReadMultiTurnAngleRequest,
+                            0x94: ReadSingleTurnAngleRequest,
+                            0x95: SetAngleRequest,
+                            0x9A: ReadStatus1Request,
+                            0x9B: ClearErrorsRequest,
+                            0x9C: ReadStatus2Request,
+                            0x9D: ReadStatus3Request,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     replies=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffReply,
-            0x88: MotorOnReply,
-            0x81: MotorStopReply,
-            0x8C: BrakeReply,
-            0xA0: SetPowerReply,
-            0xA1: SetTorqueReply,
-            0xA2: SetSpeedReply,
-            0xAD: SetSpeedLimitedReply,
-            0xA3: MoveToAngleReply,
-            0xA4: MoveToAngleAtSpeedReply,
-            0xA5: TurnToAngleReply,
-            0xA6: TurnToAngleAtSpeedReply,
-            0xA7: MoveByAngleReply,
-            0xA8: MoveByAngleAtSpeedReply,
-            0xB0: Select(_key_2, {
-                0x0A: ReadControlParameterTorqueLimitReply,
-                0x0C: ReadControlParameterAccelerationLimitReply,
-                0x0E: ReadControlParameterSpeedLimitReply,
-            }, Refusal.UNKNOWN_CODE),
-            0xB1: Select(_key_2, {
-                0x0A: WriteControlParameterRamTorqueLimitReply,
-                0x0C: WriteControlParameterRamAccelerationLimitReply,
-                0x0E: WriteControlParameterRamSpeedLimitReply,
-            }, Refusal.UNKNOWN_CODE),
-            0x90: ReadEncoderReply,
-            0x91: WriteEncoderOffsetRomReply,
-            0x19: WritePositionAsZeroRomReply,
-            0x92: ReadMultiTurnAngleReply,
-            0x94: ReadSingleTurnAngleReply,
-            0x95: SetAngleReply,
-            0x9A: ReadStatus1Reply,
-            0x9B: ClearErrorsReply,
-            0x9C: ReadStatus2Reply,
-            0x9D: ReadStatus3Reply,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffReply,
+                            0x88: MotorOnReply,
+                            0x81: MotorStopReply,
+                            0x8C: BrakeReply,
+                            0xA0: SetPowerReply,
+                            0xA1: SetTorqueReply,
+                            0xA2: SetSpeedReply,
+                            0xAD: SetSpeedLimitedReply,
+                            0xA3: MoveToAngleReply,
+                            0xA4: MoveToAngleAtSpeedReply,
+                            0xA5: TurnToAngleReply,
+                            0xA6: TurnToAngleAtSpeedReply,
+                            0xA7: MoveByAngleReply,
+                            0xA8: MoveByAngleAtSpeedReply,
+                            0xB0: Select(
+                                _data_1,
+                                {
+                                    0x0A: ReadControlParameterTorqueLimitReply,
+                                    0x0C: ReadControlParameterAccelerationLimitReply,
+                                    0x0E: ReadControlParameterSpeedLimitReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0xB1: Select(
+                                _data_1,
+                                {
+                                    0x0A: WriteControlParameterRamTorqueLimitReply,
+                                    0x0C: WriteControlParameterRamAccelerationLimitReply,
+                                    0x0E: WriteControlParameterRamSpeedLimitReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x90: ReadEncoderReply,
+                            0x91: WriteEncoderOffsetRomReply,
+                            0x19: WritePositionAsZeroRomReply,
+                            0x92: ReadMultiTurnAngleReply,
+                            0x94: ReadSingleTurnAngleReply,
+                            0x95: SetAngleReply,
+                            0x9A: ReadStatus1Reply,
+                            0x9B: ClearErrorsReply,
+                            0x9C: ReadStatus2Reply,
+                            0x9D: ReadStatus3Reply,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     answers={
-        MotorOffRequest: Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
-        MotorOnRequest: Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
-        MotorStopRequest: Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
-        BrakeRequest: Answer(BrakeReply, ((_key_1, (0x8C,)),), (), False),
-        SetPowerRequest: Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
-        SetTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
-        SetSpeedRequest: Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
-        SetSpeedLimitedRequest: Answer(SetSpeedLimitedReply, ((_key_1, (0xAD,)),), (), False),
-        MoveToAngleRequest: Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
-        MoveToAngleAtSpeedRequest: Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
-        TurnToAngleRequest: Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
-        TurnToAngleAtSpeedRequest: Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
-        MoveByAngleRequest: Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
-        MoveByAngleAtSpeedRequest: Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
-        ReadControlParameterTorqueLimitRequest: Answer(ReadControlParameterTorqueLimitReply, ((_key_1, (0xB0,)), (_key_2, (0x0A,))), (), False),
-        ReadControlParameterAccelerationLimitRequest: Answer(ReadControlParameterAccelerationLimitReply, ((_key_1, (0xB0,)), (_key_2, (0x0C,))), (), False),
-        ReadControlParameterSpeedLimitRequest: Answer(ReadControlParameterSpeedLimitReply, ((_key_1, (0xB0,)), (_key_2, (0x0E,))), (), False),
-        WriteControlParameterRamTorqueLimitRequest: Answer(WriteControlParameterRamTorqueLimitReply, ((_key_1, (0xB1,)), (_key_2, (0x0A,))), (), False),
-        WriteControlParameterRamAccelerationLimitRequest: Answer(WriteControlParameterRamAccelerationLimitReply, ((_key_1, (0xB1,)), (_key_2, (0x0C,))), (), False),
-        WriteControlParameterRamSpeedLimitRequest: Answer(WriteControlParameterRamSpeedLimitReply, ((_key_1, (0xB1,)), (_key_2, (0x0E,))), (), False),
-        ReadEncoderRequest: Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
-        WriteEncoderOffsetRomRequest: Answer(WriteEncoderOffsetRomReply, ((_key_1, (0x91,)),), (), True),
-        WritePositionAsZeroRomRequest: Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
-        ReadMultiTurnAngleRequest: Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
-        ReadSingleTurnAngleRequest: Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
-        SetAngleRequest: Answer(SetAngleReply, ((_key_1, (0x95,)),), (), True),
-        ReadStatus1Request: Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
-        ClearErrorsRequest: Answer(ClearErrorsReply, ((_key_1, (0x9B,)),), (), False),
-        ReadStatus2Request: Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
-        ReadStatus3Request: Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
+        MotorOffRequest: Answer(
+            MotorOffReply,
+            (
+                (_data_0, (0x80,)),
+            ),
+            echo=True,
+        ),
+        MotorOnRequest: Answer(
+            MotorOnReply,
+            (
+                (_data_0, (0x88,)),
+            ),
+            echo=True,
+        ),
+        MotorStopRequest: Answer(
+            MotorStopReply,
+            (
+                (_data_0, (0x81,)),
+            ),
+            echo=True,
+        ),
+        BrakeRequest: Answer(
+            BrakeReply,
+            (
+                (_data_0, (0x8C,)),
+            ),
+        ),
+        SetPowerRequest: Answer(
+            SetPowerReply,
+            (
+                (_data_0, (0xA0,)),
+            ),
+        ),
+        SetTorqueRequest: Answer(
+            SetTorqueReply,
+            (
+                (_data_0, (0xA1,)),
+            ),
+        ),
+        SetSpeedRequest: Answer(
+            SetSpeedReply,
+            (
+                (_data_0, (0xA2,)),
+            ),
+        ),
+        SetSpeedLimitedRequest: Answer(
+            SetSpeedLimitedReply,
+            (
+                (_data_0, (0xAD,)),
+            ),
+        ),
+        MoveToAngleRequest: Answer(
+            MoveToAngleReply,
+            (
+                (_data_0, (0xA3,)),
+            ),
+        ),
+        MoveToAngleAtSpeedRequest: Answer(
+            MoveToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA4,)),
+            ),
+        ),
+        TurnToAngleRequest: Answer(
+            TurnToAngleReply,
+            (
+                (_data_0, (0xA5,)),
+            ),
+        ),
+        TurnToAngleAtSpeedRequest: Answer(
+            TurnToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA6,)),
+            ),
+        ),
+        MoveByAngleRequest: Answer(
+            MoveByAngleReply,
+            (
+                (_data_0, (0xA7,)),
+            ),
+        ),
+        MoveByAngleAtSpeedRequest: Answer(
+            MoveByAngleAtSpeedReply,
+            (
+                (_data_0, (0xA8,)),
+            ),
+        ),
+        ReadControlParameterTorqueLimitRequest: Answer(
+            ReadControlParameterTorqueLimitReply,
+            (
+                (_data_0, (0xB0,)),
+                (_data_1, (0x0A,)),
+            ),
+        ),
+        ReadControlParameterAccelerationLimitRequest: Answer(
+            ReadControlParameterAccelerationLimitReply,
+            (
+                (_data_0, (0xB0,)),
+                (_data_1, (0x0C,)),
+            ),
+        ),
+        ReadControlParameterSpeedLimitRequest: Answer(
+            ReadControlParameterSpeedLimitReply,
+            (
+                (_data_0, (0xB0,)),
+                (_data_1, (0x0E,)),
+            ),
+        ),
+        WriteControlParameterRamTorqueLimitRequest: Answer(
+            WriteControlParameterRamTorqueLimitReply,
+            (
+                (_data_0, (0xB1,)),
+                (_data_1, (0x0A,)),
+            ),
+        ),
+        WriteControlParameterRamAccelerationLimitRequest: Answer(
+            WriteControlParameterRamAccelerationLimitReply,
+            (
+                (_data_0, (0xB1,)),
+                (_data_1, (0x0C,)),
+            ),
+        ),
+        WriteControlParameterRamSpeedLimitRequest: Answer(
+            WriteControlParameterRamSpeedLimitReply,
+            (
+                (_data_0, (0xB1,)),
+                (_data_1, (0x0E,)),
+            ),
+        ),
+        ReadEncoderRequest: Answer(
+            ReadEncoderReply,
+            (
+                (_data_0, (0x90,)),
+            ),
+        ),
+        WriteEncoderOffsetRomRequest: Answer(
+            WriteEncoderOffsetRomReply,
+            (
+                (_data_0, (0x91,)),
+            ),
+            echo=True,
+        ),
+        WritePositionAsZeroRomRequest: Answer(
+            WritePositionAsZeroRomReply,
+            (
+                (_data_0, (0x19,)),
+            ),
+        ),
+        ReadMultiTurnAngleRequest: Answer(
+            ReadMultiTurnAngleReply,
+            (
+                (_data_0, (0x92,)),
+            ),
+        ),
+        ReadSingleTurnAngleRequest: Answer(
+            ReadSingleTurnAngleReply,
+            (
+                (_data_0, (0x94,)),
+            ),
+        ),
+        SetAngleRequest: Answer(
+            SetAngleReply,
+            (
+                (_data_0, (0x95,)),
+            ),
+            echo=True,
+        ),
+        ReadStatus1Request: Answer(
+            ReadStatus1Reply,
+            (
+                (_data_0, (0x9A,)),
+            ),
+        ),
+        ClearErrorsRequest: Answer(
+            ClearErrorsReply,
+            (
+                (_data_0, (0x9B,)),
+            ),
+        ),
+        ReadStatus2Request: Answer(
+            ReadStatus2Reply,
+            (
+                (_data_0, (0x9C,)),
+            ),
+        ),
+        ReadStatus3Request: Answer(
+            ReadStatus3Reply,
+            (
+                (_data_0, (0x9D,)),
+            ),
+        ),
     },
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
 ids_of = _dispatcher.ids_of
-decode_request = _dispatcher.decode_request
-decode_reply = _dispatcher.decode_reply
+decode_request = _dispatcher.requests.decode
+decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply

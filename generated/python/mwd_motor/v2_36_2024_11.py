@@ -9,13 +9,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
-from struct import Struct, pack
-from typing import TYPE_CHECKING, Any, ClassVar
+from struct import Struct
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, Union
 
 from ._codec import (
     Bound,
     CodecError,
+    EnumType,
     FieldAbsent,
+    FlagsType,
     Message,
     Number,
     Real,
@@ -25,16 +27,11 @@ from ._codec import (
     ToNode,
     check_choice,
     check_number,
-    flags,
-    known,
-    member,
     missing,
-    named,
-    node_in,
-    require,
 )
 from ._dispatch import (
     Answer,
+    DataByte,
     Dispatcher,
     Route,
     Select,
@@ -45,6 +42,8 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 __all__ = [
+    "AnyReply",
+    "AnyRequest",
     "BrakeAction",
     "BrakeReply",
     "BrakeRequest",
@@ -181,7 +180,7 @@ class Parameters:
     """Motor series. One of MS, MF, MH, MG. Printed on the motor. It determines the scale of the torque current
     in amperes. MS motors report power in place of the torque current.
     """
-    encoder_bits: int | None = None
+    encoder_bits: Literal[14, 15, 16] | None = None
     """Encoder resolution in bits. One of 14, 15, 16. Determines the number of counts per turn."""
     gear_ratio: Real | None = None
     """Gear ratio. 1 or more. Motor turns per turn of the output shaft; 1 without a gearbox. It determines the
@@ -261,28 +260,87 @@ VOLTAGE = Number(-32768, 32767, "V", scale=(1, 100, 0))
 BUS_CURRENT = Number(-32768, 32767, "A", scale=(1, 100, 0))
 POWER = Number(-32768, 32767, limits=(Bound(-850), Bound(850)))
 OUTPUT_POWER = Number(-32768, 32767, limits=(Bound(-1000), Bound(1000)))
-TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series", limits=(Bound(-2048), Bound(2048)))
-MEASURED_TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series")
-PHASE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series")
+TORQUE_CURRENT = Number(
+    -32768,
+    32767,
+    "A",
+    scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
+    scale_by="series",
+    limits=(Bound(-2048), Bound(2048)),
+)
+MEASURED_TORQUE_CURRENT = Number(
+    -32768,
+    32767,
+    "A",
+    scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
+    scale_by="series",
+)
+PHASE_CURRENT = Number(
+    -32768,
+    32767,
+    "A",
+    scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
+    scale_by="series",
+)
 SPEED = Number(-32768, 32767, "deg/s")
 SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0))
 SPEED_LIMIT = Number(0, 65535, "deg/s")
 ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0))
 SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0))
-SINGLE_TURN_POSITION = Number(0, 4294967295, "deg", scale=(1, 100, 0), limits=(Bound(0), Bound(-1, 36000, "gear_ratio")))
+SINGLE_TURN_POSITION = Number(
+    0,
+    4294967295,
+    "deg",
+    scale=(1, 100, 0),
+    limits=(Bound(0), Bound(-1, 36000, "gear_ratio")),
+)
 MULTI_TURN_ANGLE = Number(-36028797018963968, 36028797018963967, "deg", scale=(1, 100, 0))
-ENCODER_POSITION = Number(0, 65535, "deg", scale={14: (45, 2048, 0), 15: (45, 4096, 0), 16: (45, 8192, 0)}, scale_by="encoder_bits", limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))}, limits_by="encoder_bits")
+ENCODER_POSITION = Number(
+    0,
+    65535,
+    "deg",
+    scale={14: (45, 2048, 0), 15: (45, 4096, 0), 16: (45, 8192, 0)},
+    scale_by="encoder_bits",
+    limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))},
+    limits_by="encoder_bits",
+)
 GAIN = Number(0, 65535)
+_SpinDirection = EnumType(SpinDirection)
+_BrakeAction = EnumType(BrakeAction)
+_BrakeState = EnumType(BrakeState)
+_MotorState = EnumType(MotorState)
+_ErrorFlags = FlagsType(ErrorFlags, 0xFF)
 I16 = Number(-32768, 32767)
 I32 = Number(-2147483648, 2147483647)
 _UNPACK_1 = Struct("<2xHHH").unpack
-_UNPACK_2 = Struct("<xbhhH").unpack
-_UNPACK_3 = Struct("<xbhhBB").unpack
-_UNPACK_4 = Struct("<2xhi").unpack
-_UNPACK_5 = Struct("<2xHi").unpack
-_UNPACK_6 = Struct("<xB2xI").unpack
-_UNPACK_7 = Struct("<xBHI").unpack
-_UNPACK_8 = Struct("<xbhhh").unpack
+_UNPACK_2 = Struct("<4xh2x").unpack
+_UNPACK_3 = Struct("<4xi").unpack
+_UNPACK_4 = Struct("<xbhhH").unpack
+_UNPACK_5 = Struct("<xbhhBB").unpack
+_UNPACK_6 = Struct("<xB6x").unpack
+_UNPACK_7 = Struct("<2xhi").unpack
+_UNPACK_8 = Struct("<2xHi").unpack
+_UNPACK_9 = Struct("<xB2xI").unpack
+_UNPACK_10 = Struct("<xBHI").unpack
+_UNPACK_11 = Struct("<6xH").unpack
+_UNPACK_12 = Struct("<4xI").unpack
+_UNPACK_13 = Struct("<xbhhh").unpack
+_PACK_1 = Struct("<B3xi").pack
+_PACK_2 = Struct("<BbhhH").pack
+_PACK_3 = Struct("<BbhhBB").pack
+_PACK_4 = Struct("<BB6x").pack
+_PACK_5 = Struct("<B3xh2x").pack
+_PACK_6 = Struct("<Bxhi").pack
+_PACK_7 = Struct("<BxHi").pack
+_PACK_8 = Struct("<BB2xI").pack
+_PACK_9 = Struct("<BBHI").pack
+_PACK_10 = Struct("<BBHHH").pack
+_PACK_11 = Struct("<BB2xh2x").pack
+_PACK_12 = Struct("<BB2xi").pack
+_PACK_13 = Struct("<BxHHH").pack
+_PACK_14 = Struct("<B5xH").pack
+_PACK_15 = Struct("<B3xI").pack
+_PACK_16 = Struct("<Bbhhh").pack
 
 
 class PidGains(Message):
@@ -291,17 +349,17 @@ class PidGains(Message):
     Manual appendix 1.
     """
 
-    __slots__ = ("kp_raw", "ki_raw", "kd_raw")
+    __slots__ = ()
 
+    __match_args__ = ("kp", "ki", "kd")
     TYPES = {
-        "kp": GAIN.check,
-        "ki": GAIN.check,
-        "kd": GAIN.check,
+        "kp": GAIN,
+        "ki": GAIN,
+        "kd": GAIN,
     }
+    DEFAULTS = UNKNOWN
 
-    kp_raw: int
-    ki_raw: int
-    kd_raw: int
+    _raws: tuple[int, int, int]
 
     def __init__(
         self,
@@ -311,35 +369,51 @@ class PidGains(Message):
         ki: Real,
         kd: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.kp_raw = GAIN.raw(kp, self.parameters, "kp")
-        self.ki_raw = GAIN.raw(ki, self.parameters, "ki")
-        self.kd_raw = GAIN.raw(kd, self.parameters, "kd")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            GAIN.raw(kp, self._parameters, "kp"),
+            GAIN.raw(ki, self._parameters, "ki"),
+            GAIN.raw(kd, self._parameters, "kd"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.kp_raw, self.ki_raw, self.kd_raw = _UNPACK_1(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_1(data)
         return self
 
     @property
     def kp(self) -> int:
         """P."""
-        return self.kp_raw
+        return self._raws[0]
+
+    @property
+    def kp_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def ki(self) -> int:
         """I."""
-        return self.ki_raw
+        return self._raws[1]
+
+    @property
+    def ki_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def kd(self) -> int:
         """D."""
-        return self.kd_raw
+        return self._raws[2]
+
+    @property
+    def kd_raw(self) -> int:
+        return self._raws[2]
 
 
 class ControlParametersMaxTorqueCurrent(Message):
@@ -348,13 +422,15 @@ class ControlParametersMaxTorqueCurrent(Message):
     Manual appendix 1.
     """
 
-    __slots__ = ("max_torque_current_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("max_torque_current",)
     TYPES = {
-        "max_torque_current": I16.check,
+        "max_torque_current": I16,
     }
+    DEFAULTS = UNKNOWN
 
-    max_torque_current_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -362,23 +438,29 @@ class ControlParametersMaxTorqueCurrent(Message):
         node: int,
         max_torque_current: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_torque_current_raw = I16.raw(max_torque_current, self.parameters, "max_torque_current")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (I16.raw(max_torque_current, self._parameters, "max_torque_current"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_torque_current_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
     def max_torque_current(self) -> int:
         """Torque current limit."""
-        return self.max_torque_current_raw
+        return self._raws[0]
+
+    @property
+    def max_torque_current_raw(self) -> int:
+        return self._raws[0]
 
 
 class ControlParametersMaxSpeed(Message):
@@ -387,13 +469,15 @@ class ControlParametersMaxSpeed(Message):
     Manual appendix 1.
     """
 
-    __slots__ = ("max_speed_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("max_speed",)
     TYPES = {
-        "max_speed": I32.check,
+        "max_speed": I32,
     }
+    DEFAULTS = UNKNOWN
 
-    max_speed_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -401,23 +485,29 @@ class ControlParametersMaxSpeed(Message):
         node: int,
         max_speed: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_speed_raw = I32.raw(max_speed, self.parameters, "max_speed")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (I32.raw(max_speed, self._parameters, "max_speed"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_speed_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
     def max_speed(self) -> int:
         """Speed limit."""
-        return self.max_speed_raw
+        return self._raws[0]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[0]
 
 
 class ControlParametersMaxAngle(Message):
@@ -426,13 +516,15 @@ class ControlParametersMaxAngle(Message):
     Manual appendix 1.
     """
 
-    __slots__ = ("max_angle_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("max_angle",)
     TYPES = {
-        "max_angle": I32.check,
+        "max_angle": I32,
     }
+    DEFAULTS = UNKNOWN
 
-    max_angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -440,23 +532,29 @@ class ControlParametersMaxAngle(Message):
         node: int,
         max_angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_angle_raw = I32.raw(max_angle, self.parameters, "max_angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (I32.raw(max_angle, self._parameters, "max_angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_angle_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
     def max_angle(self) -> int:
         """Angle limit."""
-        return self.max_angle_raw
+        return self._raws[0]
+
+    @property
+    def max_angle_raw(self) -> int:
+        return self._raws[0]
 
 
 class ControlParametersCurrentRamp(Message):
@@ -465,13 +563,15 @@ class ControlParametersCurrentRamp(Message):
     Manual appendix 1.
     """
 
-    __slots__ = ("current_ramp_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("current_ramp",)
     TYPES = {
-        "current_ramp": I32.check,
+        "current_ramp": I32,
     }
+    DEFAULTS = UNKNOWN
 
-    current_ramp_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -479,23 +579,29 @@ class ControlParametersCurrentRamp(Message):
         node: int,
         current_ramp: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.current_ramp_raw = I32.raw(current_ramp, self.parameters, "current_ramp")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (I32.raw(current_ramp, self._parameters, "current_ramp"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.current_ramp_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
     def current_ramp(self) -> int:
         """Current ramp."""
-        return self.current_ramp_raw
+        return self._raws[0]
+
+    @property
+    def current_ramp_raw(self) -> int:
+        return self._raws[0]
 
 
 class ControlParametersSpeedRamp(Message):
@@ -504,13 +610,15 @@ class ControlParametersSpeedRamp(Message):
     Manual appendix 1.
     """
 
-    __slots__ = ("speed_ramp_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("speed_ramp",)
     TYPES = {
-        "speed_ramp": I32.check,
+        "speed_ramp": I32,
     }
+    DEFAULTS = UNKNOWN
 
-    speed_ramp_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -518,23 +626,29 @@ class ControlParametersSpeedRamp(Message):
         node: int,
         speed_ramp: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.speed_ramp_raw = I32.raw(speed_ramp, self.parameters, "speed_ramp")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (I32.raw(speed_ramp, self._parameters, "speed_ramp"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.speed_ramp_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
     def speed_ramp(self) -> int:
         """Speed ramp."""
-        return self.speed_ramp_raw
+        return self._raws[0]
+
+    @property
+    def speed_ramp_raw(self) -> int:
+        return self._raws[0]
 
 
 class SetAngle(Message):
@@ -543,13 +657,15 @@ class SetAngle(Message):
     Manual 24.
     """
 
-    __slots__ = ("angle_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": ANGLE.check,
+        "angle": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -557,17 +673,19 @@ class SetAngle(Message):
         node: int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.angle_raw = ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ANGLE.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -576,11 +694,15 @@ class SetAngle(Message):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", self.CODE, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_1(self.CODE, self._raws[0])
 
 
 class MotionFeedback(Message):
@@ -592,22 +714,30 @@ class MotionFeedback(Message):
     Manual 3, 9 - 17.
     """
 
-    __slots__ = ("temperature_raw", "power_raw", "iq_raw", "speed_raw", "encoder_raw")
+    __slots__ = ()
 
+    __match_args__ = ("temperature", "power", "iq", "speed", "encoder")
     TYPES = {
-        "temperature": TEMPERATURE.check,
-        "power": OUTPUT_POWER.check,
-        "iq": MEASURED_TORQUE_CURRENT.check,
-        "speed": SPEED.check,
-        "encoder": ENCODER_POSITION.check,
+        "temperature": TEMPERATURE,
+        "power": OUTPUT_POWER,
+        "iq": MEASURED_TORQUE_CURRENT,
+        "speed": SPEED,
+        "encoder": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
+    VARIANTS = (
+        ("temperature", "power", "speed", "encoder"),
+        ("temperature", "iq", "speed", "encoder"),
+    )
+    VARIANT_BY = "series"
+    VARIANT_OF = {
+        Series.MS: 0,
+        Series.MF: 1,
+        Series.MH: 1,
+        Series.MG: 1,
+    }
 
-    temperature_raw: int
-    power_raw: int
-    iq_raw: int
-    speed_raw: int
-    encoder_raw: int
+    _raws: tuple[int, Any, Any, int, int]
 
     def __init__(
         self,
@@ -620,42 +750,35 @@ class MotionFeedback(Message):
         encoder: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        require(self, power=power, iq=iq)
-        self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
-        if power is not None:
-            self.power_raw = OUTPUT_POWER.raw(power, self.parameters, "power")
-        if iq is not None:
-            self.iq_raw = MEASURED_TORQUE_CURRENT.raw(iq, self.parameters, "iq")
-        self.speed_raw = SPEED.raw(speed, self.parameters, "speed")
-        self.encoder_raw = ENCODER_POSITION.raw(encoder, self.parameters, "encoder")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._require(power=power, iq=iq)
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            self._optional(OUTPUT_POWER, power, "power"),
+            self._optional(MEASURED_TORQUE_CURRENT, iq, "iq"),
+            SPEED.raw(speed, self._parameters, "speed"),
+            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        choice = parameters.series
-        if choice is None:
-            raise missing("series", cls.__name__)
-        if choice in (Series.MS,):
-            self.temperature_raw, self.power_raw, self.speed_raw, self.encoder_raw = _UNPACK_2(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        variant = cls.VARIANT_OF.get(parameters.series)
+        if variant == 0:
+            found = _UNPACK_4(data)
+            self._raws = (found[0], found[1], None, found[2], found[3])
+        elif variant == 1:
+            found = _UNPACK_4(data)
+            self._raws = (found[0], None, found[1], found[2], found[3])
         else:
-            self.temperature_raw, self.iq_raw, self.speed_raw, self.encoder_raw = _UNPACK_2(data)
+            raise missing("series", cls.__name__)
         return self
-
-    def fields(self) -> tuple[str, ...]:
-        """Names of the fields that exist under the parameters."""
-        return self._VARIANTS[known(self.parameters, "series", type(self).__name__)]
-
-    _VARIANTS: ClassVar[dict[Any, tuple[str, ...]]] = {
-        Series.MS: ("temperature", "power", "speed", "encoder"),
-        Series.MF: ("temperature", "iq", "speed", "encoder"),
-        Series.MH: ("temperature", "iq", "speed", "encoder"),
-        Series.MG: ("temperature", "iq", "speed", "encoder"),
-    }
 
     @property
     def temperature(self) -> int:
@@ -663,7 +786,11 @@ class MotionFeedback(Message):
 
         In °C.
         """
-        return self.temperature_raw
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def power(self) -> int:
@@ -671,7 +798,17 @@ class MotionFeedback(Message):
 
         Raw -1000..1000. A plain number without a unit in the manual. Exists under MS only.
         """
-        return self.power_raw
+        raw: int | None = self._raws[1]
+        if raw is None:
+            raise self._absent("power")
+        return raw
+
+    @property
+    def power_raw(self) -> int:
+        raw: int | None = self._raws[1]
+        if raw is None:
+            raise self._absent("power")
+        return raw
 
     @property
     def iq(self) -> float:
@@ -680,7 +817,17 @@ class MotionFeedback(Message):
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). Exists under MF, MH, MG
         only.
         """
-        return MEASURED_TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
+        raw: int | None = self._raws[2]
+        if raw is None:
+            raise self._absent("iq")
+        return MEASURED_TORQUE_CURRENT.value(raw, self._parameters, "iq")
+
+    @property
+    def iq_raw(self) -> int:
+        raw: int | None = self._raws[2]
+        if raw is None:
+            raise self._absent("iq")
+        return raw
 
     @property
     def speed(self) -> int:
@@ -688,7 +835,11 @@ class MotionFeedback(Message):
 
         In °/s.
         """
-        return self.speed_raw
+        return self._raws[3]
+
+    @property
+    def speed_raw(self) -> int:
+        return self._raws[3]
 
     @property
     def encoder(self) -> float:
@@ -697,14 +848,18 @@ class MotionFeedback(Message):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[4], self._parameters, "encoder")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        choice = known(self.parameters, "series", type(self).__name__)
-        if choice in (Series.MS,):
-            return pack("<BbhhH", self.CODE, self.temperature_raw, self.power_raw, self.speed_raw, self.encoder_raw)
-        return pack("<BbhhH", self.CODE, self.temperature_raw, self.iq_raw, self.speed_raw, self.encoder_raw)
+    @property
+    def encoder_raw(self) -> int:
+        return self._raws[4]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        variant = self.VARIANT_OF[self._parameters.series]
+        if variant == 0:
+            return _PACK_2(self.CODE, self._raws[0], self._raws[1], self._raws[3], self._raws[4])
+        return _PACK_2(self.CODE, self._raws[0], self._raws[2], self._raws[3], self._raws[4])
 
 
 class Status1(Message):
@@ -713,21 +868,19 @@ class Status1(Message):
     Manual 1, 2.
     """
 
-    __slots__ = ("temperature_raw", "voltage_raw", "current_raw", "motor_state_raw", "errors_raw")
+    __slots__ = ()
 
+    __match_args__ = ("temperature", "voltage", "current", "motor_state", "errors")
     TYPES = {
-        "temperature": TEMPERATURE.check,
-        "voltage": VOLTAGE.check,
-        "current": BUS_CURRENT.check,
-        "motor_state": member(MotorState),
-        "errors": flags(0xFF),
+        "temperature": TEMPERATURE,
+        "voltage": VOLTAGE,
+        "current": BUS_CURRENT,
+        "motor_state": _MotorState,
+        "errors": _ErrorFlags,
     }
+    DEFAULTS = UNKNOWN
 
-    temperature_raw: int
-    voltage_raw: int
-    current_raw: int
-    motor_state_raw: int
-    errors_raw: int
+    _raws: tuple[int, int, int, int, int]
 
     def __init__(
         self,
@@ -739,21 +892,25 @@ class Status1(Message):
         motor_state: MotorState | int,
         errors: ErrorFlags | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
-        self.voltage_raw = VOLTAGE.raw(voltage, self.parameters, "voltage")
-        self.current_raw = BUS_CURRENT.raw(current, self.parameters, "current")
-        self.motor_state_raw = self.TYPES["motor_state"](motor_state, self.parameters, "motor_state")
-        self.errors_raw = self.TYPES["errors"](errors, self.parameters, "errors")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            VOLTAGE.raw(voltage, self._parameters, "voltage"),
+            BUS_CURRENT.raw(current, self._parameters, "current"),
+            _MotorState.raw(motor_state, self._parameters, "motor_state"),
+            _ErrorFlags.raw(errors, self._parameters, "errors"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.temperature_raw, self.voltage_raw, self.current_raw, self.motor_state_raw, self.errors_raw = _UNPACK_3(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_5(data)
         return self
 
     @property
@@ -762,7 +919,11 @@ class Status1(Message):
 
         In °C.
         """
-        return self.temperature_raw
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def voltage(self) -> float:
@@ -770,7 +931,11 @@ class Status1(Message):
 
         In V; resolution (1 LSB) 0.01 V.
         """
-        return self.voltage_raw / 100
+        return self._raws[1] / 100
+
+    @property
+    def voltage_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def current(self) -> float:
@@ -778,21 +943,33 @@ class Status1(Message):
 
         In A; resolution (1 LSB) 0.01 A.
         """
-        return self.current_raw / 100
+        return self._raws[2] / 100
+
+    @property
+    def current_raw(self) -> int:
+        return self._raws[2]
 
     @property
     def motor_state(self) -> MotorState | int:
         """Motor state."""
-        return named(MotorState, self.motor_state_raw)
+        return _MotorState.value(self._raws[3], self._parameters, "motor_state")
+
+    @property
+    def motor_state_raw(self) -> int:
+        return self._raws[3]
 
     @property
     def errors(self) -> ErrorFlags:
         """Errors."""
-        return ErrorFlags(self.errors_raw)
+        return _ErrorFlags.value(self._raws[4], self._parameters, "errors")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BbhhBB", self.CODE, self.temperature_raw, self.voltage_raw, self.current_raw, self.motor_state_raw, self.errors_raw)
+    @property
+    def errors_raw(self) -> int:
+        return self._raws[4]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_3(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3], self._raws[4])
 
 
 class MotorOffRequest(ToNode, Request["MotorOffReply"]):
@@ -810,7 +987,7 @@ class MotorOffRequest(ToNode, Request["MotorOffReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x80
-    DATA = b'\x80\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("80 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Motor off"
     MANUAL = "5"
@@ -834,7 +1011,7 @@ class MotorOnRequest(ToNode, Request["MotorOnReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x88
-    DATA = b'\x88\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("88 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Motor on"
     MANUAL = "6"
@@ -855,7 +1032,7 @@ class MotorStopRequest(ToNode, Request["MotorStopReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x81
-    DATA = b'\x81\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("81 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Motor stop"
     MANUAL = "7"
@@ -870,6 +1047,8 @@ class BrakeRequest(Request["BrakeReply"]):
     Effects: The brake is locked or released.
     """
 
+    __slots__ = ()
+
     COMMAND = "brake"
     DIRECTION = "request"
     ID = 0x140
@@ -879,13 +1058,13 @@ class BrakeRequest(Request["BrakeReply"]):
     MANUAL = "8"
     EFFECTS = ("switches_brake",)
 
-    __slots__ = ("action_raw",)
-
+    __match_args__ = ("action",)
     TYPES = {
-        "action": member(BrakeAction),
+        "action": _BrakeAction,
     }
+    DEFAULTS = UNKNOWN
 
-    action_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -893,27 +1072,33 @@ class BrakeRequest(Request["BrakeReply"]):
         node: int,
         action: BrakeAction | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.action_raw = self.TYPES["action"](action, self.parameters, "action")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (_BrakeAction.raw(action, self._parameters, "action"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.action_raw = data[1]
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_6(data)
         return self
 
     @property
     def action(self) -> BrakeAction | int:
         """Brake action."""
-        return named(BrakeAction, self.action_raw)
+        return _BrakeAction.value(self._raws[0], self._parameters, "action")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB6x", 0x8C, self.action_raw)
+    @property
+    def action_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_4(0x8C, self._raws[0])
 
 
 class SetPowerRequest(Request["SetPowerReply"]):
@@ -923,6 +1108,8 @@ class SetPowerRequest(Request["SetPowerReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "set_power"
     DIRECTION = "request"
@@ -934,13 +1121,13 @@ class SetPowerRequest(Request["SetPowerReply"]):
     EFFECTS = ("moves",)
     ONLY = {"series": (Series.MS,)}
 
-    __slots__ = ("power_raw",)
-
+    __match_args__ = ("power",)
     TYPES = {
-        "power": POWER.check,
+        "power": POWER,
     }
+    DEFAULTS = UNKNOWN
 
-    power_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -948,17 +1135,19 @@ class SetPowerRequest(Request["SetPowerReply"]):
         node: int,
         power: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.power_raw = POWER.raw(power, self.parameters, "power")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (POWER.raw(power, self._parameters, "power"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.power_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -968,11 +1157,15 @@ class SetPowerRequest(Request["SetPowerReply"]):
         Raw -850..850. A plain number without a unit in the manual. The corresponding current and torque
         differ between motors.
         """
-        return self.power_raw
+        return self._raws[0]
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xh2x", 0xA0, self.power_raw)
+    @property
+    def power_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_5(0xA0, self._raws[0])
 
 
 class SetTorqueRequest(Request["SetTorqueReply"]):
@@ -984,6 +1177,8 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     Effects: The motor moves.
     """
 
+    __slots__ = ()
+
     COMMAND = "set_torque"
     DIRECTION = "request"
     ID = 0x140
@@ -994,14 +1189,13 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     EFFECTS = ("moves",)
     ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
-    __slots__ = ("iq_raw",)
-
+    __match_args__ = ("iq",)
     TYPES = {
-        "iq": TORQUE_CURRENT.check,
+        "iq": TORQUE_CURRENT,
     }
     DEFAULTS = UNKNOWN
 
-    iq_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1010,17 +1204,19 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.iq_raw = TORQUE_CURRENT.raw(iq, self.parameters, "iq")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.iq_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -1029,11 +1225,15 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
 
         In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
-        return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
+        return TORQUE_CURRENT.value(self._raws[0], self._parameters, "iq")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xh2x", 0xA1, self.iq_raw)
+    @property
+    def iq_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_5(0xA1, self._raws[0])
 
 
 class SetSpeedRequest(Request["SetSpeedReply"]):
@@ -1043,6 +1243,8 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "set_speed"
     DIRECTION = "request"
@@ -1054,16 +1256,14 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration")
 
-    __slots__ = ("iq_limit_raw", "speed_raw")
-
+    __match_args__ = ("iq_limit", "speed")
     TYPES = {
-        "iq_limit": TORQUE_CURRENT.check,
-        "speed": SPEED_SETPOINT.check,
+        "iq_limit": TORQUE_CURRENT,
+        "speed": SPEED_SETPOINT,
     }
     DEFAULTS = UNKNOWN
 
-    iq_limit_raw: int
-    speed_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1073,18 +1273,22 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         speed: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.iq_limit_raw = TORQUE_CURRENT.raw(iq_limit, self.parameters, "iq_limit")
-        self.speed_raw = SPEED_SETPOINT.raw(speed, self.parameters, "speed")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (
+            TORQUE_CURRENT.raw(iq_limit, self._parameters, "iq_limit"),
+            SPEED_SETPOINT.raw(speed, self._parameters, "speed"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.iq_limit_raw, self.speed_raw = _UNPACK_4(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_7(data)
         return self
 
     @property
@@ -1093,7 +1297,11 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
 
         In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
-        return TORQUE_CURRENT.value(self.iq_limit_raw, self.parameters, "iq_limit")
+        return TORQUE_CURRENT.value(self._raws[0], self._parameters, "iq_limit")
+
+    @property
+    def iq_limit_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def speed(self) -> float:
@@ -1101,11 +1309,15 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
 
         In °/s; resolution (1 LSB) 0.01 °/s.
         """
-        return self.speed_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<Bxhi", 0xA2, self.iq_limit_raw, self.speed_raw)
+    @property
+    def speed_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_6(0xA2, self._raws[0], self._raws[1])
 
 
 class MoveToAngleRequest(Request["MoveToAngleReply"]):
@@ -1117,6 +1329,8 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     Effects: The motor moves.
     """
 
+    __slots__ = ()
+
     COMMAND = "move_to_angle"
     DIRECTION = "request"
     ID = 0x140
@@ -1127,13 +1341,13 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_angle", "max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("angle_raw",)
-
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": ANGLE.check,
+        "angle": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1141,17 +1355,19 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         node: int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.angle_raw = ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ANGLE.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -1160,11 +1376,15 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", 0xA3, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_1(0xA3, self._raws[0])
 
 
 class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
@@ -1174,6 +1394,8 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "move_to_angle_at_speed"
     DIRECTION = "request"
@@ -1185,15 +1407,14 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_angle", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("max_speed_raw", "angle_raw")
-
+    __match_args__ = ("max_speed", "angle")
     TYPES = {
-        "max_speed": SPEED_LIMIT.check,
-        "angle": ANGLE.check,
+        "max_speed": SPEED_LIMIT,
+        "angle": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    max_speed_raw: int
-    angle_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1202,18 +1423,22 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
-        self.angle_raw = ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
+            ANGLE.raw(angle, self._parameters, "angle"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_speed_raw, self.angle_raw = _UNPACK_5(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_8(data)
         return self
 
     @property
@@ -1222,7 +1447,11 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
         In °/s.
         """
-        return self.max_speed_raw
+        return self._raws[0]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def angle(self) -> float:
@@ -1230,11 +1459,15 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxHi", 0xA4, self.max_speed_raw, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_7(0xA4, self._raws[0], self._raws[1])
 
 
 class TurnToAngleRequest(Request["TurnToAngleReply"]):
@@ -1244,6 +1477,8 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "turn_to_angle"
     DIRECTION = "request"
@@ -1255,15 +1490,14 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("spin_direction_raw", "angle_raw")
-
+    __match_args__ = ("spin_direction", "angle")
     TYPES = {
-        "spin_direction": member(SpinDirection),
-        "angle": SINGLE_TURN_ANGLE.check,
+        "spin_direction": _SpinDirection,
+        "angle": SINGLE_TURN_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    spin_direction_raw: int
-    angle_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1272,24 +1506,32 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         spin_direction: SpinDirection | int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.spin_direction_raw = self.TYPES["spin_direction"](spin_direction, self.parameters, "spin_direction")
-        self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
+            SINGLE_TURN_ANGLE.raw(angle, self._parameters, "angle"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.spin_direction_raw, self.angle_raw = _UNPACK_6(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_9(data)
         return self
 
     @property
     def spin_direction(self) -> SpinDirection | int:
         """Direction of rotation."""
-        return named(SpinDirection, self.spin_direction_raw)
+        return _SpinDirection.value(self._raws[0], self._parameters, "spin_direction")
+
+    @property
+    def spin_direction_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def angle(self) -> float:
@@ -1297,11 +1539,15 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xI", 0xA5, self.spin_direction_raw, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_8(0xA5, self._raws[0], self._raws[1])
 
 
 class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
@@ -1311,6 +1557,8 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "turn_to_angle_at_speed"
     DIRECTION = "request"
@@ -1322,17 +1570,15 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("spin_direction_raw", "max_speed_raw", "angle_raw")
-
+    __match_args__ = ("spin_direction", "max_speed", "angle")
     TYPES = {
-        "spin_direction": member(SpinDirection),
-        "max_speed": SPEED_LIMIT.check,
-        "angle": SINGLE_TURN_ANGLE.check,
+        "spin_direction": _SpinDirection,
+        "max_speed": SPEED_LIMIT,
+        "angle": SINGLE_TURN_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    spin_direction_raw: int
-    max_speed_raw: int
-    angle_raw: int
+    _raws: tuple[int, int, int]
 
     def __init__(
         self,
@@ -1342,25 +1588,33 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.spin_direction_raw = self.TYPES["spin_direction"](spin_direction, self.parameters, "spin_direction")
-        self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
-        self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
+            SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
+            SINGLE_TURN_ANGLE.raw(angle, self._parameters, "angle"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.spin_direction_raw, self.max_speed_raw, self.angle_raw = _UNPACK_7(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_10(data)
         return self
 
     @property
     def spin_direction(self) -> SpinDirection | int:
         """Direction of rotation."""
-        return named(SpinDirection, self.spin_direction_raw)
+        return _SpinDirection.value(self._raws[0], self._parameters, "spin_direction")
+
+    @property
+    def spin_direction_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def max_speed(self) -> int:
@@ -1368,7 +1622,11 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
         In °/s.
         """
-        return self.max_speed_raw
+        return self._raws[1]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def angle(self) -> float:
@@ -1376,11 +1634,15 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[2] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHI", 0xA6, self.spin_direction_raw, self.max_speed_raw, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[2]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_9(0xA6, self._raws[0], self._raws[1], self._raws[2])
 
 
 class MoveByAngleRequest(Request["MoveByAngleReply"]):
@@ -1390,6 +1652,8 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
 
     Effects: The motor moves. The angle is added to the target, so a repeated frame moves the motor again.
     """
+
+    __slots__ = ()
 
     COMMAND = "move_by_angle"
     DIRECTION = "request"
@@ -1401,13 +1665,13 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     EFFECTS = ("moves", "adds_up")
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("increment_raw",)
-
+    __match_args__ = ("increment",)
     TYPES = {
-        "increment": ANGLE.check,
+        "increment": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    increment_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1415,17 +1679,19 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         node: int,
         increment: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.increment_raw = ANGLE.raw(increment, self.parameters, "increment")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ANGLE.raw(increment, self._parameters, "increment"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.increment_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -1434,11 +1700,15 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.increment_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", 0xA7, self.increment_raw)
+    @property
+    def increment_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_1(0xA7, self._raws[0])
 
 
 class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
@@ -1450,6 +1720,8 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     Effects: The motor moves. The angle is added to the target, so a repeated frame moves the motor again.
     """
 
+    __slots__ = ()
+
     COMMAND = "move_by_angle_at_speed"
     DIRECTION = "request"
     ID = 0x140
@@ -1460,15 +1732,14 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     EFFECTS = ("moves", "adds_up")
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("max_speed_raw", "increment_raw")
-
+    __match_args__ = ("max_speed", "increment")
     TYPES = {
-        "max_speed": SPEED_LIMIT.check,
-        "increment": ANGLE.check,
+        "max_speed": SPEED_LIMIT,
+        "increment": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    max_speed_raw: int
-    increment_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1477,18 +1748,22 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         max_speed: Real,
         increment: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
-        self.increment_raw = ANGLE.raw(increment, self.parameters, "increment")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
+            ANGLE.raw(increment, self._parameters, "increment"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_speed_raw, self.increment_raw = _UNPACK_5(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_8(data)
         return self
 
     @property
@@ -1497,7 +1772,11 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
 
         In °/s.
         """
-        return self.max_speed_raw
+        return self._raws[0]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def increment(self) -> float:
@@ -1505,11 +1784,15 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.increment_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxHi", 0xA8, self.max_speed_raw, self.increment_raw)
+    @property
+    def increment_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_7(0xA8, self._raws[0], self._raws[1])
 
 
 class ReadControlParameterAnglePidRequest(ToNode, Request["ReadControlParameterAnglePidReply"]):
@@ -1524,7 +1807,7 @@ class ReadControlParameterAnglePidRequest(ToNode, Request["ReadControlParameterA
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0\n\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 0A 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Gains of the position loop"
     MANUAL = "18"
@@ -1542,7 +1825,7 @@ class ReadControlParameterSpeedPidRequest(ToNode, Request["ReadControlParameterS
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0\x0b\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 0B 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Gains of the speed loop"
     MANUAL = "18"
@@ -1560,7 +1843,7 @@ class ReadControlParameterCurrentPidRequest(ToNode, Request["ReadControlParamete
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0\x0c\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 0C 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Gains of the torque loop"
     MANUAL = "18"
@@ -1578,7 +1861,7 @@ class ReadControlParameterMaxTorqueCurrentRequest(ToNode, Request["ReadControlPa
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0\x1e\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 1E 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Torque current limit"
     MANUAL = "18"
@@ -1596,7 +1879,7 @@ class ReadControlParameterMaxSpeedRequest(ToNode, Request["ReadControlParameterM
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0 \x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 20 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Speed limit"
     MANUAL = "18"
@@ -1614,7 +1897,7 @@ class ReadControlParameterMaxAngleRequest(ToNode, Request["ReadControlParameterM
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0"\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 22 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Angle limit"
     MANUAL = "18"
@@ -1632,7 +1915,7 @@ class ReadControlParameterCurrentRampRequest(ToNode, Request["ReadControlParamet
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0$\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 24 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Current ramp"
     MANUAL = "18"
@@ -1650,7 +1933,7 @@ class ReadControlParameterSpeedRampRequest(ToNode, Request["ReadControlParameter
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0&\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 26 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Speed ramp"
     MANUAL = "18"
@@ -1677,9 +1960,9 @@ class WriteControlParameterRamAnglePidRequest(PidGains, Request["WriteControlPar
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC1, 0x0A, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC1, 0x0A, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WriteControlParameterRamSpeedPidRequest(PidGains, Request["WriteControlParameterRamSpeedPidReply"]):
@@ -1703,9 +1986,9 @@ class WriteControlParameterRamSpeedPidRequest(PidGains, Request["WriteControlPar
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC1, 0x0B, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC1, 0x0B, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WriteControlParameterRamCurrentPidRequest(PidGains, Request["WriteControlParameterRamCurrentPidReply"]):
@@ -1729,12 +2012,15 @@ class WriteControlParameterRamCurrentPidRequest(PidGains, Request["WriteControlP
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC1, 0x0C, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC1, 0x0C, self._raws[0], self._raws[1], self._raws[2])
 
 
-class WriteControlParameterRamMaxTorqueCurrentRequest(ControlParametersMaxTorqueCurrent, Request["WriteControlParameterRamMaxTorqueCurrentReply"]):
+class WriteControlParameterRamMaxTorqueCurrentRequest(
+    ControlParametersMaxTorqueCurrent,
+    Request["WriteControlParameterRamMaxTorqueCurrentReply"],
+):
     """Write control parameter to RAM: Torque current limit (0xC1), request.
 
     Sets one control parameter. It takes effect immediately and is valid until power-off. Manual 19.
@@ -1755,12 +2041,15 @@ class WriteControlParameterRamMaxTorqueCurrentRequest(ControlParametersMaxTorque
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xh2x", 0xC1, 0x1E, self.max_torque_current_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_11(0xC1, 0x1E, self._raws[0])
 
 
-class WriteControlParameterRamMaxSpeedRequest(ControlParametersMaxSpeed, Request["WriteControlParameterRamMaxSpeedReply"]):
+class WriteControlParameterRamMaxSpeedRequest(
+    ControlParametersMaxSpeed,
+    Request["WriteControlParameterRamMaxSpeedReply"],
+):
     """Write control parameter to RAM: Speed limit (0xC1), request.
 
     Sets one control parameter. It takes effect immediately and is valid until power-off. Manual 19.
@@ -1781,12 +2070,15 @@ class WriteControlParameterRamMaxSpeedRequest(ControlParametersMaxSpeed, Request
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x20, self.max_speed_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x20, self._raws[0])
 
 
-class WriteControlParameterRamMaxAngleRequest(ControlParametersMaxAngle, Request["WriteControlParameterRamMaxAngleReply"]):
+class WriteControlParameterRamMaxAngleRequest(
+    ControlParametersMaxAngle,
+    Request["WriteControlParameterRamMaxAngleReply"],
+):
     """Write control parameter to RAM: Angle limit (0xC1), request.
 
     Sets one control parameter. It takes effect immediately and is valid until power-off. Manual 19.
@@ -1807,12 +2099,15 @@ class WriteControlParameterRamMaxAngleRequest(ControlParametersMaxAngle, Request
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x22, self.max_angle_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x22, self._raws[0])
 
 
-class WriteControlParameterRamCurrentRampRequest(ControlParametersCurrentRamp, Request["WriteControlParameterRamCurrentRampReply"]):
+class WriteControlParameterRamCurrentRampRequest(
+    ControlParametersCurrentRamp,
+    Request["WriteControlParameterRamCurrentRampReply"],
+):
     """Write control parameter to RAM: Current ramp (0xC1), request.
 
     Sets one control parameter. It takes effect immediately and is valid until power-off. Manual 19.
@@ -1833,12 +2128,15 @@ class WriteControlParameterRamCurrentRampRequest(ControlParametersCurrentRamp, R
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x24, self.current_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x24, self._raws[0])
 
 
-class WriteControlParameterRamSpeedRampRequest(ControlParametersSpeedRamp, Request["WriteControlParameterRamSpeedRampReply"]):
+class WriteControlParameterRamSpeedRampRequest(
+    ControlParametersSpeedRamp,
+    Request["WriteControlParameterRamSpeedRampReply"],
+):
     """Write control parameter to RAM: Speed ramp (0xC1), request.
 
     Sets one control parameter. It takes effect immediately and is valid until power-off. Manual 19.
@@ -1859,9 +2157,9 @@ class WriteControlParameterRamSpeedRampRequest(ControlParametersSpeedRamp, Reque
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x26, self.speed_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x26, self._raws[0])
 
 
 class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
@@ -1877,7 +2175,7 @@ class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x90
-    DATA = b'\x90\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("90 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read encoder"
     MANUAL = "20"
@@ -1898,7 +2196,7 @@ class WritePositionAsZeroRomRequest(ToNode, Request["WritePositionAsZeroRomReply
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x19
-    DATA = b'\x19\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("19 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Write present position as zero to ROM"
     MANUAL = "21"
@@ -1917,7 +2215,7 @@ class ReadMultiTurnAngleRequest(ToNode, Request["ReadMultiTurnAngleReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x92
-    DATA = b'\x92\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("92 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read multi-turn angle"
     MANUAL = "22"
@@ -1935,7 +2233,7 @@ class ReadSingleTurnAngleRequest(ToNode, Request["ReadSingleTurnAngleReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x94
-    DATA = b'\x94\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("94 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read single-turn angle"
     MANUAL = "23"
@@ -1975,7 +2273,7 @@ class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9A
-    DATA = b'\x9a\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9A 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read status 1 and errors"
     MANUAL = "1"
@@ -1995,7 +2293,7 @@ class ClearErrorsRequest(ToNode, Request["ClearErrorsReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9B
-    DATA = b'\x9b\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9B 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Clear errors"
     MANUAL = "2"
@@ -2013,7 +2311,7 @@ class ReadStatus2Request(ToNode, Request["ReadStatus2Reply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9C
-    DATA = b'\x9c\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9C 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read status 2"
     MANUAL = "3"
@@ -2031,7 +2329,7 @@ class ReadStatus3Request(ToNode, Request["ReadStatus3Reply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9D
-    DATA = b'\x9d\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9D 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read status 3"
     MANUAL = "4"
@@ -2050,7 +2348,7 @@ class MotorOffReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x80
-    DATA = b'\x80\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("80 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -2066,7 +2364,7 @@ class MotorOnReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x88
-    DATA = b'\x88\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("88 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -2082,7 +2380,7 @@ class MotorStopReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x81
-    DATA = b'\x81\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("81 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -2092,19 +2390,21 @@ class BrakeReply(Reply):
     Manual 8.
     """
 
+    __slots__ = ()
+
     COMMAND = "brake"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x8C
     NODES = (1, 32)
 
-    __slots__ = ("state_raw",)
-
+    __match_args__ = ("state",)
     TYPES = {
-        "state": member(BrakeState),
+        "state": _BrakeState,
     }
+    DEFAULTS = UNKNOWN
 
-    state_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -2112,27 +2412,33 @@ class BrakeReply(Reply):
         node: int,
         state: BrakeState | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.state_raw = self.TYPES["state"](state, self.parameters, "state")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (_BrakeState.raw(state, self._parameters, "state"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.state_raw = data[1]
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_6(data)
         return self
 
     @property
     def state(self) -> BrakeState | int:
         """Brake state."""
-        return named(BrakeState, self.state_raw)
+        return _BrakeState.value(self._raws[0], self._parameters, "state")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB6x", 0x8C, self.state_raw)
+    @property
+    def state_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_4(0x8C, self._raws[0])
 
 
 class SetPowerReply(MotionFeedback, Reply):
@@ -2284,9 +2590,9 @@ class ReadControlParameterAnglePidReply(PidGains, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC0, 0x0A, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC0, 0x0A, self._raws[0], self._raws[1], self._raws[2])
 
 
 class ReadControlParameterSpeedPidReply(PidGains, Reply):
@@ -2303,9 +2609,9 @@ class ReadControlParameterSpeedPidReply(PidGains, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC0, 0x0B, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC0, 0x0B, self._raws[0], self._raws[1], self._raws[2])
 
 
 class ReadControlParameterCurrentPidReply(PidGains, Reply):
@@ -2322,9 +2628,9 @@ class ReadControlParameterCurrentPidReply(PidGains, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC0, 0x0C, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC0, 0x0C, self._raws[0], self._raws[1], self._raws[2])
 
 
 class ReadControlParameterMaxTorqueCurrentReply(ControlParametersMaxTorqueCurrent, Reply):
@@ -2341,9 +2647,9 @@ class ReadControlParameterMaxTorqueCurrentReply(ControlParametersMaxTorqueCurren
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xh2x", 0xC0, 0x1E, self.max_torque_current_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_11(0xC0, 0x1E, self._raws[0])
 
 
 class ReadControlParameterMaxSpeedReply(ControlParametersMaxSpeed, Reply):
@@ -2360,9 +2666,9 @@ class ReadControlParameterMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC0, 0x20, self.max_speed_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC0, 0x20, self._raws[0])
 
 
 class ReadControlParameterMaxAngleReply(ControlParametersMaxAngle, Reply):
@@ -2379,9 +2685,9 @@ class ReadControlParameterMaxAngleReply(ControlParametersMaxAngle, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC0, 0x22, self.max_angle_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC0, 0x22, self._raws[0])
 
 
 class ReadControlParameterCurrentRampReply(ControlParametersCurrentRamp, Reply):
@@ -2398,9 +2704,9 @@ class ReadControlParameterCurrentRampReply(ControlParametersCurrentRamp, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC0, 0x24, self.current_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC0, 0x24, self._raws[0])
 
 
 class ReadControlParameterSpeedRampReply(ControlParametersSpeedRamp, Reply):
@@ -2417,9 +2723,9 @@ class ReadControlParameterSpeedRampReply(ControlParametersSpeedRamp, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC0, 0x26, self.speed_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC0, 0x26, self._raws[0])
 
 
 class WriteControlParameterRamAnglePidReply(PidGains, Reply):
@@ -2436,9 +2742,9 @@ class WriteControlParameterRamAnglePidReply(PidGains, Reply):
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC1, 0x0A, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC1, 0x0A, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WriteControlParameterRamSpeedPidReply(PidGains, Reply):
@@ -2455,9 +2761,9 @@ class WriteControlParameterRamSpeedPidReply(PidGains, Reply):
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC1, 0x0B, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC1, 0x0B, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WriteControlParameterRamCurrentPidReply(PidGains, Reply):
@@ -2474,9 +2780,9 @@ class WriteControlParameterRamCurrentPidReply(PidGains, Reply):
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC1, 0x0C, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC1, 0x0C, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WriteControlParameterRamMaxTorqueCurrentReply(ControlParametersMaxTorqueCurrent, Reply):
@@ -2493,9 +2799,9 @@ class WriteControlParameterRamMaxTorqueCurrentReply(ControlParametersMaxTorqueCu
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xh2x", 0xC1, 0x1E, self.max_torque_current_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_11(0xC1, 0x1E, self._raws[0])
 
 
 class WriteControlParameterRamMaxSpeedReply(ControlParametersMaxSpeed, Reply):
@@ -2512,9 +2818,9 @@ class WriteControlParameterRamMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x20, self.max_speed_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x20, self._raws[0])
 
 
 class WriteControlParameterRamMaxAngleReply(ControlParametersMaxAngle, Reply):
@@ -2531,9 +2837,9 @@ class WriteControlParameterRamMaxAngleReply(ControlParametersMaxAngle, Reply):
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x22, self.max_angle_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x22, self._raws[0])
 
 
 class WriteControlParameterRamCurrentRampReply(ControlParametersCurrentRamp, Reply):
@@ -2550,9 +2856,9 @@ class WriteControlParameterRamCurrentRampReply(ControlParametersCurrentRamp, Rep
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x24, self.current_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x24, self._raws[0])
 
 
 class WriteControlParameterRamSpeedRampReply(ControlParametersSpeedRamp, Reply):
@@ -2569,9 +2875,9 @@ class WriteControlParameterRamSpeedRampReply(ControlParametersSpeedRamp, Reply):
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x26, self.speed_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x26, self._raws[0])
 
 
 class ReadEncoderReply(Reply):
@@ -2580,24 +2886,23 @@ class ReadEncoderReply(Reply):
     Manual 20.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_encoder"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x90
     NODES = (1, 32)
 
-    __slots__ = ("encoder_raw", "encoder_measured_raw", "encoder_offset_raw")
-
+    __match_args__ = ("encoder", "encoder_measured", "encoder_offset")
     TYPES = {
-        "encoder": ENCODER_POSITION.check,
-        "encoder_measured": ENCODER_POSITION.check,
-        "encoder_offset": ENCODER_POSITION.check,
+        "encoder": ENCODER_POSITION,
+        "encoder_measured": ENCODER_POSITION,
+        "encoder_offset": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    encoder_raw: int
-    encoder_measured_raw: int
-    encoder_offset_raw: int
+    _raws: tuple[int, int, int]
 
     def __init__(
         self,
@@ -2608,19 +2913,23 @@ class ReadEncoderReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.encoder_raw = ENCODER_POSITION.raw(encoder, self.parameters, "encoder")
-        self.encoder_measured_raw = ENCODER_POSITION.raw(encoder_measured, self.parameters, "encoder_measured")
-        self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (
+            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
+            ENCODER_POSITION.raw(encoder_measured, self._parameters, "encoder_measured"),
+            ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.encoder_raw, self.encoder_measured_raw, self.encoder_offset_raw = _UNPACK_1(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_1(data)
         return self
 
     @property
@@ -2630,7 +2939,11 @@ class ReadEncoderReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[0], self._parameters, "encoder")
+
+    @property
+    def encoder_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def encoder_measured(self) -> float:
@@ -2639,7 +2952,11 @@ class ReadEncoderReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
+        return ENCODER_POSITION.value(self._raws[1], self._parameters, "encoder_measured")
+
+    @property
+    def encoder_measured_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def encoder_offset(self) -> float:
@@ -2648,11 +2965,15 @@ class ReadEncoderReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
+        return ENCODER_POSITION.value(self._raws[2], self._parameters, "encoder_offset")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxHHH", 0x90, self.encoder_raw, self.encoder_measured_raw, self.encoder_offset_raw)
+    @property
+    def encoder_offset_raw(self) -> int:
+        return self._raws[2]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x90, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WritePositionAsZeroRomReply(Reply):
@@ -2661,20 +2982,21 @@ class WritePositionAsZeroRomReply(Reply):
     Manual 21.
     """
 
+    __slots__ = ()
+
     COMMAND = "write_position_as_zero_rom"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x19
     NODES = (1, 32)
 
-    __slots__ = ("encoder_offset_raw",)
-
+    __match_args__ = ("encoder_offset",)
     TYPES = {
-        "encoder_offset": ENCODER_POSITION.check,
+        "encoder_offset": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    encoder_offset_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -2683,17 +3005,19 @@ class WritePositionAsZeroRomReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.encoder_offset_raw = int.from_bytes(data[6:8], "little")
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_11(data)
         return self
 
     @property
@@ -2703,11 +3027,15 @@ class WritePositionAsZeroRomReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
+        return ENCODER_POSITION.value(self._raws[0], self._parameters, "encoder_offset")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B5xH", 0x19, self.encoder_offset_raw)
+    @property
+    def encoder_offset_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_14(0x19, self._raws[0])
 
 
 class ReadMultiTurnAngleReply(Reply):
@@ -2716,19 +3044,21 @@ class ReadMultiTurnAngleReply(Reply):
     Manual 22.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_multi_turn_angle"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x92
     NODES = (1, 32)
 
-    __slots__ = ("angle_raw",)
-
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": MULTI_TURN_ANGLE.check,
+        "angle": MULTI_TURN_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -2736,17 +3066,19 @@ class ReadMultiTurnAngleReply(Reply):
         node: int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.angle_raw = MULTI_TURN_ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (MULTI_TURN_ANGLE.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[1:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = (int.from_bytes(data[1:8], "little", signed=True),)
         return self
 
     @property
@@ -2755,11 +3087,16 @@ class ReadMultiTurnAngleReply(Reply):
 
         In °; resolution (1 LSB) 0.01 °. Positive values are clockwise, negative values counter-clockwise.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return ((0x92 & 0xFF) | ((self.angle_raw & 0xFFFFFFFFFFFFFF) << 8)).to_bytes(8, "little")
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        little = 0x92 & 0xFF | (self._raws[0] & 0xFFFFFFFFFFFFFF) << 8
+        return little.to_bytes(8, "little")
 
 
 class ReadSingleTurnAngleReply(Reply):
@@ -2768,20 +3105,21 @@ class ReadSingleTurnAngleReply(Reply):
     Manual 23.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_single_turn_angle"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x94
     NODES = (1, 32)
 
-    __slots__ = ("angle_raw",)
-
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": SINGLE_TURN_POSITION.check,
+        "angle": SINGLE_TURN_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -2790,17 +3128,19 @@ class ReadSingleTurnAngleReply(Reply):
         angle: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.angle_raw = SINGLE_TURN_POSITION.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (SINGLE_TURN_POSITION.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[4:8], "little")
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_12(data)
         return self
 
     @property
@@ -2810,11 +3150,15 @@ class ReadSingleTurnAngleReply(Reply):
         In °; resolution (1 LSB) 0.01 °; raw 0..36000*gear_ratio-1. Increases clockwise from the encoder zero;
         at the zero it restarts at 0.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xI", 0x94, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_15(0x94, self._raws[0])
 
 
 class SetAngleReply(SetAngle, Reply):
@@ -2883,26 +3227,24 @@ class ReadStatus3Reply(Reply):
     Manual 4.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_status_3"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x9D
     NODES = (1, 32)
 
-    __slots__ = ("temperature_raw", "phase_a_raw", "phase_b_raw", "phase_c_raw")
-
+    __match_args__ = ("temperature", "phase_a", "phase_b", "phase_c")
     TYPES = {
-        "temperature": TEMPERATURE.check,
-        "phase_a": PHASE_CURRENT.check,
-        "phase_b": PHASE_CURRENT.check,
-        "phase_c": PHASE_CURRENT.check,
+        "temperature": TEMPERATURE,
+        "phase_a": PHASE_CURRENT,
+        "phase_b": PHASE_CURRENT,
+        "phase_c": PHASE_CURRENT,
     }
     DEFAULTS = UNKNOWN
 
-    temperature_raw: int
-    phase_a_raw: int
-    phase_b_raw: int
-    phase_c_raw: int
+    _raws: tuple[int, int, int, int]
 
     def __init__(
         self,
@@ -2914,20 +3256,24 @@ class ReadStatus3Reply(Reply):
         phase_c: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
-        self.phase_a_raw = PHASE_CURRENT.raw(phase_a, self.parameters, "phase_a")
-        self.phase_b_raw = PHASE_CURRENT.raw(phase_b, self.parameters, "phase_b")
-        self.phase_c_raw = PHASE_CURRENT.raw(phase_c, self.parameters, "phase_c")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            PHASE_CURRENT.raw(phase_a, self._parameters, "phase_a"),
+            PHASE_CURRENT.raw(phase_b, self._parameters, "phase_b"),
+            PHASE_CURRENT.raw(phase_c, self._parameters, "phase_c"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw = _UNPACK_8(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_13(data)
         return self
 
     @property
@@ -2936,7 +3282,11 @@ class ReadStatus3Reply(Reply):
 
         In °C.
         """
-        return self.temperature_raw
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def phase_a(self) -> float:
@@ -2944,7 +3294,11 @@ class ReadStatus3Reply(Reply):
 
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
-        return PHASE_CURRENT.value(self.phase_a_raw, self.parameters, "phase_a")
+        return PHASE_CURRENT.value(self._raws[1], self._parameters, "phase_a")
+
+    @property
+    def phase_a_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def phase_b(self) -> float:
@@ -2952,7 +3306,11 @@ class ReadStatus3Reply(Reply):
 
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
-        return PHASE_CURRENT.value(self.phase_b_raw, self.parameters, "phase_b")
+        return PHASE_CURRENT.value(self._raws[2], self._parameters, "phase_b")
+
+    @property
+    def phase_b_raw(self) -> int:
+        return self._raws[2]
 
     @property
     def phase_c(self) -> float:
@@ -2960,159 +3318,498 @@ class ReadStatus3Reply(Reply):
 
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
-        return PHASE_CURRENT.value(self.phase_c_raw, self.parameters, "phase_c")
+        return PHASE_CURRENT.value(self._raws[3], self._parameters, "phase_c")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<Bbhhh", 0x9D, self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw)
+    @property
+    def phase_c_raw(self) -> int:
+        return self._raws[3]
 
-
-def _key_1(can_id: int, data: bytes) -> int:
-    return data[0]
-
-
-def _key_2(can_id: int, data: bytes) -> int:
-    return data[1]
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_16(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
-_dispatcher = Dispatcher(
+AnyRequest: TypeAlias = Union[
+    MotorOffRequest,
+    MotorOnRequest,
+    MotorStopRequest,
+    BrakeRequest,
+    SetPowerRequest,
+    SetTorqueRequest,
+    SetSpeedRequest,
+    MoveToAngleRequest,
+    MoveToAngleAtSpeedRequest,
+    TurnToAngleRequest,
+    TurnToAngleAtSpeedRequest,
+    MoveByAngleRequest,
+    MoveByAngleAtSpeedRequest,
+    ReadControlParameterAnglePidRequest,
+    ReadControlParameterSpeedPidRequest,
+    ReadControlParameterCurrentPidRequest,
+    ReadControlParameterMaxTorqueCurrentRequest,
+    ReadControlParameterMaxSpeedRequest,
+    ReadControlParameterMaxAngleRequest,
+    ReadControlParameterCurrentRampRequest,
+    ReadControlParameterSpeedRampRequest,
+    WriteControlParameterRamAnglePidRequest,
+    WriteControlParameterRamSpeedPidRequest,
+    WriteControlParameterRamCurrentPidRequest,
+    WriteControlParameterRamMaxTorqueCurrentRequest,
+    WriteControlParameterRamMaxSpeedRequest,
+    WriteControlParameterRamMaxAngleRequest,
+    WriteControlParameterRamCurrentRampRequest,
+    WriteControlParameterRamSpeedRampRequest,
+    ReadEncoderRequest,
+    WritePositionAsZeroRomRequest,
+    ReadMultiTurnAngleRequest,
+    ReadSingleTurnAngleRequest,
+    SetAngleRequest,
+    ReadStatus1Request,
+    ClearErrorsRequest,
+    ReadStatus2Request,
+    ReadStatus3Request,
+]
+"""Every request that `decode_request` returns."""
+AnyReply: TypeAlias = Union[
+    MotorOffReply,
+    MotorOnReply,
+    MotorStopReply,
+    BrakeReply,
+    SetPowerReply,
+    SetTorqueReply,
+    SetSpeedReply,
+    MoveToAngleReply,
+    MoveToAngleAtSpeedReply,
+    TurnToAngleReply,
+    TurnToAngleAtSpeedReply,
+    MoveByAngleReply,
+    MoveByAngleAtSpeedReply,
+    ReadControlParameterAnglePidReply,
+    ReadControlParameterSpeedPidReply,
+    ReadControlParameterCurrentPidReply,
+    ReadControlParameterMaxTorqueCurrentReply,
+    ReadControlParameterMaxSpeedReply,
+    ReadControlParameterMaxAngleReply,
+    ReadControlParameterCurrentRampReply,
+    ReadControlParameterSpeedRampReply,
+    WriteControlParameterRamAnglePidReply,
+    WriteControlParameterRamSpeedPidReply,
+    WriteControlParameterRamCurrentPidReply,
+    WriteControlParameterRamMaxTorqueCurrentReply,
+    WriteControlParameterRamMaxSpeedReply,
+    WriteControlParameterRamMaxAngleReply,
+    WriteControlParameterRamCurrentRampReply,
+    WriteControlParameterRamSpeedRampReply,
+    ReadEncoderReply,
+    WritePositionAsZeroRomReply,
+    ReadMultiTurnAngleReply,
+    ReadSingleTurnAngleReply,
+    SetAngleReply,
+    ReadStatus1Reply,
+    ClearErrorsReply,
+    ReadStatus2Reply,
+    ReadStatus3Reply,
+]
+"""Every reply that `decode_reply` returns."""
+
+_data_0 = DataByte(0)
+_data_1 = DataByte(1)
+
+
+_dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     requests=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffRequest,
-            0x88: MotorOnRequest,
-            0x81: MotorStopRequest,
-            0x8C: BrakeRequest,
-            0xA0: SetPowerRequest,
-            0xA1: SetTorqueRequest,
-            0xA2: SetSpeedRequest,
-            0xA3: MoveToAngleRequest,
-            0xA4: MoveToAngleAtSpeedRequest,
-            0xA5: TurnToAngleRequest,
-            0xA6: TurnToAngleAtSpeedRequest,
-            0xA7: MoveByAngleRequest,
-            0xA8: MoveByAngleAtSpeedRequest,
-            0xC0: Select(_key_2, {
-                0x0A: ReadControlParameterAnglePidRequest,
-                0x0B: ReadControlParameterSpeedPidRequest,
-                0x0C: ReadControlParameterCurrentPidRequest,
-                0x1E: ReadControlParameterMaxTorqueCurrentRequest,
-                0x20: ReadControlParameterMaxSpeedRequest,
-                0x22: ReadControlParameterMaxAngleRequest,
-                0x24: ReadControlParameterCurrentRampRequest,
-                0x26: ReadControlParameterSpeedRampRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0xC1: Select(_key_2, {
-                0x0A: WriteControlParameterRamAnglePidRequest,
-                0x0B: WriteControlParameterRamSpeedPidRequest,
-                0x0C: WriteControlParameterRamCurrentPidRequest,
-                0x1E: WriteControlParameterRamMaxTorqueCurrentRequest,
-                0x20: WriteControlParameterRamMaxSpeedRequest,
-                0x22: WriteControlParameterRamMaxAngleRequest,
-                0x24: WriteControlParameterRamCurrentRampRequest,
-                0x26: WriteControlParameterRamSpeedRampRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0x90: ReadEncoderRequest,
-            0x19: WritePositionAsZeroRomRequest,
-            0x92: ReadMultiTurnAngleRequest,
-            0x94: ReadSingleTurnAngleRequest,
-            0x95: SetAngleRequest,
-            0x9A: ReadStatus1Request,
-            0x9B: ClearErrorsRequest,
-            0x9C: ReadStatus2Request,
-            0x9D: ReadStatus3Request,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffRequest,
+                            0x88: MotorOnRequest,
+                            0x81: MotorStopRequest,
+                            0x8C: BrakeRequest,
+                            0xA0: SetPowerRequest,
+                            0xA1: SetTorqueRequest,
+                            0xA2: SetSpeedRequest,
+                            0xA3: MoveToAngleRequest,
+                            0xA4: MoveToAngleAtSpeedRequest,
+                            0xA5: TurnToAngleRequest,
+                            0xA6: TurnToAngleAtSpeedRequest,
+                            0xA7: MoveByAngleRequest,
+                            0xA8: MoveByAngleAtSpeedRequest,
+                            0xC0: Select(
+                                _data_1,
+                                {
+                                    0x0A: ReadControlParameterAnglePidRequest,
+                                    0x0B: ReadControlParameterSpeedPidRequest,
+                                    0x0C: ReadControlParameterCurrentPidRequest,
+                                    0x1E: ReadControlParameterMaxTorqueCurrentRequest,
+                                    0x20: ReadControlParameterMaxSpeedRequest,
+                                    0x22: ReadControlParameterMaxAngleRequest,
+                                    0x24: ReadControlParameterCurrentRampRequest,
+                                    0x26: ReadControlParameterSpeedRampRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0xC1: Select(
+                                _data_1,
+                                {
+                                    0x0A: WriteControlParameterRamAnglePidRequest,
+                                    0x0B: WriteControlParameterRamSpeedPidRequest,
+                                    0x0C: WriteControlParameterRamCurrentPidRequest,
+                                    0x1E: WriteControlParameterRamMaxTorqueCurrentRequest,
+                                    0x20: WriteControlParameterRamMaxSpeedRequest,
+                                    0x22: WriteControlParameterRamMaxAngleRequest,
+                                    0x24: WriteControlParameterRamCurrentRampRequest,
+                                    0x26: WriteControlParameterRamSpeedRampRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x90: ReadEncoderRequest,
+                            0x19: WritePositionAsZeroRomRequest,
+                            0x92: ReadMultiTurnAngleRequest,
+                            0x94: ReadSingleTurnAngleRequest,
+                            0x95: SetAngleRequest,
+                            0x9A: ReadStatus1Request,
+                            0x9B: ClearErrorsRequest,
+                            0x9C: ReadStatus2Request,
+                            0x9D: ReadStatus3Request,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     replies=(
-        Route(0x180, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffReply,
-            0x88: MotorOnReply,
-            0x81: MotorStopReply,
-            0x8C: BrakeReply,
-            0xA0: SetPowerReply,
-            0xA1: SetTorqueReply,
-            0xA2: SetSpeedReply,
-            0xA3: MoveToAngleReply,
-            0xA4: MoveToAngleAtSpeedReply,
-            0xA5: TurnToAngleReply,
-            0xA6: TurnToAngleAtSpeedReply,
-            0xA7: MoveByAngleReply,
-            0xA8: MoveByAngleAtSpeedReply,
-            0xC0: Select(_key_2, {
-                0x0A: ReadControlParameterAnglePidReply,
-                0x0B: ReadControlParameterSpeedPidReply,
-                0x0C: ReadControlParameterCurrentPidReply,
-                0x1E: ReadControlParameterMaxTorqueCurrentReply,
-                0x20: ReadControlParameterMaxSpeedReply,
-                0x22: ReadControlParameterMaxAngleReply,
-                0x24: ReadControlParameterCurrentRampReply,
-                0x26: ReadControlParameterSpeedRampReply,
-            }, Refusal.UNKNOWN_CODE),
-            0xC1: Select(_key_2, {
-                0x0A: WriteControlParameterRamAnglePidReply,
-                0x0B: WriteControlParameterRamSpeedPidReply,
-                0x0C: WriteControlParameterRamCurrentPidReply,
-                0x1E: WriteControlParameterRamMaxTorqueCurrentReply,
-                0x20: WriteControlParameterRamMaxSpeedReply,
-                0x22: WriteControlParameterRamMaxAngleReply,
-                0x24: WriteControlParameterRamCurrentRampReply,
-                0x26: WriteControlParameterRamSpeedRampReply,
-            }, Refusal.UNKNOWN_CODE),
-            0x90: ReadEncoderReply,
-            0x19: WritePositionAsZeroRomReply,
-            0x92: ReadMultiTurnAngleReply,
-            0x94: ReadSingleTurnAngleReply,
-            0x95: SetAngleReply,
-            0x9A: ReadStatus1Reply,
-            0x9B: ClearErrorsReply,
-            0x9C: ReadStatus2Reply,
-            0x9D: ReadStatus3Reply,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x180,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffReply,
+                            0x88: MotorOnReply,
+                            0x81: MotorStopReply,
+                            0x8C: BrakeReply,
+                            0xA0: SetPowerReply,
+                            0xA1: SetTorqueReply,
+                            0xA2: SetSpeedReply,
+                            0xA3: MoveToAngleReply,
+                            0xA4: MoveToAngleAtSpeedReply,
+                            0xA5: TurnToAngleReply,
+                            0xA6: TurnToAngleAtSpeedReply,
+                            0xA7: MoveByAngleReply,
+                            0xA8: MoveByAngleAtSpeedReply,
+                            0xC0: Select(
+                                _data_1,
+                                {
+                                    0x0A: ReadControlParameterAnglePidReply,
+                                    0x0B: ReadControlParameterSpeedPidReply,
+                                    0x0C: ReadControlParameterCurrentPidReply,
+                                    0x1E: ReadControlParameterMaxTorqueCurrentReply,
+                                    0x20: ReadControlParameterMaxSpeedReply,
+                                    0x22: ReadControlParameterMaxAngleReply,
+                                    0x24: ReadControlParameterCurrentRampReply,
+                                    0x26: ReadControlParameterSpeedRampReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0xC1: Select(
+                                _data_1,
+                                {
+                                    0x0A: WriteControlParameterRamAnglePidReply,
+                                    0x0B: WriteControlParameterRamSpeedPidReply,
+                                    0x0C: WriteControlParameterRamCurrentPidReply,
+                                    0x1E: WriteControlParameterRamMaxTorqueCurrentReply,
+                                    0x20: WriteControlParameterRamMaxSpeedReply,
+                                    0x22: WriteControlParameterRamMaxAngleReply,
+                                    0x24: WriteControlParameterRamCurrentRampReply,
+                                    0x26: WriteControlParameterRamSpeedRampReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x90: ReadEncoderReply,
+                            0x19: WritePositionAsZeroRomReply,
+                            0x92: ReadMultiTurnAngleReply,
+                            0x94: ReadSingleTurnAngleReply,
+                            0x95: SetAngleReply,
+                            0x9A: ReadStatus1Reply,
+                            0x9B: ClearErrorsReply,
+                            0x9C: ReadStatus2Reply,
+                            0x9D: ReadStatus3Reply,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     answers={
-        MotorOffRequest: Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
-        MotorOnRequest: Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
-        MotorStopRequest: Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
-        BrakeRequest: Answer(BrakeReply, ((_key_1, (0x8C,)),), (), False),
-        SetPowerRequest: Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
-        SetTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
-        SetSpeedRequest: Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
-        MoveToAngleRequest: Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
-        MoveToAngleAtSpeedRequest: Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
-        TurnToAngleRequest: Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
-        TurnToAngleAtSpeedRequest: Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
-        MoveByAngleRequest: Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
-        MoveByAngleAtSpeedRequest: Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
-        ReadControlParameterAnglePidRequest: Answer(ReadControlParameterAnglePidReply, ((_key_1, (0xC0,)), (_key_2, (0x0A,))), (), False),
-        ReadControlParameterSpeedPidRequest: Answer(ReadControlParameterSpeedPidReply, ((_key_1, (0xC0,)), (_key_2, (0x0B,))), (), False),
-        ReadControlParameterCurrentPidRequest: Answer(ReadControlParameterCurrentPidReply, ((_key_1, (0xC0,)), (_key_2, (0x0C,))), (), False),
-        ReadControlParameterMaxTorqueCurrentRequest: Answer(ReadControlParameterMaxTorqueCurrentReply, ((_key_1, (0xC0,)), (_key_2, (0x1E,))), (), False),
-        ReadControlParameterMaxSpeedRequest: Answer(ReadControlParameterMaxSpeedReply, ((_key_1, (0xC0,)), (_key_2, (0x20,))), (), False),
-        ReadControlParameterMaxAngleRequest: Answer(ReadControlParameterMaxAngleReply, ((_key_1, (0xC0,)), (_key_2, (0x22,))), (), False),
-        ReadControlParameterCurrentRampRequest: Answer(ReadControlParameterCurrentRampReply, ((_key_1, (0xC0,)), (_key_2, (0x24,))), (), False),
-        ReadControlParameterSpeedRampRequest: Answer(ReadControlParameterSpeedRampReply, ((_key_1, (0xC0,)), (_key_2, (0x26,))), (), False),
-        WriteControlParameterRamAnglePidRequest: Answer(WriteControlParameterRamAnglePidReply, ((_key_1, (0xC1,)), (_key_2, (0x0A,))), (), False),
-        WriteControlParameterRamSpeedPidRequest: Answer(WriteControlParameterRamSpeedPidReply, ((_key_1, (0xC1,)), (_key_2, (0x0B,))), (), False),
-        WriteControlParameterRamCurrentPidRequest: Answer(WriteControlParameterRamCurrentPidReply, ((_key_1, (0xC1,)), (_key_2, (0x0C,))), (), False),
-        WriteControlParameterRamMaxTorqueCurrentRequest: Answer(WriteControlParameterRamMaxTorqueCurrentReply, ((_key_1, (0xC1,)), (_key_2, (0x1E,))), (), False),
-        WriteControlParameterRamMaxSpeedRequest: Answer(WriteControlParameterRamMaxSpeedReply, ((_key_1, (0xC1,)), (_key_2, (0x20,))), (), False),
-        WriteControlParameterRamMaxAngleRequest: Answer(WriteControlParameterRamMaxAngleReply, ((_key_1, (0xC1,)), (_key_2, (0x22,))), (), False),
-        WriteControlParameterRamCurrentRampRequest: Answer(WriteControlParameterRamCurrentRampReply, ((_key_1, (0xC1,)), (_key_2, (0x24,))), (), False),
-        WriteControlParameterRamSpeedRampRequest: Answer(WriteControlParameterRamSpeedRampReply, ((_key_1, (0xC1,)), (_key_2, (0x26,))), (), False),
-        ReadEncoderRequest: Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
-        WritePositionAsZeroRomRequest: Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
-        ReadMultiTurnAngleRequest: Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
-        ReadSingleTurnAngleRequest: Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
-        SetAngleRequest: Answer(SetAngleReply, ((_key_1, (0x95,)),), (), True),
-        ReadStatus1Request: Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
-        ClearErrorsRequest: Answer(ClearErrorsReply, ((_key_1, (0x9B,)),), (), False),
-        ReadStatus2Request: Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
-        ReadStatus3Request: Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
+        MotorOffRequest: Answer(
+            MotorOffReply,
+            (
+                (_data_0, (0x80,)),
+            ),
+            echo=True,
+        ),
+        MotorOnRequest: Answer(
+            MotorOnReply,
+            (
+                (_data_0, (0x88,)),
+            ),
+            echo=True,
+        ),
+        MotorStopRequest: Answer(
+            MotorStopReply,
+            (
+                (_data_0, (0x81,)),
+            ),
+            echo=True,
+        ),
+        BrakeRequest: Answer(
+            BrakeReply,
+            (
+                (_data_0, (0x8C,)),
+            ),
+        ),
+        SetPowerRequest: Answer(
+            SetPowerReply,
+            (
+                (_data_0, (0xA0,)),
+            ),
+        ),
+        SetTorqueRequest: Answer(
+            SetTorqueReply,
+            (
+                (_data_0, (0xA1,)),
+            ),
+        ),
+        SetSpeedRequest: Answer(
+            SetSpeedReply,
+            (
+                (_data_0, (0xA2,)),
+            ),
+        ),
+        MoveToAngleRequest: Answer(
+            MoveToAngleReply,
+            (
+                (_data_0, (0xA3,)),
+            ),
+        ),
+        MoveToAngleAtSpeedRequest: Answer(
+            MoveToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA4,)),
+            ),
+        ),
+        TurnToAngleRequest: Answer(
+            TurnToAngleReply,
+            (
+                (_data_0, (0xA5,)),
+            ),
+        ),
+        TurnToAngleAtSpeedRequest: Answer(
+            TurnToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA6,)),
+            ),
+        ),
+        MoveByAngleRequest: Answer(
+            MoveByAngleReply,
+            (
+                (_data_0, (0xA7,)),
+            ),
+        ),
+        MoveByAngleAtSpeedRequest: Answer(
+            MoveByAngleAtSpeedReply,
+            (
+                (_data_0, (0xA8,)),
+            ),
+        ),
+        ReadControlParameterAnglePidRequest: Answer(
+            ReadControlParameterAnglePidReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x0A,)),
+            ),
+        ),
+        ReadControlParameterSpeedPidRequest: Answer(
+            ReadControlParameterSpeedPidReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x0B,)),
+            ),
+        ),
+        ReadControlParameterCurrentPidRequest: Answer(
+            ReadControlParameterCurrentPidReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x0C,)),
+            ),
+        ),
+        ReadControlParameterMaxTorqueCurrentRequest: Answer(
+            ReadControlParameterMaxTorqueCurrentReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x1E,)),
+            ),
+        ),
+        ReadControlParameterMaxSpeedRequest: Answer(
+            ReadControlParameterMaxSpeedReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x20,)),
+            ),
+        ),
+        ReadControlParameterMaxAngleRequest: Answer(
+            ReadControlParameterMaxAngleReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x22,)),
+            ),
+        ),
+        ReadControlParameterCurrentRampRequest: Answer(
+            ReadControlParameterCurrentRampReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x24,)),
+            ),
+        ),
+        ReadControlParameterSpeedRampRequest: Answer(
+            ReadControlParameterSpeedRampReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x26,)),
+            ),
+        ),
+        WriteControlParameterRamAnglePidRequest: Answer(
+            WriteControlParameterRamAnglePidReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x0A,)),
+            ),
+        ),
+        WriteControlParameterRamSpeedPidRequest: Answer(
+            WriteControlParameterRamSpeedPidReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x0B,)),
+            ),
+        ),
+        WriteControlParameterRamCurrentPidRequest: Answer(
+            WriteControlParameterRamCurrentPidReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x0C,)),
+            ),
+        ),
+        WriteControlParameterRamMaxTorqueCurrentRequest: Answer(
+            WriteControlParameterRamMaxTorqueCurrentReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x1E,)),
+            ),
+        ),
+        WriteControlParameterRamMaxSpeedRequest: Answer(
+            WriteControlParameterRamMaxSpeedReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x20,)),
+            ),
+        ),
+        WriteControlParameterRamMaxAngleRequest: Answer(
+            WriteControlParameterRamMaxAngleReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x22,)),
+            ),
+        ),
+        WriteControlParameterRamCurrentRampRequest: Answer(
+            WriteControlParameterRamCurrentRampReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x24,)),
+            ),
+        ),
+        WriteControlParameterRamSpeedRampRequest: Answer(
+            WriteControlParameterRamSpeedRampReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x26,)),
+            ),
+        ),
+        ReadEncoderRequest: Answer(
+            ReadEncoderReply,
+            (
+                (_data_0, (0x90,)),
+            ),
+        ),
+        WritePositionAsZeroRomRequest: Answer(
+            WritePositionAsZeroRomReply,
+            (
+                (_data_0, (0x19,)),
+            ),
+        ),
+        ReadMultiTurnAngleRequest: Answer(
+            ReadMultiTurnAngleReply,
+            (
+                (_data_0, (0x92,)),
+            ),
+        ),
+        ReadSingleTurnAngleRequest: Answer(
+            ReadSingleTurnAngleReply,
+            (
+                (_data_0, (0x94,)),
+            ),
+        ),
+        SetAngleRequest: Answer(
+            SetAngleReply,
+            (
+                (_data_0, (0x95,)),
+            ),
+            echo=True,
+        ),
+        ReadStatus1Request: Answer(
+            ReadStatus1Reply,
+            (
+                (_data_0, (0x9A,)),
+            ),
+        ),
+        ClearErrorsRequest: Answer(
+            ClearErrorsReply,
+            (
+                (_data_0, (0x9B,)),
+            ),
+        ),
+        ReadStatus2Request: Answer(
+            ReadStatus2Reply,
+            (
+                (_data_0, (0x9C,)),
+            ),
+        ),
+        ReadStatus3Request: Answer(
+            ReadStatus3Reply,
+            (
+                (_data_0, (0x9D,)),
+            ),
+        ),
     },
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
 ids_of = _dispatcher.ids_of
-decode_request = _dispatcher.decode_request
-decode_reply = _dispatcher.decode_reply
+decode_request = _dispatcher.requests.decode
+decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply

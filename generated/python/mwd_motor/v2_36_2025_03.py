@@ -10,13 +10,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
-from struct import Struct, pack
-from typing import TYPE_CHECKING, Any, ClassVar
+from struct import Struct
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, Union
 
 from ._codec import (
     Bound,
     CodecError,
+    EnumType,
     FieldAbsent,
+    FlagsType,
     Message,
     Number,
     Real,
@@ -27,16 +29,11 @@ from ._codec import (
     check_choice,
     check_number,
     constant,
-    flags,
-    known,
-    member,
     missing,
-    named,
-    node_in,
-    require,
 )
 from ._dispatch import (
     Answer,
+    DataByte,
     Dispatcher,
     Route,
     Select,
@@ -48,6 +45,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AlignState",
+    "AnyReply",
+    "AnyRequest",
     "BrakeAction",
     "BrakeReply",
     "BrakeRequest",
@@ -248,7 +247,7 @@ class Parameters:
     """Motor series. One of MS, MF, MH, MG. Printed on the motor. It determines the scale of the torque current
     in amperes. MS motors report power in place of the torque current.
     """
-    encoder_bits: int | None = None
+    encoder_bits: Literal[14, 15, 16] | None = None
     """Encoder resolution in bits. One of 14, 15, 16. Determines the number of counts per turn."""
     gear_ratio: Real | None = None
     """Gear ratio. 1 or more. Motor turns per turn of the output shaft; 1 without a gearbox. It determines the
@@ -399,37 +398,118 @@ VOLTAGE = Number(-32768, 32767, "V", scale=(1, 100, 0))
 BUS_CURRENT = Number(-32768, 32767, "A", scale=(1, 100, 0))
 POWER = Number(-32768, 32767, limits=(Bound(-850), Bound(850)))
 OUTPUT_POWER = Number(-32768, 32767, limits=(Bound(-1000), Bound(1000)))
-TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series", limits=(Bound(-2048), Bound(2048)))
-MEASURED_TORQUE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series")
-PHASE_CURRENT = Number(-32768, 32767, "A", scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)}, scale_by="series")
+TORQUE_CURRENT = Number(
+    -32768,
+    32767,
+    "A",
+    scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
+    scale_by="series",
+    limits=(Bound(-2048), Bound(2048)),
+)
+MEASURED_TORQUE_CURRENT = Number(
+    -32768,
+    32767,
+    "A",
+    scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
+    scale_by="series",
+)
+PHASE_CURRENT = Number(
+    -32768,
+    32767,
+    "A",
+    scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
+    scale_by="series",
+)
 SPEED = Number(-32768, 32767, "deg/s")
 SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0))
 SPEED_LIMIT = Number(0, 65535, "deg/s")
 ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0))
 SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0))
-SINGLE_TURN_POSITION = Number(0, 4294967295, "deg", scale=(1, 100, 0), limits=(Bound(0), Bound(-1, 36000, "gear_ratio")))
+SINGLE_TURN_POSITION = Number(
+    0,
+    4294967295,
+    "deg",
+    scale=(1, 100, 0),
+    limits=(Bound(0), Bound(-1, 36000, "gear_ratio")),
+)
 MULTI_TURN_ANGLE = Number(-36028797018963968, 36028797018963967, "deg", scale=(1, 100, 0))
-ENCODER_POSITION = Number(0, 65535, "deg", scale={14: (45, 2048, 0), 15: (45, 4096, 0), 16: (45, 8192, 0)}, scale_by="encoder_bits", limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))}, limits_by="encoder_bits")
+ENCODER_POSITION = Number(
+    0,
+    65535,
+    "deg",
+    scale={14: (45, 2048, 0), 15: (45, 4096, 0), 16: (45, 8192, 0)},
+    scale_by="encoder_bits",
+    limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))},
+    limits_by="encoder_bits",
+)
 GAIN = Number(0, 65535, limits=(Bound(0), Bound(2000)))
-OUTPUT_LIMIT = Number(-32768, 32767, limits={Series.MS: (Bound(0), Bound(850)), Series.MF: (Bound(0), Bound(2000)), Series.MH: (Bound(0), Bound(2000)), Series.MG: (Bound(0), Bound(2000))}, limits_by="series")
+OUTPUT_LIMIT = Number(
+    -32768,
+    32767,
+    limits={
+        Series.MS: (Bound(0), Bound(850)),
+        Series.MF: (Bound(0), Bound(2000)),
+        Series.MH: (Bound(0), Bound(2000)),
+        Series.MG: (Bound(0), Bound(2000)),
+    },
+    limits_by="series",
+)
 SPEED_BOUND = Number(-2147483648, 2147483647, limits=(Bound(0), Bound(600000)))
 ANGLE_BOUND = Number(-2147483648, 2147483647)
 MAX_ANGLE = Number(-2147483648, 2147483647, limits=(Bound(0), Bound(2147483647)))
 CURRENT_RAMP = Number(-32768, 32767, limits=(Bound(0), Bound(30000)))
 SPEED_RAMP = Number(-2147483648, 2147483647, limits=(Bound(0), Bound(600000)))
+_SpinDirection = EnumType(SpinDirection)
+_BrakeAction = EnumType(BrakeAction)
+_BrakeState = EnumType(BrakeState)
+_MotorState = EnumType(MotorState)
+_ErrorFlags = FlagsType(ErrorFlags, 0xFF)
 ALIGN_RATIO = Number(0, 65535)
+_AlignState = FlagsType(AlignState, 0x11)
 DRIVER_ID = Number(0, 255, limits=(Bound(0), Bound(32)))
+_BusType = EnumType(BusType)
+_Rs485BaudRate = EnumType(Rs485BaudRate)
+_CanBaudRate = EnumType(CanBaudRate)
+_SaveResult = EnumType(SaveResult)
 U32 = Number(0, 4294967295)
 U8 = Number(0, 255)
 _UNPACK_1 = Struct("<2xHHH").unpack
-_UNPACK_2 = Struct("<xbhhH").unpack
-_UNPACK_3 = Struct("<xbhhBB").unpack
-_UNPACK_4 = Struct("<2xhi").unpack
-_UNPACK_5 = Struct("<2xHi").unpack
-_UNPACK_6 = Struct("<xB2xI").unpack
-_UNPACK_7 = Struct("<xBHI").unpack
-_UNPACK_8 = Struct("<xIHB").unpack
-_UNPACK_9 = Struct("<xbhhh").unpack
+_UNPACK_2 = Struct("<4xh2x").unpack
+_UNPACK_3 = Struct("<4xi").unpack
+_UNPACK_4 = Struct("<4xB3x").unpack
+_UNPACK_5 = Struct("<xbhhH").unpack
+_UNPACK_6 = Struct("<xbhhBB").unpack
+_UNPACK_7 = Struct("<xB6x").unpack
+_UNPACK_8 = Struct("<2xhi").unpack
+_UNPACK_9 = Struct("<2xHi").unpack
+_UNPACK_10 = Struct("<xB2xI").unpack
+_UNPACK_11 = Struct("<xBHI").unpack
+_UNPACK_12 = Struct("<xIHB").unpack
+_UNPACK_13 = Struct("<6xH").unpack
+_UNPACK_14 = Struct("<4xI").unpack
+_UNPACK_15 = Struct("<xbhhh").unpack
+_UNPACK_16 = Struct("<2xB5x").unpack
+_PACK_1 = Struct("<BbhhH").pack
+_PACK_2 = Struct("<BbhhBB").pack
+_PACK_3 = Struct("<BB6x").pack
+_PACK_4 = Struct("<B3xh2x").pack
+_PACK_5 = Struct("<Bxhi").pack
+_PACK_6 = Struct("<B3xi").pack
+_PACK_7 = Struct("<BxHi").pack
+_PACK_8 = Struct("<BB2xI").pack
+_PACK_9 = Struct("<BBHI").pack
+_PACK_10 = Struct("<BBHHH").pack
+_PACK_11 = Struct("<BB2xh2x").pack
+_PACK_12 = Struct("<BB2xi").pack
+_PACK_13 = Struct("<BBBxB3x").pack
+_PACK_14 = Struct("<BBBxh2x").pack
+_PACK_15 = Struct("<BBBxi").pack
+_PACK_16 = Struct("<BBB5x").pack
+_PACK_17 = Struct("<BxHHH").pack
+_PACK_18 = Struct("<BIHB").pack
+_PACK_19 = Struct("<B5xH").pack
+_PACK_20 = Struct("<B3xI").pack
+_PACK_21 = Struct("<Bbhhh").pack
 
 
 class PidGains(Message):
@@ -438,17 +518,17 @@ class PidGains(Message):
     Manual 19, 27.
     """
 
-    __slots__ = ("kp_raw", "ki_raw", "kd_raw")
+    __slots__ = ()
 
+    __match_args__ = ("kp", "ki", "kd")
     TYPES = {
-        "kp": GAIN.check,
-        "ki": GAIN.check,
-        "kd": GAIN.check,
+        "kp": GAIN,
+        "ki": GAIN,
+        "kd": GAIN,
     }
+    DEFAULTS = UNKNOWN
 
-    kp_raw: int
-    ki_raw: int
-    kd_raw: int
+    _raws: tuple[int, int, int]
 
     def __init__(
         self,
@@ -458,19 +538,23 @@ class PidGains(Message):
         ki: Real,
         kd: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.kp_raw = GAIN.raw(kp, self.parameters, "kp")
-        self.ki_raw = GAIN.raw(ki, self.parameters, "ki")
-        self.kd_raw = GAIN.raw(kd, self.parameters, "kd")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            GAIN.raw(kp, self._parameters, "kp"),
+            GAIN.raw(ki, self._parameters, "ki"),
+            GAIN.raw(kd, self._parameters, "kd"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.kp_raw, self.ki_raw, self.kd_raw = _UNPACK_1(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_1(data)
         return self
 
     @property
@@ -479,7 +563,11 @@ class PidGains(Message):
 
         Raw 0..2000.
         """
-        return self.kp_raw
+        return self._raws[0]
+
+    @property
+    def kp_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def ki(self) -> int:
@@ -487,7 +575,11 @@ class PidGains(Message):
 
         Raw 0..2000.
         """
-        return self.ki_raw
+        return self._raws[1]
+
+    @property
+    def ki_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def kd(self) -> int:
@@ -495,7 +587,11 @@ class PidGains(Message):
 
         Raw 0..2000.
         """
-        return self.kd_raw
+        return self._raws[2]
+
+    @property
+    def kd_raw(self) -> int:
+        return self._raws[2]
 
 
 class ControlParametersMaxTorqueCurrent(Message):
@@ -504,14 +600,15 @@ class ControlParametersMaxTorqueCurrent(Message):
     Manual 19.
     """
 
-    __slots__ = ("max_torque_current_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("max_torque_current",)
     TYPES = {
-        "max_torque_current": OUTPUT_LIMIT.check,
+        "max_torque_current": OUTPUT_LIMIT,
     }
     DEFAULTS = UNKNOWN
 
-    max_torque_current_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -520,17 +617,19 @@ class ControlParametersMaxTorqueCurrent(Message):
         max_torque_current: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.max_torque_current_raw = OUTPUT_LIMIT.raw(max_torque_current, self.parameters, "max_torque_current")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (OUTPUT_LIMIT.raw(max_torque_current, self._parameters, "max_torque_current"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_torque_current_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -539,7 +638,11 @@ class ControlParametersMaxTorqueCurrent(Message):
 
         Raw 0..850 (MS), 0..2000 (MF, MH, MG).
         """
-        return self.max_torque_current_raw
+        return self._raws[0]
+
+    @property
+    def max_torque_current_raw(self) -> int:
+        return self._raws[0]
 
 
 class ControlParametersMaxSpeed(Message):
@@ -548,13 +651,15 @@ class ControlParametersMaxSpeed(Message):
     Manual 19.
     """
 
-    __slots__ = ("max_speed_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("max_speed",)
     TYPES = {
-        "max_speed": SPEED_BOUND.check,
+        "max_speed": SPEED_BOUND,
     }
+    DEFAULTS = UNKNOWN
 
-    max_speed_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -562,17 +667,19 @@ class ControlParametersMaxSpeed(Message):
         node: int,
         max_speed: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_speed_raw = SPEED_BOUND.raw(max_speed, self.parameters, "max_speed")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (SPEED_BOUND.raw(max_speed, self._parameters, "max_speed"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_speed_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -581,7 +688,11 @@ class ControlParametersMaxSpeed(Message):
 
         Raw 0..600000.
         """
-        return self.max_speed_raw
+        return self._raws[0]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[0]
 
 
 class ControlParametersUpperAngle(Message):
@@ -592,13 +703,15 @@ class ControlParametersUpperAngle(Message):
     Manual 19.
     """
 
-    __slots__ = ("upper_angle_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("upper_angle",)
     TYPES = {
-        "upper_angle": ANGLE_BOUND.check,
+        "upper_angle": ANGLE_BOUND,
     }
+    DEFAULTS = UNKNOWN
 
-    upper_angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -606,23 +719,29 @@ class ControlParametersUpperAngle(Message):
         node: int,
         upper_angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.upper_angle_raw = ANGLE_BOUND.raw(upper_angle, self.parameters, "upper_angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ANGLE_BOUND.raw(upper_angle, self._parameters, "upper_angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.upper_angle_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
     def upper_angle(self) -> int:
         """Upper angle limit."""
-        return self.upper_angle_raw
+        return self._raws[0]
+
+    @property
+    def upper_angle_raw(self) -> int:
+        return self._raws[0]
 
 
 class ControlParametersLowerAngle(Message):
@@ -633,13 +752,15 @@ class ControlParametersLowerAngle(Message):
     Manual 19.
     """
 
-    __slots__ = ("lower_angle_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("lower_angle",)
     TYPES = {
-        "lower_angle": ANGLE_BOUND.check,
+        "lower_angle": ANGLE_BOUND,
     }
+    DEFAULTS = UNKNOWN
 
-    lower_angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -647,23 +768,29 @@ class ControlParametersLowerAngle(Message):
         node: int,
         lower_angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.lower_angle_raw = ANGLE_BOUND.raw(lower_angle, self.parameters, "lower_angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ANGLE_BOUND.raw(lower_angle, self._parameters, "lower_angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.lower_angle_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
     def lower_angle(self) -> int:
         """Lower angle limit."""
-        return self.lower_angle_raw
+        return self._raws[0]
+
+    @property
+    def lower_angle_raw(self) -> int:
+        return self._raws[0]
 
 
 class ControlParametersSpeedRamp(Message):
@@ -672,13 +799,15 @@ class ControlParametersSpeedRamp(Message):
     Manual 19.
     """
 
-    __slots__ = ("speed_ramp_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("speed_ramp",)
     TYPES = {
-        "speed_ramp": SPEED_RAMP.check,
+        "speed_ramp": SPEED_RAMP,
     }
+    DEFAULTS = UNKNOWN
 
-    speed_ramp_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -686,17 +815,19 @@ class ControlParametersSpeedRamp(Message):
         node: int,
         speed_ramp: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.speed_ramp_raw = SPEED_RAMP.raw(speed_ramp, self.parameters, "speed_ramp")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (SPEED_RAMP.raw(speed_ramp, self._parameters, "speed_ramp"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.speed_ramp_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -705,7 +836,11 @@ class ControlParametersSpeedRamp(Message):
 
         Raw 0..600000.
         """
-        return self.speed_ramp_raw
+        return self._raws[0]
+
+    @property
+    def speed_ramp_raw(self) -> int:
+        return self._raws[0]
 
 
 class StoredSettingsDriverId(Message):
@@ -714,13 +849,15 @@ class StoredSettingsDriverId(Message):
     Manual 27.
     """
 
-    __slots__ = ("driver_id_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("driver_id",)
     TYPES = {
-        "driver_id": DRIVER_ID.check,
+        "driver_id": DRIVER_ID,
     }
+    DEFAULTS = UNKNOWN
 
-    driver_id_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -728,17 +865,19 @@ class StoredSettingsDriverId(Message):
         node: int,
         driver_id: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.driver_id_raw = DRIVER_ID.raw(driver_id, self.parameters, "driver_id")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (DRIVER_ID.raw(driver_id, self._parameters, "driver_id"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.driver_id_raw = data[4]
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_4(data)
         return self
 
     @property
@@ -747,7 +886,11 @@ class StoredSettingsDriverId(Message):
 
         Raw 0..32.
         """
-        return self.driver_id_raw
+        return self._raws[0]
+
+    @property
+    def driver_id_raw(self) -> int:
+        return self._raws[0]
 
 
 class StoredSettingsBusType(Message):
@@ -756,13 +899,15 @@ class StoredSettingsBusType(Message):
     Manual 27.
     """
 
-    __slots__ = ("bus_type_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("bus_type",)
     TYPES = {
-        "bus_type": member(BusType),
+        "bus_type": _BusType,
     }
+    DEFAULTS = UNKNOWN
 
-    bus_type_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -770,23 +915,29 @@ class StoredSettingsBusType(Message):
         node: int,
         bus_type: BusType | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.bus_type_raw = self.TYPES["bus_type"](bus_type, self.parameters, "bus_type")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (_BusType.raw(bus_type, self._parameters, "bus_type"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.bus_type_raw = data[4]
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_4(data)
         return self
 
     @property
     def bus_type(self) -> BusType | int:
         """Bus type."""
-        return named(BusType, self.bus_type_raw)
+        return _BusType.value(self._raws[0], self._parameters, "bus_type")
+
+    @property
+    def bus_type_raw(self) -> int:
+        return self._raws[0]
 
 
 class StoredSettingsRs485BaudRate(Message):
@@ -795,13 +946,15 @@ class StoredSettingsRs485BaudRate(Message):
     Manual 27.
     """
 
-    __slots__ = ("rs485_baud_rate_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("rs485_baud_rate",)
     TYPES = {
-        "rs485_baud_rate": member(Rs485BaudRate),
+        "rs485_baud_rate": _Rs485BaudRate,
     }
+    DEFAULTS = UNKNOWN
 
-    rs485_baud_rate_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -809,23 +962,29 @@ class StoredSettingsRs485BaudRate(Message):
         node: int,
         rs485_baud_rate: Rs485BaudRate | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.rs485_baud_rate_raw = self.TYPES["rs485_baud_rate"](rs485_baud_rate, self.parameters, "rs485_baud_rate")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (_Rs485BaudRate.raw(rs485_baud_rate, self._parameters, "rs485_baud_rate"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.rs485_baud_rate_raw = data[4]
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_4(data)
         return self
 
     @property
     def rs485_baud_rate(self) -> Rs485BaudRate | int:
         """RS485 bit rate."""
-        return named(Rs485BaudRate, self.rs485_baud_rate_raw)
+        return _Rs485BaudRate.value(self._raws[0], self._parameters, "rs485_baud_rate")
+
+    @property
+    def rs485_baud_rate_raw(self) -> int:
+        return self._raws[0]
 
 
 class StoredSettingsCanBaudRate(Message):
@@ -834,13 +993,15 @@ class StoredSettingsCanBaudRate(Message):
     Manual 27.
     """
 
-    __slots__ = ("can_baud_rate_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("can_baud_rate",)
     TYPES = {
-        "can_baud_rate": member(CanBaudRate),
+        "can_baud_rate": _CanBaudRate,
     }
+    DEFAULTS = UNKNOWN
 
-    can_baud_rate_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -848,23 +1009,29 @@ class StoredSettingsCanBaudRate(Message):
         node: int,
         can_baud_rate: CanBaudRate | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.can_baud_rate_raw = self.TYPES["can_baud_rate"](can_baud_rate, self.parameters, "can_baud_rate")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (_CanBaudRate.raw(can_baud_rate, self._parameters, "can_baud_rate"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.can_baud_rate_raw = data[4]
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_4(data)
         return self
 
     @property
     def can_baud_rate(self) -> CanBaudRate | int:
         """CAN bit rate."""
-        return named(CanBaudRate, self.can_baud_rate_raw)
+        return _CanBaudRate.value(self._raws[0], self._parameters, "can_baud_rate")
+
+    @property
+    def can_baud_rate_raw(self) -> int:
+        return self._raws[0]
 
 
 class StoredSettingsMaxPower(Message):
@@ -873,14 +1040,15 @@ class StoredSettingsMaxPower(Message):
     Manual 27.
     """
 
-    __slots__ = ("max_power_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("max_power",)
     TYPES = {
-        "max_power": OUTPUT_LIMIT.check,
+        "max_power": OUTPUT_LIMIT,
     }
     DEFAULTS = UNKNOWN
 
-    max_power_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -889,17 +1057,19 @@ class StoredSettingsMaxPower(Message):
         max_power: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.max_power_raw = OUTPUT_LIMIT.raw(max_power, self.parameters, "max_power")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (OUTPUT_LIMIT.raw(max_power, self._parameters, "max_power"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_power_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -908,7 +1078,11 @@ class StoredSettingsMaxPower(Message):
 
         Raw 0..850 (MS), 0..2000 (MF, MH, MG).
         """
-        return self.max_power_raw
+        return self._raws[0]
+
+    @property
+    def max_power_raw(self) -> int:
+        return self._raws[0]
 
 
 class StoredSettingsMaxSpeed(Message):
@@ -917,13 +1091,15 @@ class StoredSettingsMaxSpeed(Message):
     Manual 27.
     """
 
-    __slots__ = ("max_speed_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("max_speed",)
     TYPES = {
-        "max_speed": SPEED_BOUND.check,
+        "max_speed": SPEED_BOUND,
     }
+    DEFAULTS = UNKNOWN
 
-    max_speed_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -931,17 +1107,19 @@ class StoredSettingsMaxSpeed(Message):
         node: int,
         max_speed: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_speed_raw = SPEED_BOUND.raw(max_speed, self.parameters, "max_speed")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (SPEED_BOUND.raw(max_speed, self._parameters, "max_speed"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_speed_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -950,7 +1128,11 @@ class StoredSettingsMaxSpeed(Message):
 
         Raw 0..600000.
         """
-        return self.max_speed_raw
+        return self._raws[0]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[0]
 
 
 class StoredSettingsMaxAngle(Message):
@@ -959,13 +1141,15 @@ class StoredSettingsMaxAngle(Message):
     Manual 27.
     """
 
-    __slots__ = ("max_angle_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("max_angle",)
     TYPES = {
-        "max_angle": MAX_ANGLE.check,
+        "max_angle": MAX_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    max_angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -973,17 +1157,19 @@ class StoredSettingsMaxAngle(Message):
         node: int,
         max_angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_angle_raw = MAX_ANGLE.raw(max_angle, self.parameters, "max_angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (MAX_ANGLE.raw(max_angle, self._parameters, "max_angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_angle_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -992,7 +1178,11 @@ class StoredSettingsMaxAngle(Message):
 
         Raw 0..2147483647.
         """
-        return self.max_angle_raw
+        return self._raws[0]
+
+    @property
+    def max_angle_raw(self) -> int:
+        return self._raws[0]
 
 
 class StoredSettingsCurrentRamp(Message):
@@ -1001,13 +1191,15 @@ class StoredSettingsCurrentRamp(Message):
     Manual 27.
     """
 
-    __slots__ = ("current_ramp_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("current_ramp",)
     TYPES = {
-        "current_ramp": CURRENT_RAMP.check,
+        "current_ramp": CURRENT_RAMP,
     }
+    DEFAULTS = UNKNOWN
 
-    current_ramp_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1015,17 +1207,19 @@ class StoredSettingsCurrentRamp(Message):
         node: int,
         current_ramp: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.current_ramp_raw = CURRENT_RAMP.raw(current_ramp, self.parameters, "current_ramp")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (CURRENT_RAMP.raw(current_ramp, self._parameters, "current_ramp"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.current_ramp_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -1034,7 +1228,11 @@ class StoredSettingsCurrentRamp(Message):
 
         Raw 0..30000.
         """
-        return self.current_ramp_raw
+        return self._raws[0]
+
+    @property
+    def current_ramp_raw(self) -> int:
+        return self._raws[0]
 
 
 class StoredSettingsSpeedRamp(Message):
@@ -1043,13 +1241,15 @@ class StoredSettingsSpeedRamp(Message):
     Manual 27.
     """
 
-    __slots__ = ("speed_ramp_raw",)
+    __slots__ = ()
 
+    __match_args__ = ("speed_ramp",)
     TYPES = {
-        "speed_ramp": SPEED_RAMP.check,
+        "speed_ramp": SPEED_RAMP,
     }
+    DEFAULTS = UNKNOWN
 
-    speed_ramp_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1057,17 +1257,19 @@ class StoredSettingsSpeedRamp(Message):
         node: int,
         speed_ramp: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.speed_ramp_raw = SPEED_RAMP.raw(speed_ramp, self.parameters, "speed_ramp")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (SPEED_RAMP.raw(speed_ramp, self._parameters, "speed_ramp"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.speed_ramp_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -1076,7 +1278,11 @@ class StoredSettingsSpeedRamp(Message):
 
         Raw 0..600000.
         """
-        return self.speed_ramp_raw
+        return self._raws[0]
+
+    @property
+    def speed_ramp_raw(self) -> int:
+        return self._raws[0]
 
 
 class MotionFeedback(Message):
@@ -1088,22 +1294,30 @@ class MotionFeedback(Message):
     Manual 3.
     """
 
-    __slots__ = ("temperature_raw", "power_raw", "iq_raw", "speed_raw", "encoder_raw")
+    __slots__ = ()
 
+    __match_args__ = ("temperature", "power", "iq", "speed", "encoder")
     TYPES = {
-        "temperature": TEMPERATURE.check,
-        "power": OUTPUT_POWER.check,
-        "iq": MEASURED_TORQUE_CURRENT.check,
-        "speed": SPEED.check,
-        "encoder": ENCODER_POSITION.check,
+        "temperature": TEMPERATURE,
+        "power": OUTPUT_POWER,
+        "iq": MEASURED_TORQUE_CURRENT,
+        "speed": SPEED,
+        "encoder": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
+    VARIANTS = (
+        ("temperature", "power", "speed", "encoder"),
+        ("temperature", "iq", "speed", "encoder"),
+    )
+    VARIANT_BY = "series"
+    VARIANT_OF = {
+        Series.MS: 0,
+        Series.MF: 1,
+        Series.MH: 1,
+        Series.MG: 1,
+    }
 
-    temperature_raw: int
-    power_raw: int
-    iq_raw: int
-    speed_raw: int
-    encoder_raw: int
+    _raws: tuple[int, Any, Any, int, int]
 
     def __init__(
         self,
@@ -1116,42 +1330,35 @@ class MotionFeedback(Message):
         encoder: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        require(self, power=power, iq=iq)
-        self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
-        if power is not None:
-            self.power_raw = OUTPUT_POWER.raw(power, self.parameters, "power")
-        if iq is not None:
-            self.iq_raw = MEASURED_TORQUE_CURRENT.raw(iq, self.parameters, "iq")
-        self.speed_raw = SPEED.raw(speed, self.parameters, "speed")
-        self.encoder_raw = ENCODER_POSITION.raw(encoder, self.parameters, "encoder")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._require(power=power, iq=iq)
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            self._optional(OUTPUT_POWER, power, "power"),
+            self._optional(MEASURED_TORQUE_CURRENT, iq, "iq"),
+            SPEED.raw(speed, self._parameters, "speed"),
+            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        choice = parameters.series
-        if choice is None:
-            raise missing("series", cls.__name__)
-        if choice in (Series.MS,):
-            self.temperature_raw, self.power_raw, self.speed_raw, self.encoder_raw = _UNPACK_2(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        variant = cls.VARIANT_OF.get(parameters.series)
+        if variant == 0:
+            found = _UNPACK_5(data)
+            self._raws = (found[0], found[1], None, found[2], found[3])
+        elif variant == 1:
+            found = _UNPACK_5(data)
+            self._raws = (found[0], None, found[1], found[2], found[3])
         else:
-            self.temperature_raw, self.iq_raw, self.speed_raw, self.encoder_raw = _UNPACK_2(data)
+            raise missing("series", cls.__name__)
         return self
-
-    def fields(self) -> tuple[str, ...]:
-        """Names of the fields that exist under the parameters."""
-        return self._VARIANTS[known(self.parameters, "series", type(self).__name__)]
-
-    _VARIANTS: ClassVar[dict[Any, tuple[str, ...]]] = {
-        Series.MS: ("temperature", "power", "speed", "encoder"),
-        Series.MF: ("temperature", "iq", "speed", "encoder"),
-        Series.MH: ("temperature", "iq", "speed", "encoder"),
-        Series.MG: ("temperature", "iq", "speed", "encoder"),
-    }
 
     @property
     def temperature(self) -> int:
@@ -1159,7 +1366,11 @@ class MotionFeedback(Message):
 
         In °C.
         """
-        return self.temperature_raw
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def power(self) -> int:
@@ -1167,7 +1378,17 @@ class MotionFeedback(Message):
 
         Raw -1000..1000. A plain number without a unit in the manual. Exists under MS only.
         """
-        return self.power_raw
+        raw: int | None = self._raws[1]
+        if raw is None:
+            raise self._absent("power")
+        return raw
+
+    @property
+    def power_raw(self) -> int:
+        raw: int | None = self._raws[1]
+        if raw is None:
+            raise self._absent("power")
+        return raw
 
     @property
     def iq(self) -> float:
@@ -1176,7 +1397,17 @@ class MotionFeedback(Message):
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). Exists under MF, MH, MG
         only.
         """
-        return MEASURED_TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
+        raw: int | None = self._raws[2]
+        if raw is None:
+            raise self._absent("iq")
+        return MEASURED_TORQUE_CURRENT.value(raw, self._parameters, "iq")
+
+    @property
+    def iq_raw(self) -> int:
+        raw: int | None = self._raws[2]
+        if raw is None:
+            raise self._absent("iq")
+        return raw
 
     @property
     def speed(self) -> int:
@@ -1184,7 +1415,11 @@ class MotionFeedback(Message):
 
         In °/s.
         """
-        return self.speed_raw
+        return self._raws[3]
+
+    @property
+    def speed_raw(self) -> int:
+        return self._raws[3]
 
     @property
     def encoder(self) -> float:
@@ -1193,14 +1428,18 @@ class MotionFeedback(Message):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[4], self._parameters, "encoder")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        choice = known(self.parameters, "series", type(self).__name__)
-        if choice in (Series.MS,):
-            return pack("<BbhhH", self.CODE, self.temperature_raw, self.power_raw, self.speed_raw, self.encoder_raw)
-        return pack("<BbhhH", self.CODE, self.temperature_raw, self.iq_raw, self.speed_raw, self.encoder_raw)
+    @property
+    def encoder_raw(self) -> int:
+        return self._raws[4]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        variant = self.VARIANT_OF[self._parameters.series]
+        if variant == 0:
+            return _PACK_1(self.CODE, self._raws[0], self._raws[1], self._raws[3], self._raws[4])
+        return _PACK_1(self.CODE, self._raws[0], self._raws[2], self._raws[3], self._raws[4])
 
 
 class Status1(Message):
@@ -1209,21 +1448,19 @@ class Status1(Message):
     Manual 1, 2.
     """
 
-    __slots__ = ("temperature_raw", "voltage_raw", "current_raw", "motor_state_raw", "errors_raw")
+    __slots__ = ()
 
+    __match_args__ = ("temperature", "voltage", "current", "motor_state", "errors")
     TYPES = {
-        "temperature": TEMPERATURE.check,
-        "voltage": VOLTAGE.check,
-        "current": BUS_CURRENT.check,
-        "motor_state": member(MotorState),
-        "errors": flags(0xFF),
+        "temperature": TEMPERATURE,
+        "voltage": VOLTAGE,
+        "current": BUS_CURRENT,
+        "motor_state": _MotorState,
+        "errors": _ErrorFlags,
     }
+    DEFAULTS = UNKNOWN
 
-    temperature_raw: int
-    voltage_raw: int
-    current_raw: int
-    motor_state_raw: int
-    errors_raw: int
+    _raws: tuple[int, int, int, int, int]
 
     def __init__(
         self,
@@ -1235,21 +1472,25 @@ class Status1(Message):
         motor_state: MotorState | int,
         errors: ErrorFlags | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
-        self.voltage_raw = VOLTAGE.raw(voltage, self.parameters, "voltage")
-        self.current_raw = BUS_CURRENT.raw(current, self.parameters, "current")
-        self.motor_state_raw = self.TYPES["motor_state"](motor_state, self.parameters, "motor_state")
-        self.errors_raw = self.TYPES["errors"](errors, self.parameters, "errors")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            VOLTAGE.raw(voltage, self._parameters, "voltage"),
+            BUS_CURRENT.raw(current, self._parameters, "current"),
+            _MotorState.raw(motor_state, self._parameters, "motor_state"),
+            _ErrorFlags.raw(errors, self._parameters, "errors"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.temperature_raw, self.voltage_raw, self.current_raw, self.motor_state_raw, self.errors_raw = _UNPACK_3(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_6(data)
         return self
 
     @property
@@ -1258,7 +1499,11 @@ class Status1(Message):
 
         In °C.
         """
-        return self.temperature_raw
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def voltage(self) -> float:
@@ -1266,7 +1511,11 @@ class Status1(Message):
 
         In V; resolution (1 LSB) 0.01 V.
         """
-        return self.voltage_raw / 100
+        return self._raws[1] / 100
+
+    @property
+    def voltage_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def current(self) -> float:
@@ -1274,21 +1523,33 @@ class Status1(Message):
 
         In A; resolution (1 LSB) 0.01 A.
         """
-        return self.current_raw / 100
+        return self._raws[2] / 100
+
+    @property
+    def current_raw(self) -> int:
+        return self._raws[2]
 
     @property
     def motor_state(self) -> MotorState | int:
         """Motor state."""
-        return named(MotorState, self.motor_state_raw)
+        return _MotorState.value(self._raws[3], self._parameters, "motor_state")
+
+    @property
+    def motor_state_raw(self) -> int:
+        return self._raws[3]
 
     @property
     def errors(self) -> ErrorFlags:
         """Errors."""
-        return ErrorFlags(self.errors_raw)
+        return _ErrorFlags.value(self._raws[4], self._parameters, "errors")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BbhhBB", self.CODE, self.temperature_raw, self.voltage_raw, self.current_raw, self.motor_state_raw, self.errors_raw)
+    @property
+    def errors_raw(self) -> int:
+        return self._raws[4]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_2(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3], self._raws[4])
 
 
 class MotorOffRequest(ToNode, Request["MotorOffReply"]):
@@ -1306,7 +1567,7 @@ class MotorOffRequest(ToNode, Request["MotorOffReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x80
-    DATA = b'\x80\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("80 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Motor off"
     MANUAL = "5"
@@ -1330,7 +1591,7 @@ class MotorOnRequest(ToNode, Request["MotorOnReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x88
-    DATA = b'\x88\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("88 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Motor on"
     MANUAL = "6"
@@ -1351,7 +1612,7 @@ class MotorStopRequest(ToNode, Request["MotorStopReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x81
-    DATA = b'\x81\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("81 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Motor stop"
     MANUAL = "7"
@@ -1366,6 +1627,8 @@ class BrakeRequest(Request["BrakeReply"]):
     Effects: The brake is locked or released.
     """
 
+    __slots__ = ()
+
     COMMAND = "brake"
     DIRECTION = "request"
     ID = 0x140
@@ -1375,13 +1638,13 @@ class BrakeRequest(Request["BrakeReply"]):
     MANUAL = "8"
     EFFECTS = ("switches_brake",)
 
-    __slots__ = ("action_raw",)
-
+    __match_args__ = ("action",)
     TYPES = {
-        "action": member(BrakeAction),
+        "action": _BrakeAction,
     }
+    DEFAULTS = UNKNOWN
 
-    action_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1389,27 +1652,33 @@ class BrakeRequest(Request["BrakeReply"]):
         node: int,
         action: BrakeAction | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.action_raw = self.TYPES["action"](action, self.parameters, "action")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (_BrakeAction.raw(action, self._parameters, "action"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.action_raw = data[1]
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_7(data)
         return self
 
     @property
     def action(self) -> BrakeAction | int:
         """Brake action."""
-        return named(BrakeAction, self.action_raw)
+        return _BrakeAction.value(self._raws[0], self._parameters, "action")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB6x", 0x8C, self.action_raw)
+    @property
+    def action_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_3(0x8C, self._raws[0])
 
 
 class SetPowerRequest(Request["SetPowerReply"]):
@@ -1419,6 +1688,8 @@ class SetPowerRequest(Request["SetPowerReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "set_power"
     DIRECTION = "request"
@@ -1430,13 +1701,13 @@ class SetPowerRequest(Request["SetPowerReply"]):
     EFFECTS = ("moves",)
     ONLY = {"series": (Series.MS,)}
 
-    __slots__ = ("power_raw",)
-
+    __match_args__ = ("power",)
     TYPES = {
-        "power": POWER.check,
+        "power": POWER,
     }
+    DEFAULTS = UNKNOWN
 
-    power_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1444,17 +1715,19 @@ class SetPowerRequest(Request["SetPowerReply"]):
         node: int,
         power: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.power_raw = POWER.raw(power, self.parameters, "power")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (POWER.raw(power, self._parameters, "power"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.power_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -1464,11 +1737,15 @@ class SetPowerRequest(Request["SetPowerReply"]):
         Raw -850..850. A plain number without a unit in the manual. The corresponding current and torque
         differ between motors.
         """
-        return self.power_raw
+        return self._raws[0]
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xh2x", 0xA0, self.power_raw)
+    @property
+    def power_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_4(0xA0, self._raws[0])
 
 
 class SetTorqueRequest(Request["SetTorqueReply"]):
@@ -1480,6 +1757,8 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     Effects: The motor moves.
     """
 
+    __slots__ = ()
+
     COMMAND = "set_torque"
     DIRECTION = "request"
     ID = 0x140
@@ -1490,14 +1769,13 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     EFFECTS = ("moves",)
     ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
-    __slots__ = ("iq_raw",)
-
+    __match_args__ = ("iq",)
     TYPES = {
-        "iq": TORQUE_CURRENT.check,
+        "iq": TORQUE_CURRENT,
     }
     DEFAULTS = UNKNOWN
 
-    iq_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1506,17 +1784,19 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.iq_raw = TORQUE_CURRENT.raw(iq, self.parameters, "iq")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.iq_raw = int.from_bytes(data[4:6], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_2(data)
         return self
 
     @property
@@ -1525,11 +1805,15 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
 
         In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
-        return TORQUE_CURRENT.value(self.iq_raw, self.parameters, "iq")
+        return TORQUE_CURRENT.value(self._raws[0], self._parameters, "iq")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xh2x", 0xA1, self.iq_raw)
+    @property
+    def iq_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_4(0xA1, self._raws[0])
 
 
 class SetSpeedRequest(Request["SetSpeedReply"]):
@@ -1539,6 +1823,8 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "set_speed"
     DIRECTION = "request"
@@ -1550,16 +1836,14 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration")
 
-    __slots__ = ("iq_limit_raw", "speed_raw")
-
+    __match_args__ = ("iq_limit", "speed")
     TYPES = {
-        "iq_limit": TORQUE_CURRENT.check,
-        "speed": SPEED_SETPOINT.check,
+        "iq_limit": TORQUE_CURRENT,
+        "speed": SPEED_SETPOINT,
     }
     DEFAULTS = UNKNOWN
 
-    iq_limit_raw: int
-    speed_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1569,18 +1853,22 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         speed: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.iq_limit_raw = TORQUE_CURRENT.raw(iq_limit, self.parameters, "iq_limit")
-        self.speed_raw = SPEED_SETPOINT.raw(speed, self.parameters, "speed")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (
+            TORQUE_CURRENT.raw(iq_limit, self._parameters, "iq_limit"),
+            SPEED_SETPOINT.raw(speed, self._parameters, "speed"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.iq_limit_raw, self.speed_raw = _UNPACK_4(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_8(data)
         return self
 
     @property
@@ -1589,7 +1877,11 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
 
         In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048.
         """
-        return TORQUE_CURRENT.value(self.iq_limit_raw, self.parameters, "iq_limit")
+        return TORQUE_CURRENT.value(self._raws[0], self._parameters, "iq_limit")
+
+    @property
+    def iq_limit_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def speed(self) -> float:
@@ -1597,11 +1889,15 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
 
         In °/s; resolution (1 LSB) 0.01 °/s.
         """
-        return self.speed_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<Bxhi", 0xA2, self.iq_limit_raw, self.speed_raw)
+    @property
+    def speed_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_5(0xA2, self._raws[0], self._raws[1])
 
 
 class MoveToAngleRequest(Request["MoveToAngleReply"]):
@@ -1613,6 +1909,8 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     Effects: The motor moves.
     """
 
+    __slots__ = ()
+
     COMMAND = "move_to_angle"
     DIRECTION = "request"
     ID = 0x140
@@ -1623,13 +1921,13 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_angle", "max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("angle_raw",)
-
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": ANGLE.check,
+        "angle": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1637,17 +1935,19 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         node: int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.angle_raw = ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ANGLE.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -1656,11 +1956,15 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", 0xA3, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_6(0xA3, self._raws[0])
 
 
 class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
@@ -1670,6 +1974,8 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "move_to_angle_at_speed"
     DIRECTION = "request"
@@ -1681,15 +1987,14 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_angle", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("max_speed_raw", "angle_raw")
-
+    __match_args__ = ("max_speed", "angle")
     TYPES = {
-        "max_speed": SPEED_LIMIT.check,
-        "angle": ANGLE.check,
+        "max_speed": SPEED_LIMIT,
+        "angle": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    max_speed_raw: int
-    angle_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1698,18 +2003,22 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
-        self.angle_raw = ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
+            ANGLE.raw(angle, self._parameters, "angle"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_speed_raw, self.angle_raw = _UNPACK_5(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_9(data)
         return self
 
     @property
@@ -1718,7 +2027,11 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
         In °/s.
         """
-        return self.max_speed_raw
+        return self._raws[0]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def angle(self) -> float:
@@ -1726,11 +2039,15 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxHi", 0xA4, self.max_speed_raw, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_7(0xA4, self._raws[0], self._raws[1])
 
 
 class TurnToAngleRequest(Request["TurnToAngleReply"]):
@@ -1740,6 +2057,8 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "turn_to_angle"
     DIRECTION = "request"
@@ -1751,15 +2070,14 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("spin_direction_raw", "angle_raw")
-
+    __match_args__ = ("spin_direction", "angle")
     TYPES = {
-        "spin_direction": member(SpinDirection),
-        "angle": SINGLE_TURN_ANGLE.check,
+        "spin_direction": _SpinDirection,
+        "angle": SINGLE_TURN_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    spin_direction_raw: int
-    angle_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1768,24 +2086,32 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         spin_direction: SpinDirection | int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.spin_direction_raw = self.TYPES["spin_direction"](spin_direction, self.parameters, "spin_direction")
-        self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
+            SINGLE_TURN_ANGLE.raw(angle, self._parameters, "angle"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.spin_direction_raw, self.angle_raw = _UNPACK_6(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_10(data)
         return self
 
     @property
     def spin_direction(self) -> SpinDirection | int:
         """Direction of rotation."""
-        return named(SpinDirection, self.spin_direction_raw)
+        return _SpinDirection.value(self._raws[0], self._parameters, "spin_direction")
+
+    @property
+    def spin_direction_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def angle(self) -> float:
@@ -1793,11 +2119,15 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xI", 0xA5, self.spin_direction_raw, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_8(0xA5, self._raws[0], self._raws[1])
 
 
 class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
@@ -1807,6 +2137,8 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
     Effects: The motor moves.
     """
+
+    __slots__ = ()
 
     COMMAND = "turn_to_angle_at_speed"
     DIRECTION = "request"
@@ -1818,17 +2150,15 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("spin_direction_raw", "max_speed_raw", "angle_raw")
-
+    __match_args__ = ("spin_direction", "max_speed", "angle")
     TYPES = {
-        "spin_direction": member(SpinDirection),
-        "max_speed": SPEED_LIMIT.check,
-        "angle": SINGLE_TURN_ANGLE.check,
+        "spin_direction": _SpinDirection,
+        "max_speed": SPEED_LIMIT,
+        "angle": SINGLE_TURN_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    spin_direction_raw: int
-    max_speed_raw: int
-    angle_raw: int
+    _raws: tuple[int, int, int]
 
     def __init__(
         self,
@@ -1838,25 +2168,33 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.spin_direction_raw = self.TYPES["spin_direction"](spin_direction, self.parameters, "spin_direction")
-        self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
-        self.angle_raw = SINGLE_TURN_ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
+            SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
+            SINGLE_TURN_ANGLE.raw(angle, self._parameters, "angle"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.spin_direction_raw, self.max_speed_raw, self.angle_raw = _UNPACK_7(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_11(data)
         return self
 
     @property
     def spin_direction(self) -> SpinDirection | int:
         """Direction of rotation."""
-        return named(SpinDirection, self.spin_direction_raw)
+        return _SpinDirection.value(self._raws[0], self._parameters, "spin_direction")
+
+    @property
+    def spin_direction_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def max_speed(self) -> int:
@@ -1864,7 +2202,11 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
         In °/s.
         """
-        return self.max_speed_raw
+        return self._raws[1]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def angle(self) -> float:
@@ -1872,11 +2214,15 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.angle_raw / 100
+        return self._raws[2] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHI", 0xA6, self.spin_direction_raw, self.max_speed_raw, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[2]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_9(0xA6, self._raws[0], self._raws[1], self._raws[2])
 
 
 class MoveByAngleRequest(Request["MoveByAngleReply"]):
@@ -1886,6 +2232,8 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
 
     Effects: The motor moves. The angle is added to the target, so a repeated frame moves the motor again.
     """
+
+    __slots__ = ()
 
     COMMAND = "move_by_angle"
     DIRECTION = "request"
@@ -1897,13 +2245,13 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     EFFECTS = ("moves", "adds_up")
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("increment_raw",)
-
+    __match_args__ = ("increment",)
     TYPES = {
-        "increment": ANGLE.check,
+        "increment": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    increment_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -1911,17 +2259,19 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         node: int,
         increment: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.increment_raw = ANGLE.raw(increment, self.parameters, "increment")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (ANGLE.raw(increment, self._parameters, "increment"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.increment_raw = int.from_bytes(data[4:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_3(data)
         return self
 
     @property
@@ -1930,11 +2280,15 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.increment_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xi", 0xA7, self.increment_raw)
+    @property
+    def increment_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_6(0xA7, self._raws[0])
 
 
 class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
@@ -1946,6 +2300,8 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     Effects: The motor moves. The angle is added to the target, so a repeated frame moves the motor again.
     """
 
+    __slots__ = ()
+
     COMMAND = "move_by_angle_at_speed"
     DIRECTION = "request"
     ID = 0x140
@@ -1956,15 +2312,14 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     EFFECTS = ("moves", "adds_up")
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
-    __slots__ = ("max_speed_raw", "increment_raw")
-
+    __match_args__ = ("max_speed", "increment")
     TYPES = {
-        "max_speed": SPEED_LIMIT.check,
-        "increment": ANGLE.check,
+        "max_speed": SPEED_LIMIT,
+        "increment": ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    max_speed_raw: int
-    increment_raw: int
+    _raws: tuple[int, int]
 
     def __init__(
         self,
@@ -1973,18 +2328,22 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         max_speed: Real,
         increment: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.max_speed_raw = SPEED_LIMIT.raw(max_speed, self.parameters, "max_speed")
-        self.increment_raw = ANGLE.raw(increment, self.parameters, "increment")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
+            ANGLE.raw(increment, self._parameters, "increment"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.max_speed_raw, self.increment_raw = _UNPACK_5(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_9(data)
         return self
 
     @property
@@ -1993,7 +2352,11 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
 
         In °/s.
         """
-        return self.max_speed_raw
+        return self._raws[0]
+
+    @property
+    def max_speed_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def increment(self) -> float:
@@ -2001,11 +2364,15 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
 
         In °; resolution (1 LSB) 0.01 °.
         """
-        return self.increment_raw / 100
+        return self._raws[1] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxHi", 0xA8, self.max_speed_raw, self.increment_raw)
+    @property
+    def increment_raw(self) -> int:
+        return self._raws[1]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_7(0xA8, self._raws[0], self._raws[1])
 
 
 class ReadControlParameterAnglePidRequest(ToNode, Request["ReadControlParameterAnglePidReply"]):
@@ -2020,7 +2387,7 @@ class ReadControlParameterAnglePidRequest(ToNode, Request["ReadControlParameterA
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0\n\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 0A 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Gains of the position loop"
     MANUAL = "18"
@@ -2038,7 +2405,7 @@ class ReadControlParameterSpeedPidRequest(ToNode, Request["ReadControlParameterS
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0\x0b\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 0B 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Gains of the speed loop"
     MANUAL = "18"
@@ -2056,7 +2423,7 @@ class ReadControlParameterCurrentPidRequest(ToNode, Request["ReadControlParamete
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0\x0c\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 0C 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Gains of the torque loop"
     MANUAL = "18"
@@ -2074,7 +2441,7 @@ class ReadControlParameterMaxTorqueCurrentRequest(ToNode, Request["ReadControlPa
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0\x1e\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 1E 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Torque current limit"
     MANUAL = "18"
@@ -2092,7 +2459,7 @@ class ReadControlParameterMaxSpeedRequest(ToNode, Request["ReadControlParameterM
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0 \x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 20 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Speed limit"
     MANUAL = "18"
@@ -2110,7 +2477,7 @@ class ReadControlParameterUpperAngleRequest(ToNode, Request["ReadControlParamete
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0"\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 22 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Upper angle limit"
     MANUAL = "18"
@@ -2128,7 +2495,7 @@ class ReadControlParameterLowerAngleRequest(ToNode, Request["ReadControlParamete
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0#\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 23 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Lower angle limit"
     MANUAL = "18"
@@ -2146,7 +2513,7 @@ class ReadControlParameterSpeedRampRequest(ToNode, Request["ReadControlParameter
     DIRECTION = "request"
     ID = 0x140
     CODE = 0xC0
-    DATA = b'\xc0&\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("C0 26 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read control parameter: Speed ramp"
     MANUAL = "18"
@@ -2173,9 +2540,9 @@ class WriteControlParameterRamAnglePidRequest(PidGains, Request["WriteControlPar
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC1, 0x0A, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC1, 0x0A, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WriteControlParameterRamSpeedPidRequest(PidGains, Request["WriteControlParameterRamSpeedPidReply"]):
@@ -2199,9 +2566,9 @@ class WriteControlParameterRamSpeedPidRequest(PidGains, Request["WriteControlPar
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC1, 0x0B, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC1, 0x0B, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WriteControlParameterRamCurrentPidRequest(PidGains, Request["WriteControlParameterRamCurrentPidReply"]):
@@ -2225,12 +2592,15 @@ class WriteControlParameterRamCurrentPidRequest(PidGains, Request["WriteControlP
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC1, 0x0C, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC1, 0x0C, self._raws[0], self._raws[1], self._raws[2])
 
 
-class WriteControlParameterRamMaxTorqueCurrentRequest(ControlParametersMaxTorqueCurrent, Request["WriteControlParameterRamMaxTorqueCurrentReply"]):
+class WriteControlParameterRamMaxTorqueCurrentRequest(
+    ControlParametersMaxTorqueCurrent,
+    Request["WriteControlParameterRamMaxTorqueCurrentReply"],
+):
     """Write control parameter to RAM: Torque current limit (0xC1), request.
 
     Sets one control parameter. It takes effect immediately and is valid until power-off. Manual 19.
@@ -2251,12 +2621,15 @@ class WriteControlParameterRamMaxTorqueCurrentRequest(ControlParametersMaxTorque
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xh2x", 0xC1, 0x1E, self.max_torque_current_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_11(0xC1, 0x1E, self._raws[0])
 
 
-class WriteControlParameterRamMaxSpeedRequest(ControlParametersMaxSpeed, Request["WriteControlParameterRamMaxSpeedReply"]):
+class WriteControlParameterRamMaxSpeedRequest(
+    ControlParametersMaxSpeed,
+    Request["WriteControlParameterRamMaxSpeedReply"],
+):
     """Write control parameter to RAM: Speed limit (0xC1), request.
 
     Sets one control parameter. It takes effect immediately and is valid until power-off. Manual 19.
@@ -2277,12 +2650,15 @@ class WriteControlParameterRamMaxSpeedRequest(ControlParametersMaxSpeed, Request
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x20, self.max_speed_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x20, self._raws[0])
 
 
-class WriteControlParameterRamUpperAngleRequest(ControlParametersUpperAngle, Request["WriteControlParameterRamUpperAngleReply"]):
+class WriteControlParameterRamUpperAngleRequest(
+    ControlParametersUpperAngle,
+    Request["WriteControlParameterRamUpperAngleReply"],
+):
     """Write control parameter to RAM: Upper angle limit (0xC1), request.
 
     Sets one control parameter. It takes effect immediately and is valid until power-off. Manual 19.
@@ -2303,12 +2679,15 @@ class WriteControlParameterRamUpperAngleRequest(ControlParametersUpperAngle, Req
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x22, self.upper_angle_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x22, self._raws[0])
 
 
-class WriteControlParameterRamLowerAngleRequest(ControlParametersLowerAngle, Request["WriteControlParameterRamLowerAngleReply"]):
+class WriteControlParameterRamLowerAngleRequest(
+    ControlParametersLowerAngle,
+    Request["WriteControlParameterRamLowerAngleReply"],
+):
     """Write control parameter to RAM: Lower angle limit (0xC1), request.
 
     Sets one control parameter. It takes effect immediately and is valid until power-off. Manual 19.
@@ -2329,12 +2708,15 @@ class WriteControlParameterRamLowerAngleRequest(ControlParametersLowerAngle, Req
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x23, self.lower_angle_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x23, self._raws[0])
 
 
-class WriteControlParameterRamSpeedRampRequest(ControlParametersSpeedRamp, Request["WriteControlParameterRamSpeedRampReply"]):
+class WriteControlParameterRamSpeedRampRequest(
+    ControlParametersSpeedRamp,
+    Request["WriteControlParameterRamSpeedRampReply"],
+):
     """Write control parameter to RAM: Speed ramp (0xC1), request.
 
     Sets one control parameter. It takes effect immediately and is valid until power-off. Manual 19.
@@ -2355,9 +2737,9 @@ class WriteControlParameterRamSpeedRampRequest(ControlParametersSpeedRamp, Reque
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x26, self.speed_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x26, self._raws[0])
 
 
 class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
@@ -2373,7 +2755,7 @@ class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x90
-    DATA = b'\x90\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("90 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read encoder"
     MANUAL = "20"
@@ -2397,7 +2779,7 @@ class CalibrateEncoderRequest(ToNode, Request["CalibrateEncoderReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x18
-    DATA = b'\x18\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("18 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Calibrate encoder"
     MANUAL = "21"
@@ -2419,7 +2801,7 @@ class WritePositionAsZeroRomRequest(ToNode, Request["WritePositionAsZeroRomReply
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x19
-    DATA = b'\x19\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("19 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Write present position as zero to ROM"
     MANUAL = "22"
@@ -2438,7 +2820,7 @@ class ReadMultiTurnAngleRequest(ToNode, Request["ReadMultiTurnAngleReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x92
-    DATA = b'\x92\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("92 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read multi-turn angle"
     MANUAL = "23"
@@ -2456,7 +2838,7 @@ class ReadSingleTurnAngleRequest(ToNode, Request["ReadSingleTurnAngleReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x94
-    DATA = b'\x94\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("94 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read single-turn angle"
     MANUAL = "24"
@@ -2477,7 +2859,7 @@ class SetZeroRamRequest(ToNode, Request["SetZeroRamReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x95
-    DATA = b'\x95\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("95 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Set present position as zero in RAM"
     MANUAL = "25"
@@ -2496,7 +2878,7 @@ class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9A
-    DATA = b'\x9a\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9A 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read status 1 and errors"
     MANUAL = "1"
@@ -2516,7 +2898,7 @@ class ClearErrorsRequest(ToNode, Request["ClearErrorsReply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9B
-    DATA = b'\x9b\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9B 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Clear errors"
     MANUAL = "2"
@@ -2534,7 +2916,7 @@ class ReadStatus2Request(ToNode, Request["ReadStatus2Reply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9C
-    DATA = b'\x9c\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9C 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read status 2"
     MANUAL = "3"
@@ -2552,7 +2934,7 @@ class ReadStatus3Request(ToNode, Request["ReadStatus3Reply"]):
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x9D
-    DATA = b'\x9d\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("9D 00 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read status 3"
     MANUAL = "4"
@@ -2571,7 +2953,7 @@ class ReadStoredSettingDriverIdRequest(ToNode, Request["ReadStoredSettingDriverI
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x40
-    DATA = b'@\x05\n\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("40 05 0A 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read stored setting: Node id"
     MANUAL = "26"
@@ -2589,7 +2971,7 @@ class ReadStoredSettingBusTypeRequest(ToNode, Request["ReadStoredSettingBusTypeR
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x40
-    DATA = b'@\x05\x0b\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("40 05 0B 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read stored setting: Bus"
     MANUAL = "26"
@@ -2607,7 +2989,7 @@ class ReadStoredSettingRs485BaudRateRequest(ToNode, Request["ReadStoredSettingRs
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x40
-    DATA = b'@\x05\x0c\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("40 05 0C 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read stored setting: RS485 bit rate"
     MANUAL = "26"
@@ -2625,7 +3007,7 @@ class ReadStoredSettingCanBaudRateRequest(ToNode, Request["ReadStoredSettingCanB
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x40
-    DATA = b'@\x05\r\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("40 05 0D 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read stored setting: CAN bit rate"
     MANUAL = "26"
@@ -2643,7 +3025,7 @@ class ReadStoredSettingMaxPowerRequest(ToNode, Request["ReadStoredSettingMaxPowe
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x40
-    DATA = b'@\x05\xb0\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("40 05 B0 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read stored setting: Power limit"
     MANUAL = "26"
@@ -2661,7 +3043,7 @@ class ReadStoredSettingMaxSpeedRequest(ToNode, Request["ReadStoredSettingMaxSpee
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x40
-    DATA = b'@\x05\xb2\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("40 05 B2 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read stored setting: Speed limit"
     MANUAL = "26"
@@ -2679,7 +3061,7 @@ class ReadStoredSettingMaxAngleRequest(ToNode, Request["ReadStoredSettingMaxAngl
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x40
-    DATA = b'@\x05\xb4\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("40 05 B4 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read stored setting: Maximum angle"
     MANUAL = "26"
@@ -2697,7 +3079,7 @@ class ReadStoredSettingCurrentRampRequest(ToNode, Request["ReadStoredSettingCurr
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x40
-    DATA = b'@\x05\xba\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("40 05 BA 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read stored setting: Current ramp"
     MANUAL = "26"
@@ -2715,7 +3097,7 @@ class ReadStoredSettingSpeedRampRequest(ToNode, Request["ReadStoredSettingSpeedR
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x40
-    DATA = b'@\x05\xbc\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("40 05 BC 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read stored setting: Speed ramp"
     MANUAL = "26"
@@ -2733,7 +3115,7 @@ class ReadStoredSettingAnglePidRequest(ToNode, Request["ReadStoredSettingAnglePi
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x40
-    DATA = b'@\xa0\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("40 A0 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read stored setting: Gains of the position loop"
     MANUAL = "26"
@@ -2751,7 +3133,7 @@ class ReadStoredSettingSpeedPidRequest(ToNode, Request["ReadStoredSettingSpeedPi
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x40
-    DATA = b'@\xa4\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("40 A4 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read stored setting: Gains of the speed loop"
     MANUAL = "26"
@@ -2769,7 +3151,7 @@ class ReadStoredSettingCurrentPidRequest(ToNode, Request["ReadStoredSettingCurre
     DIRECTION = "request"
     ID = 0x140
     CODE = 0x40
-    DATA = b'@\xa8\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("40 A8 00 00 00 00 00 00")
     NODES = (1, 32)
     TITLE = "Read stored setting: Gains of the torque loop"
     MANUAL = "26"
@@ -2798,9 +3180,9 @@ class StageStoredSettingDriverIdRequest(StoredSettingsDriverId, Request["StageSt
     MANUAL = "27"
     EFFECTS = ("stages", "moves_contact")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxB3x", 0x42, 0x05, 0x0A, self.driver_id_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x42, 0x05, 0x0A, self._raws[0])
 
 
 class StageStoredSettingBusTypeRequest(StoredSettingsBusType, Request["StageStoredSettingBusTypeReply"]):
@@ -2826,12 +3208,15 @@ class StageStoredSettingBusTypeRequest(StoredSettingsBusType, Request["StageStor
     MANUAL = "27"
     EFFECTS = ("stages", "moves_contact")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxB3x", 0x42, 0x05, 0x0B, self.bus_type_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x42, 0x05, 0x0B, self._raws[0])
 
 
-class StageStoredSettingRs485BaudRateRequest(StoredSettingsRs485BaudRate, Request["StageStoredSettingRs485BaudRateReply"]):
+class StageStoredSettingRs485BaudRateRequest(
+    StoredSettingsRs485BaudRate,
+    Request["StageStoredSettingRs485BaudRateReply"],
+):
     """Write stored setting: RS485 bit rate (0x42), request.
 
     Writes one stored setting. The save command must follow. Manual 27.
@@ -2854,9 +3239,9 @@ class StageStoredSettingRs485BaudRateRequest(StoredSettingsRs485BaudRate, Reques
     MANUAL = "27"
     EFFECTS = ("stages", "moves_contact")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxB3x", 0x42, 0x05, 0x0C, self.rs485_baud_rate_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x42, 0x05, 0x0C, self._raws[0])
 
 
 class StageStoredSettingCanBaudRateRequest(StoredSettingsCanBaudRate, Request["StageStoredSettingCanBaudRateReply"]):
@@ -2882,9 +3267,9 @@ class StageStoredSettingCanBaudRateRequest(StoredSettingsCanBaudRate, Request["S
     MANUAL = "27"
     EFFECTS = ("stages", "moves_contact")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxB3x", 0x42, 0x05, 0x0D, self.can_baud_rate_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x42, 0x05, 0x0D, self._raws[0])
 
 
 class StageStoredSettingMaxPowerRequest(StoredSettingsMaxPower, Request["StageStoredSettingMaxPowerReply"]):
@@ -2909,9 +3294,9 @@ class StageStoredSettingMaxPowerRequest(StoredSettingsMaxPower, Request["StageSt
     MANUAL = "27"
     EFFECTS = ("stages",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxh2x", 0x42, 0x05, 0xB0, self.max_power_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_14(0x42, 0x05, 0xB0, self._raws[0])
 
 
 class StageStoredSettingMaxSpeedRequest(StoredSettingsMaxSpeed, Request["StageStoredSettingMaxSpeedReply"]):
@@ -2936,9 +3321,9 @@ class StageStoredSettingMaxSpeedRequest(StoredSettingsMaxSpeed, Request["StageSt
     MANUAL = "27"
     EFFECTS = ("stages",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxi", 0x42, 0x05, 0xB2, self.max_speed_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_15(0x42, 0x05, 0xB2, self._raws[0])
 
 
 class StageStoredSettingMaxAngleRequest(StoredSettingsMaxAngle, Request["StageStoredSettingMaxAngleReply"]):
@@ -2963,9 +3348,9 @@ class StageStoredSettingMaxAngleRequest(StoredSettingsMaxAngle, Request["StageSt
     MANUAL = "27"
     EFFECTS = ("stages",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxi", 0x42, 0x05, 0xB4, self.max_angle_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_15(0x42, 0x05, 0xB4, self._raws[0])
 
 
 class StageStoredSettingCurrentRampRequest(StoredSettingsCurrentRamp, Request["StageStoredSettingCurrentRampReply"]):
@@ -2990,9 +3375,9 @@ class StageStoredSettingCurrentRampRequest(StoredSettingsCurrentRamp, Request["S
     MANUAL = "27"
     EFFECTS = ("stages",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxh2x", 0x42, 0x05, 0xBA, self.current_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_14(0x42, 0x05, 0xBA, self._raws[0])
 
 
 class StageStoredSettingSpeedRampRequest(StoredSettingsSpeedRamp, Request["StageStoredSettingSpeedRampReply"]):
@@ -3017,9 +3402,9 @@ class StageStoredSettingSpeedRampRequest(StoredSettingsSpeedRamp, Request["Stage
     MANUAL = "27"
     EFFECTS = ("stages",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxi", 0x42, 0x05, 0xBC, self.speed_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_15(0x42, 0x05, 0xBC, self._raws[0])
 
 
 class StageStoredSettingAnglePidRequest(PidGains, Request["StageStoredSettingAnglePidReply"]):
@@ -3044,9 +3429,9 @@ class StageStoredSettingAnglePidRequest(PidGains, Request["StageStoredSettingAng
     MANUAL = "27"
     EFFECTS = ("stages",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0x42, 0xA0, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0x42, 0xA0, self._raws[0], self._raws[1], self._raws[2])
 
 
 class StageStoredSettingSpeedPidRequest(PidGains, Request["StageStoredSettingSpeedPidReply"]):
@@ -3071,9 +3456,9 @@ class StageStoredSettingSpeedPidRequest(PidGains, Request["StageStoredSettingSpe
     MANUAL = "27"
     EFFECTS = ("stages",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0x42, 0xA4, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0x42, 0xA4, self._raws[0], self._raws[1], self._raws[2])
 
 
 class StageStoredSettingCurrentPidRequest(PidGains, Request["StageStoredSettingCurrentPidReply"]):
@@ -3098,9 +3483,9 @@ class StageStoredSettingCurrentPidRequest(PidGains, Request["StageStoredSettingC
     MANUAL = "27"
     EFFECTS = ("stages",)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0x42, 0xA8, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0x42, 0xA8, self._raws[0], self._raws[1], self._raws[2])
 
 
 class SaveStoredSettingsRequest(Request["SaveStoredSettingsReply"]):
@@ -3112,6 +3497,8 @@ class SaveStoredSettingsRequest(Request["SaveStoredSettingsReply"]):
     cycle.
     """
 
+    __slots__ = ()
+
     COMMAND = "save_stored_settings"
     DIRECTION = "request"
     ID = 0x140
@@ -3121,33 +3508,38 @@ class SaveStoredSettingsRequest(Request["SaveStoredSettingsReply"]):
     MANUAL = "28"
     EFFECTS = ("writes_rom", "wears_rom", "needs_power_cycle")
 
-    __slots__ = ()
-
+    __match_args__ = ()
     TYPES = {
     }
+    DEFAULTS = UNKNOWN
 
+    _raws: tuple[()]
 
     def __init__(
         self,
         *,
         node: int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = ()
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
         constant(data[1], 5, "group")
         constant(data[2], 250, "key")
+        self._raws = ()
         return self
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBB5x", 0x44, 0x5, 0xfa)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_16(0x44, 0x5, 0xFA)
 
 
 class MotorOffReply(ToNode, Reply):
@@ -3162,7 +3554,7 @@ class MotorOffReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x80
-    DATA = b'\x80\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("80 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -3178,7 +3570,7 @@ class MotorOnReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x88
-    DATA = b'\x88\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("88 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -3194,7 +3586,7 @@ class MotorStopReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x81
-    DATA = b'\x81\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("81 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -3204,19 +3596,21 @@ class BrakeReply(Reply):
     Manual 8.
     """
 
+    __slots__ = ()
+
     COMMAND = "brake"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x8C
     NODES = (1, 32)
 
-    __slots__ = ("state_raw",)
-
+    __match_args__ = ("state",)
     TYPES = {
-        "state": member(BrakeState),
+        "state": _BrakeState,
     }
+    DEFAULTS = UNKNOWN
 
-    state_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -3224,27 +3618,33 @@ class BrakeReply(Reply):
         node: int,
         state: BrakeState | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.state_raw = self.TYPES["state"](state, self.parameters, "state")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (_BrakeState.raw(state, self._parameters, "state"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.state_raw = data[1]
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_7(data)
         return self
 
     @property
     def state(self) -> BrakeState | int:
         """Brake state."""
-        return named(BrakeState, self.state_raw)
+        return _BrakeState.value(self._raws[0], self._parameters, "state")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB6x", 0x8C, self.state_raw)
+    @property
+    def state_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_3(0x8C, self._raws[0])
 
 
 class SetPowerReply(MotionFeedback, Reply):
@@ -3396,9 +3796,9 @@ class ReadControlParameterAnglePidReply(PidGains, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC0, 0x0A, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC0, 0x0A, self._raws[0], self._raws[1], self._raws[2])
 
 
 class ReadControlParameterSpeedPidReply(PidGains, Reply):
@@ -3415,9 +3815,9 @@ class ReadControlParameterSpeedPidReply(PidGains, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC0, 0x0B, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC0, 0x0B, self._raws[0], self._raws[1], self._raws[2])
 
 
 class ReadControlParameterCurrentPidReply(PidGains, Reply):
@@ -3434,9 +3834,9 @@ class ReadControlParameterCurrentPidReply(PidGains, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC0, 0x0C, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC0, 0x0C, self._raws[0], self._raws[1], self._raws[2])
 
 
 class ReadControlParameterMaxTorqueCurrentReply(ControlParametersMaxTorqueCurrent, Reply):
@@ -3453,9 +3853,9 @@ class ReadControlParameterMaxTorqueCurrentReply(ControlParametersMaxTorqueCurren
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xh2x", 0xC0, 0x1E, self.max_torque_current_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_11(0xC0, 0x1E, self._raws[0])
 
 
 class ReadControlParameterMaxSpeedReply(ControlParametersMaxSpeed, Reply):
@@ -3472,9 +3872,9 @@ class ReadControlParameterMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC0, 0x20, self.max_speed_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC0, 0x20, self._raws[0])
 
 
 class ReadControlParameterUpperAngleReply(ControlParametersUpperAngle, Reply):
@@ -3491,9 +3891,9 @@ class ReadControlParameterUpperAngleReply(ControlParametersUpperAngle, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC0, 0x22, self.upper_angle_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC0, 0x22, self._raws[0])
 
 
 class ReadControlParameterLowerAngleReply(ControlParametersLowerAngle, Reply):
@@ -3510,9 +3910,9 @@ class ReadControlParameterLowerAngleReply(ControlParametersLowerAngle, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC0, 0x23, self.lower_angle_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC0, 0x23, self._raws[0])
 
 
 class ReadControlParameterSpeedRampReply(ControlParametersSpeedRamp, Reply):
@@ -3529,9 +3929,9 @@ class ReadControlParameterSpeedRampReply(ControlParametersSpeedRamp, Reply):
     CODE = 0xC0
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC0, 0x26, self.speed_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC0, 0x26, self._raws[0])
 
 
 class WriteControlParameterRamAnglePidReply(PidGains, Reply):
@@ -3548,9 +3948,9 @@ class WriteControlParameterRamAnglePidReply(PidGains, Reply):
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC1, 0x0A, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC1, 0x0A, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WriteControlParameterRamSpeedPidReply(PidGains, Reply):
@@ -3567,9 +3967,9 @@ class WriteControlParameterRamSpeedPidReply(PidGains, Reply):
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC1, 0x0B, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC1, 0x0B, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WriteControlParameterRamCurrentPidReply(PidGains, Reply):
@@ -3586,9 +3986,9 @@ class WriteControlParameterRamCurrentPidReply(PidGains, Reply):
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0xC1, 0x0C, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0xC1, 0x0C, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WriteControlParameterRamMaxTorqueCurrentReply(ControlParametersMaxTorqueCurrent, Reply):
@@ -3605,9 +4005,9 @@ class WriteControlParameterRamMaxTorqueCurrentReply(ControlParametersMaxTorqueCu
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xh2x", 0xC1, 0x1E, self.max_torque_current_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_11(0xC1, 0x1E, self._raws[0])
 
 
 class WriteControlParameterRamMaxSpeedReply(ControlParametersMaxSpeed, Reply):
@@ -3624,9 +4024,9 @@ class WriteControlParameterRamMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x20, self.max_speed_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x20, self._raws[0])
 
 
 class WriteControlParameterRamUpperAngleReply(ControlParametersUpperAngle, Reply):
@@ -3643,9 +4043,9 @@ class WriteControlParameterRamUpperAngleReply(ControlParametersUpperAngle, Reply
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x22, self.upper_angle_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x22, self._raws[0])
 
 
 class WriteControlParameterRamLowerAngleReply(ControlParametersLowerAngle, Reply):
@@ -3662,9 +4062,9 @@ class WriteControlParameterRamLowerAngleReply(ControlParametersLowerAngle, Reply
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x23, self.lower_angle_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x23, self._raws[0])
 
 
 class WriteControlParameterRamSpeedRampReply(ControlParametersSpeedRamp, Reply):
@@ -3681,9 +4081,9 @@ class WriteControlParameterRamSpeedRampReply(ControlParametersSpeedRamp, Reply):
     CODE = 0xC1
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BB2xi", 0xC1, 0x26, self.speed_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_12(0xC1, 0x26, self._raws[0])
 
 
 class ReadEncoderReply(Reply):
@@ -3692,24 +4092,23 @@ class ReadEncoderReply(Reply):
     Manual 20.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_encoder"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x90
     NODES = (1, 32)
 
-    __slots__ = ("encoder_raw", "encoder_measured_raw", "encoder_offset_raw")
-
+    __match_args__ = ("encoder", "encoder_measured", "encoder_offset")
     TYPES = {
-        "encoder": ENCODER_POSITION.check,
-        "encoder_measured": ENCODER_POSITION.check,
-        "encoder_offset": ENCODER_POSITION.check,
+        "encoder": ENCODER_POSITION,
+        "encoder_measured": ENCODER_POSITION,
+        "encoder_offset": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    encoder_raw: int
-    encoder_measured_raw: int
-    encoder_offset_raw: int
+    _raws: tuple[int, int, int]
 
     def __init__(
         self,
@@ -3720,19 +4119,23 @@ class ReadEncoderReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.encoder_raw = ENCODER_POSITION.raw(encoder, self.parameters, "encoder")
-        self.encoder_measured_raw = ENCODER_POSITION.raw(encoder_measured, self.parameters, "encoder_measured")
-        self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (
+            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
+            ENCODER_POSITION.raw(encoder_measured, self._parameters, "encoder_measured"),
+            ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.encoder_raw, self.encoder_measured_raw, self.encoder_offset_raw = _UNPACK_1(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_1(data)
         return self
 
     @property
@@ -3742,7 +4145,11 @@ class ReadEncoderReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_raw, self.parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[0], self._parameters, "encoder")
+
+    @property
+    def encoder_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def encoder_measured(self) -> float:
@@ -3751,7 +4158,11 @@ class ReadEncoderReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_measured_raw, self.parameters, "encoder_measured")
+        return ENCODER_POSITION.value(self._raws[1], self._parameters, "encoder_measured")
+
+    @property
+    def encoder_measured_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def encoder_offset(self) -> float:
@@ -3760,11 +4171,15 @@ class ReadEncoderReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
+        return ENCODER_POSITION.value(self._raws[2], self._parameters, "encoder_offset")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BxHHH", 0x90, self.encoder_raw, self.encoder_measured_raw, self.encoder_offset_raw)
+    @property
+    def encoder_offset_raw(self) -> int:
+        return self._raws[2]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_17(0x90, self._raws[0], self._raws[1], self._raws[2])
 
 
 class CalibrateEncoderReply(Reply):
@@ -3773,23 +4188,23 @@ class CalibrateEncoderReply(Reply):
     Manual 21.
     """
 
+    __slots__ = ()
+
     COMMAND = "calibrate_encoder"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x18
     NODES = (1, 32)
 
-    __slots__ = ("align_value_raw", "align_ratio_raw", "align_state_raw")
-
+    __match_args__ = ("align_value", "align_ratio", "align_state")
     TYPES = {
-        "align_value": U32.check,
-        "align_ratio": ALIGN_RATIO.check,
-        "align_state": flags(0x11),
+        "align_value": U32,
+        "align_ratio": ALIGN_RATIO,
+        "align_state": _AlignState,
     }
+    DEFAULTS = UNKNOWN
 
-    align_value_raw: int
-    align_ratio_raw: int
-    align_state_raw: int
+    _raws: tuple[int, int, int]
 
     def __init__(
         self,
@@ -3799,25 +4214,33 @@ class CalibrateEncoderReply(Reply):
         align_ratio: Real,
         align_state: AlignState | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.align_value_raw = U32.raw(align_value, self.parameters, "align_value")
-        self.align_ratio_raw = ALIGN_RATIO.raw(align_ratio, self.parameters, "align_ratio")
-        self.align_state_raw = self.TYPES["align_state"](align_state, self.parameters, "align_state")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            U32.raw(align_value, self._parameters, "align_value"),
+            ALIGN_RATIO.raw(align_ratio, self._parameters, "align_ratio"),
+            _AlignState.raw(align_state, self._parameters, "align_state"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.align_value_raw, self.align_ratio_raw, self.align_state_raw = _UNPACK_8(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_12(data)
         return self
 
     @property
     def align_value(self) -> int:
         """Calibration value."""
-        return self.align_value_raw
+        return self._raws[0]
+
+    @property
+    def align_value_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def align_ratio(self) -> int:
@@ -3825,16 +4248,24 @@ class CalibrateEncoderReply(Reply):
 
         The ideal value is 1000. A smaller deviation means a better calibration.
         """
-        return self.align_ratio_raw
+        return self._raws[1]
+
+    @property
+    def align_ratio_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def align_state(self) -> AlignState:
         """Calibration state."""
-        return AlignState(self.align_state_raw)
+        return _AlignState.value(self._raws[2], self._parameters, "align_state")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BIHB", 0x18, self.align_value_raw, self.align_ratio_raw, self.align_state_raw)
+    @property
+    def align_state_raw(self) -> int:
+        return self._raws[2]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_18(0x18, self._raws[0], self._raws[1], self._raws[2])
 
 
 class WritePositionAsZeroRomReply(Reply):
@@ -3843,20 +4274,21 @@ class WritePositionAsZeroRomReply(Reply):
     Manual 22.
     """
 
+    __slots__ = ()
+
     COMMAND = "write_position_as_zero_rom"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x19
     NODES = (1, 32)
 
-    __slots__ = ("encoder_offset_raw",)
-
+    __match_args__ = ("encoder_offset",)
     TYPES = {
-        "encoder_offset": ENCODER_POSITION.check,
+        "encoder_offset": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    encoder_offset_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -3865,17 +4297,19 @@ class WritePositionAsZeroRomReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.encoder_offset_raw = ENCODER_POSITION.raw(encoder_offset, self.parameters, "encoder_offset")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.encoder_offset_raw = int.from_bytes(data[6:8], "little")
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_13(data)
         return self
 
     @property
@@ -3885,11 +4319,15 @@ class WritePositionAsZeroRomReply(Reply):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self.encoder_offset_raw, self.parameters, "encoder_offset")
+        return ENCODER_POSITION.value(self._raws[0], self._parameters, "encoder_offset")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B5xH", 0x19, self.encoder_offset_raw)
+    @property
+    def encoder_offset_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_19(0x19, self._raws[0])
 
 
 class ReadMultiTurnAngleReply(Reply):
@@ -3898,19 +4336,21 @@ class ReadMultiTurnAngleReply(Reply):
     Manual 23.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_multi_turn_angle"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x92
     NODES = (1, 32)
 
-    __slots__ = ("angle_raw",)
-
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": MULTI_TURN_ANGLE.check,
+        "angle": MULTI_TURN_ANGLE,
     }
+    DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -3918,17 +4358,19 @@ class ReadMultiTurnAngleReply(Reply):
         node: int,
         angle: Real,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.angle_raw = MULTI_TURN_ANGLE.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (MULTI_TURN_ANGLE.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[1:8], "little", signed=True)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = (int.from_bytes(data[1:8], "little", signed=True),)
         return self
 
     @property
@@ -3937,11 +4379,16 @@ class ReadMultiTurnAngleReply(Reply):
 
         In °; resolution (1 LSB) 0.01 °. Positive values are clockwise, negative values counter-clockwise.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return ((0x92 & 0xFF) | ((self.angle_raw & 0xFFFFFFFFFFFFFF) << 8)).to_bytes(8, "little")
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        little = 0x92 & 0xFF | (self._raws[0] & 0xFFFFFFFFFFFFFF) << 8
+        return little.to_bytes(8, "little")
 
 
 class ReadSingleTurnAngleReply(Reply):
@@ -3950,20 +4397,21 @@ class ReadSingleTurnAngleReply(Reply):
     Manual 24.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_single_turn_angle"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x94
     NODES = (1, 32)
 
-    __slots__ = ("angle_raw",)
-
+    __match_args__ = ("angle",)
     TYPES = {
-        "angle": SINGLE_TURN_POSITION.check,
+        "angle": SINGLE_TURN_POSITION,
     }
     DEFAULTS = UNKNOWN
 
-    angle_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -3972,17 +4420,19 @@ class ReadSingleTurnAngleReply(Reply):
         angle: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.angle_raw = SINGLE_TURN_POSITION.raw(angle, self.parameters, "angle")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (SINGLE_TURN_POSITION.raw(angle, self._parameters, "angle"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.angle_raw = int.from_bytes(data[4:8], "little")
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_14(data)
         return self
 
     @property
@@ -3992,11 +4442,15 @@ class ReadSingleTurnAngleReply(Reply):
         In °; resolution (1 LSB) 0.01 °; raw 0..36000*gear_ratio-1. Increases clockwise from the encoder zero;
         at the zero it restarts at 0.
         """
-        return self.angle_raw / 100
+        return self._raws[0] / 100
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<B3xI", 0x94, self.angle_raw)
+    @property
+    def angle_raw(self) -> int:
+        return self._raws[0]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_20(0x94, self._raws[0])
 
 
 class SetZeroRamReply(ToNode, Reply):
@@ -4011,7 +4465,7 @@ class SetZeroRamReply(ToNode, Reply):
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x95
-    DATA = b'\x95\x00\x00\x00\x00\x00\x00\x00'
+    DATA = bytes.fromhex("95 00 00 00 00 00 00 00")
     NODES = (1, 32)
 
 
@@ -4066,26 +4520,24 @@ class ReadStatus3Reply(Reply):
     Manual 4.
     """
 
+    __slots__ = ()
+
     COMMAND = "read_status_3"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x9D
     NODES = (1, 32)
 
-    __slots__ = ("temperature_raw", "phase_a_raw", "phase_b_raw", "phase_c_raw")
-
+    __match_args__ = ("temperature", "phase_a", "phase_b", "phase_c")
     TYPES = {
-        "temperature": TEMPERATURE.check,
-        "phase_a": PHASE_CURRENT.check,
-        "phase_b": PHASE_CURRENT.check,
-        "phase_c": PHASE_CURRENT.check,
+        "temperature": TEMPERATURE,
+        "phase_a": PHASE_CURRENT,
+        "phase_b": PHASE_CURRENT,
+        "phase_c": PHASE_CURRENT,
     }
     DEFAULTS = UNKNOWN
 
-    temperature_raw: int
-    phase_a_raw: int
-    phase_b_raw: int
-    phase_c_raw: int
+    _raws: tuple[int, int, int, int]
 
     def __init__(
         self,
@@ -4097,20 +4549,24 @@ class ReadStatus3Reply(Reply):
         phase_c: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = parameters
-        self.temperature_raw = TEMPERATURE.raw(temperature, self.parameters, "temperature")
-        self.phase_a_raw = PHASE_CURRENT.raw(phase_a, self.parameters, "phase_a")
-        self.phase_b_raw = PHASE_CURRENT.raw(phase_b, self.parameters, "phase_b")
-        self.phase_c_raw = PHASE_CURRENT.raw(phase_c, self.parameters, "phase_c")
+        self._node = self._known_node(node)
+        self._parameters = parameters
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            PHASE_CURRENT.raw(phase_a, self._parameters, "phase_a"),
+            PHASE_CURRENT.raw(phase_b, self._parameters, "phase_b"),
+            PHASE_CURRENT.raw(phase_c, self._parameters, "phase_c"),
+        )
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
-        self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw = _UNPACK_9(data)
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_15(data)
         return self
 
     @property
@@ -4119,7 +4575,11 @@ class ReadStatus3Reply(Reply):
 
         In °C.
         """
-        return self.temperature_raw
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
 
     @property
     def phase_a(self) -> float:
@@ -4127,7 +4587,11 @@ class ReadStatus3Reply(Reply):
 
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
-        return PHASE_CURRENT.value(self.phase_a_raw, self.parameters, "phase_a")
+        return PHASE_CURRENT.value(self._raws[1], self._parameters, "phase_a")
+
+    @property
+    def phase_a_raw(self) -> int:
+        return self._raws[1]
 
     @property
     def phase_b(self) -> float:
@@ -4135,7 +4599,11 @@ class ReadStatus3Reply(Reply):
 
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
-        return PHASE_CURRENT.value(self.phase_b_raw, self.parameters, "phase_b")
+        return PHASE_CURRENT.value(self._raws[2], self._parameters, "phase_b")
+
+    @property
+    def phase_b_raw(self) -> int:
+        return self._raws[2]
 
     @property
     def phase_c(self) -> float:
@@ -4143,11 +4611,15 @@ class ReadStatus3Reply(Reply):
 
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG).
         """
-        return PHASE_CURRENT.value(self.phase_c_raw, self.parameters, "phase_c")
+        return PHASE_CURRENT.value(self._raws[3], self._parameters, "phase_c")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<Bbhhh", 0x9D, self.temperature_raw, self.phase_a_raw, self.phase_b_raw, self.phase_c_raw)
+    @property
+    def phase_c_raw(self) -> int:
+        return self._raws[3]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_21(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
 class ReadStoredSettingDriverIdReply(StoredSettingsDriverId, Reply):
@@ -4164,9 +4636,9 @@ class ReadStoredSettingDriverIdReply(StoredSettingsDriverId, Reply):
     CODE = 0x40
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxB3x", 0x40, 0x05, 0x0A, self.driver_id_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x40, 0x05, 0x0A, self._raws[0])
 
 
 class ReadStoredSettingBusTypeReply(StoredSettingsBusType, Reply):
@@ -4183,9 +4655,9 @@ class ReadStoredSettingBusTypeReply(StoredSettingsBusType, Reply):
     CODE = 0x40
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxB3x", 0x40, 0x05, 0x0B, self.bus_type_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x40, 0x05, 0x0B, self._raws[0])
 
 
 class ReadStoredSettingRs485BaudRateReply(StoredSettingsRs485BaudRate, Reply):
@@ -4202,9 +4674,9 @@ class ReadStoredSettingRs485BaudRateReply(StoredSettingsRs485BaudRate, Reply):
     CODE = 0x40
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxB3x", 0x40, 0x05, 0x0C, self.rs485_baud_rate_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x40, 0x05, 0x0C, self._raws[0])
 
 
 class ReadStoredSettingCanBaudRateReply(StoredSettingsCanBaudRate, Reply):
@@ -4221,9 +4693,9 @@ class ReadStoredSettingCanBaudRateReply(StoredSettingsCanBaudRate, Reply):
     CODE = 0x40
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxB3x", 0x40, 0x05, 0x0D, self.can_baud_rate_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x40, 0x05, 0x0D, self._raws[0])
 
 
 class ReadStoredSettingMaxPowerReply(StoredSettingsMaxPower, Reply):
@@ -4240,9 +4712,9 @@ class ReadStoredSettingMaxPowerReply(StoredSettingsMaxPower, Reply):
     CODE = 0x40
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxh2x", 0x40, 0x05, 0xB0, self.max_power_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_14(0x40, 0x05, 0xB0, self._raws[0])
 
 
 class ReadStoredSettingMaxSpeedReply(StoredSettingsMaxSpeed, Reply):
@@ -4259,9 +4731,9 @@ class ReadStoredSettingMaxSpeedReply(StoredSettingsMaxSpeed, Reply):
     CODE = 0x40
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxi", 0x40, 0x05, 0xB2, self.max_speed_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_15(0x40, 0x05, 0xB2, self._raws[0])
 
 
 class ReadStoredSettingMaxAngleReply(StoredSettingsMaxAngle, Reply):
@@ -4278,9 +4750,9 @@ class ReadStoredSettingMaxAngleReply(StoredSettingsMaxAngle, Reply):
     CODE = 0x40
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxi", 0x40, 0x05, 0xB4, self.max_angle_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_15(0x40, 0x05, 0xB4, self._raws[0])
 
 
 class ReadStoredSettingCurrentRampReply(StoredSettingsCurrentRamp, Reply):
@@ -4297,9 +4769,9 @@ class ReadStoredSettingCurrentRampReply(StoredSettingsCurrentRamp, Reply):
     CODE = 0x40
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxh2x", 0x40, 0x05, 0xBA, self.current_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_14(0x40, 0x05, 0xBA, self._raws[0])
 
 
 class ReadStoredSettingSpeedRampReply(StoredSettingsSpeedRamp, Reply):
@@ -4316,9 +4788,9 @@ class ReadStoredSettingSpeedRampReply(StoredSettingsSpeedRamp, Reply):
     CODE = 0x40
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxi", 0x40, 0x05, 0xBC, self.speed_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_15(0x40, 0x05, 0xBC, self._raws[0])
 
 
 class ReadStoredSettingAnglePidReply(PidGains, Reply):
@@ -4335,9 +4807,9 @@ class ReadStoredSettingAnglePidReply(PidGains, Reply):
     CODE = 0x40
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0x40, 0xA0, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0x40, 0xA0, self._raws[0], self._raws[1], self._raws[2])
 
 
 class ReadStoredSettingSpeedPidReply(PidGains, Reply):
@@ -4354,9 +4826,9 @@ class ReadStoredSettingSpeedPidReply(PidGains, Reply):
     CODE = 0x40
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0x40, 0xA4, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0x40, 0xA4, self._raws[0], self._raws[1], self._raws[2])
 
 
 class ReadStoredSettingCurrentPidReply(PidGains, Reply):
@@ -4373,9 +4845,9 @@ class ReadStoredSettingCurrentPidReply(PidGains, Reply):
     CODE = 0x40
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0x40, 0xA8, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0x40, 0xA8, self._raws[0], self._raws[1], self._raws[2])
 
 
 class StageStoredSettingDriverIdReply(StoredSettingsDriverId, Reply):
@@ -4392,9 +4864,9 @@ class StageStoredSettingDriverIdReply(StoredSettingsDriverId, Reply):
     CODE = 0x42
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxB3x", 0x42, 0x05, 0x0A, self.driver_id_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x42, 0x05, 0x0A, self._raws[0])
 
 
 class StageStoredSettingBusTypeReply(StoredSettingsBusType, Reply):
@@ -4411,9 +4883,9 @@ class StageStoredSettingBusTypeReply(StoredSettingsBusType, Reply):
     CODE = 0x42
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxB3x", 0x42, 0x05, 0x0B, self.bus_type_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x42, 0x05, 0x0B, self._raws[0])
 
 
 class StageStoredSettingRs485BaudRateReply(StoredSettingsRs485BaudRate, Reply):
@@ -4430,9 +4902,9 @@ class StageStoredSettingRs485BaudRateReply(StoredSettingsRs485BaudRate, Reply):
     CODE = 0x42
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxB3x", 0x42, 0x05, 0x0C, self.rs485_baud_rate_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x42, 0x05, 0x0C, self._raws[0])
 
 
 class StageStoredSettingCanBaudRateReply(StoredSettingsCanBaudRate, Reply):
@@ -4449,9 +4921,9 @@ class StageStoredSettingCanBaudRateReply(StoredSettingsCanBaudRate, Reply):
     CODE = 0x42
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxB3x", 0x42, 0x05, 0x0D, self.can_baud_rate_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_13(0x42, 0x05, 0x0D, self._raws[0])
 
 
 class StageStoredSettingMaxPowerReply(StoredSettingsMaxPower, Reply):
@@ -4468,9 +4940,9 @@ class StageStoredSettingMaxPowerReply(StoredSettingsMaxPower, Reply):
     CODE = 0x42
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxh2x", 0x42, 0x05, 0xB0, self.max_power_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_14(0x42, 0x05, 0xB0, self._raws[0])
 
 
 class StageStoredSettingMaxSpeedReply(StoredSettingsMaxSpeed, Reply):
@@ -4487,9 +4959,9 @@ class StageStoredSettingMaxSpeedReply(StoredSettingsMaxSpeed, Reply):
     CODE = 0x42
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxi", 0x42, 0x05, 0xB2, self.max_speed_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_15(0x42, 0x05, 0xB2, self._raws[0])
 
 
 class StageStoredSettingMaxAngleReply(StoredSettingsMaxAngle, Reply):
@@ -4506,9 +4978,9 @@ class StageStoredSettingMaxAngleReply(StoredSettingsMaxAngle, Reply):
     CODE = 0x42
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxi", 0x42, 0x05, 0xB4, self.max_angle_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_15(0x42, 0x05, 0xB4, self._raws[0])
 
 
 class StageStoredSettingCurrentRampReply(StoredSettingsCurrentRamp, Reply):
@@ -4525,9 +4997,9 @@ class StageStoredSettingCurrentRampReply(StoredSettingsCurrentRamp, Reply):
     CODE = 0x42
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxh2x", 0x42, 0x05, 0xBA, self.current_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_14(0x42, 0x05, 0xBA, self._raws[0])
 
 
 class StageStoredSettingSpeedRampReply(StoredSettingsSpeedRamp, Reply):
@@ -4544,9 +5016,9 @@ class StageStoredSettingSpeedRampReply(StoredSettingsSpeedRamp, Reply):
     CODE = 0x42
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBBxi", 0x42, 0x05, 0xBC, self.speed_ramp_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_15(0x42, 0x05, 0xBC, self._raws[0])
 
 
 class StageStoredSettingAnglePidReply(PidGains, Reply):
@@ -4563,9 +5035,9 @@ class StageStoredSettingAnglePidReply(PidGains, Reply):
     CODE = 0x42
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0x42, 0xA0, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0x42, 0xA0, self._raws[0], self._raws[1], self._raws[2])
 
 
 class StageStoredSettingSpeedPidReply(PidGains, Reply):
@@ -4582,9 +5054,9 @@ class StageStoredSettingSpeedPidReply(PidGains, Reply):
     CODE = 0x42
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0x42, 0xA4, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0x42, 0xA4, self._raws[0], self._raws[1], self._raws[2])
 
 
 class StageStoredSettingCurrentPidReply(PidGains, Reply):
@@ -4601,9 +5073,9 @@ class StageStoredSettingCurrentPidReply(PidGains, Reply):
     CODE = 0x42
     NODES = (1, 32)
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBHHH", 0x42, 0xA8, self.kp_raw, self.ki_raw, self.kd_raw)
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_10(0x42, 0xA8, self._raws[0], self._raws[1], self._raws[2])
 
 
 class SaveStoredSettingsReply(Reply):
@@ -4612,19 +5084,21 @@ class SaveStoredSettingsReply(Reply):
     Manual 28.
     """
 
+    __slots__ = ()
+
     COMMAND = "save_stored_settings"
     DIRECTION = "reply"
     ID = 0x180
     CODE = 0x44
     NODES = (1, 32)
 
-    __slots__ = ("result_raw",)
-
+    __match_args__ = ("result",)
     TYPES = {
-        "result": member(SaveResult),
+        "result": _SaveResult,
     }
+    DEFAULTS = UNKNOWN
 
-    result_raw: int
+    _raws: tuple[int]
 
     def __init__(
         self,
@@ -4632,274 +5106,868 @@ class SaveStoredSettingsReply(Reply):
         node: int,
         result: SaveResult | int,
     ) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = UNKNOWN
-        self.result_raw = self.TYPES["result"](result, self.parameters, "result")
+        self._node = self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (_SaveResult.raw(result, self._parameters, "result"),)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
+        self = object.__new__(cls)
+        self._node = node
+        self._parameters = parameters
+        self._checked = False
         constant(data[1], 5, "group")
-        self.result_raw = data[2]
+        self._raws = _UNPACK_16(data)
         return self
 
     @property
     def result(self) -> SaveResult | int:
         """Result of saving."""
-        return named(SaveResult, self.result_raw)
+        return _SaveResult.value(self._raws[0], self._parameters, "result")
 
-    def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
-        return pack("<BBB5x", 0x44, 0x5, self.result_raw)
+    @property
+    def result_raw(self) -> int:
+        return self._raws[0]
 
-
-def _key_1(can_id: int, data: bytes) -> int:
-    return data[0]
-
-
-def _key_2(can_id: int, data: bytes) -> int:
-    return data[1]
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        return _PACK_16(0x44, 0x5, self._raws[0])
 
 
-def _key_3(can_id: int, data: bytes) -> int:
-    return data[2]
+AnyRequest: TypeAlias = Union[
+    MotorOffRequest,
+    MotorOnRequest,
+    MotorStopRequest,
+    BrakeRequest,
+    SetPowerRequest,
+    SetTorqueRequest,
+    SetSpeedRequest,
+    MoveToAngleRequest,
+    MoveToAngleAtSpeedRequest,
+    TurnToAngleRequest,
+    TurnToAngleAtSpeedRequest,
+    MoveByAngleRequest,
+    MoveByAngleAtSpeedRequest,
+    ReadControlParameterAnglePidRequest,
+    ReadControlParameterSpeedPidRequest,
+    ReadControlParameterCurrentPidRequest,
+    ReadControlParameterMaxTorqueCurrentRequest,
+    ReadControlParameterMaxSpeedRequest,
+    ReadControlParameterUpperAngleRequest,
+    ReadControlParameterLowerAngleRequest,
+    ReadControlParameterSpeedRampRequest,
+    WriteControlParameterRamAnglePidRequest,
+    WriteControlParameterRamSpeedPidRequest,
+    WriteControlParameterRamCurrentPidRequest,
+    WriteControlParameterRamMaxTorqueCurrentRequest,
+    WriteControlParameterRamMaxSpeedRequest,
+    WriteControlParameterRamUpperAngleRequest,
+    WriteControlParameterRamLowerAngleRequest,
+    WriteControlParameterRamSpeedRampRequest,
+    ReadEncoderRequest,
+    CalibrateEncoderRequest,
+    WritePositionAsZeroRomRequest,
+    ReadMultiTurnAngleRequest,
+    ReadSingleTurnAngleRequest,
+    SetZeroRamRequest,
+    ReadStatus1Request,
+    ClearErrorsRequest,
+    ReadStatus2Request,
+    ReadStatus3Request,
+    ReadStoredSettingDriverIdRequest,
+    ReadStoredSettingBusTypeRequest,
+    ReadStoredSettingRs485BaudRateRequest,
+    ReadStoredSettingCanBaudRateRequest,
+    ReadStoredSettingMaxPowerRequest,
+    ReadStoredSettingMaxSpeedRequest,
+    ReadStoredSettingMaxAngleRequest,
+    ReadStoredSettingCurrentRampRequest,
+    ReadStoredSettingSpeedRampRequest,
+    ReadStoredSettingAnglePidRequest,
+    ReadStoredSettingSpeedPidRequest,
+    ReadStoredSettingCurrentPidRequest,
+    StageStoredSettingDriverIdRequest,
+    StageStoredSettingBusTypeRequest,
+    StageStoredSettingRs485BaudRateRequest,
+    StageStoredSettingCanBaudRateRequest,
+    StageStoredSettingMaxPowerRequest,
+    StageStoredSettingMaxSpeedRequest,
+    StageStoredSettingMaxAngleRequest,
+    StageStoredSettingCurrentRampRequest,
+    StageStoredSettingSpeedRampRequest,
+    StageStoredSettingAnglePidRequest,
+    StageStoredSettingSpeedPidRequest,
+    StageStoredSettingCurrentPidRequest,
+    SaveStoredSettingsRequest,
+]
+"""Every request that `decode_request` returns."""
+AnyReply: TypeAlias = Union[
+    MotorOffReply,
+    MotorOnReply,
+    MotorStopReply,
+    BrakeReply,
+    SetPowerReply,
+    SetTorqueReply,
+    SetSpeedReply,
+    MoveToAngleReply,
+    MoveToAngleAtSpeedReply,
+    TurnToAngleReply,
+    TurnToAngleAtSpeedReply,
+    MoveByAngleReply,
+    MoveByAngleAtSpeedReply,
+    ReadControlParameterAnglePidReply,
+    ReadControlParameterSpeedPidReply,
+    ReadControlParameterCurrentPidReply,
+    ReadControlParameterMaxTorqueCurrentReply,
+    ReadControlParameterMaxSpeedReply,
+    ReadControlParameterUpperAngleReply,
+    ReadControlParameterLowerAngleReply,
+    ReadControlParameterSpeedRampReply,
+    WriteControlParameterRamAnglePidReply,
+    WriteControlParameterRamSpeedPidReply,
+    WriteControlParameterRamCurrentPidReply,
+    WriteControlParameterRamMaxTorqueCurrentReply,
+    WriteControlParameterRamMaxSpeedReply,
+    WriteControlParameterRamUpperAngleReply,
+    WriteControlParameterRamLowerAngleReply,
+    WriteControlParameterRamSpeedRampReply,
+    ReadEncoderReply,
+    CalibrateEncoderReply,
+    WritePositionAsZeroRomReply,
+    ReadMultiTurnAngleReply,
+    ReadSingleTurnAngleReply,
+    SetZeroRamReply,
+    ReadStatus1Reply,
+    ClearErrorsReply,
+    ReadStatus2Reply,
+    ReadStatus3Reply,
+    ReadStoredSettingDriverIdReply,
+    ReadStoredSettingBusTypeReply,
+    ReadStoredSettingRs485BaudRateReply,
+    ReadStoredSettingCanBaudRateReply,
+    ReadStoredSettingMaxPowerReply,
+    ReadStoredSettingMaxSpeedReply,
+    ReadStoredSettingMaxAngleReply,
+    ReadStoredSettingCurrentRampReply,
+    ReadStoredSettingSpeedRampReply,
+    ReadStoredSettingAnglePidReply,
+    ReadStoredSettingSpeedPidReply,
+    ReadStoredSettingCurrentPidReply,
+    StageStoredSettingDriverIdReply,
+    StageStoredSettingBusTypeReply,
+    StageStoredSettingRs485BaudRateReply,
+    StageStoredSettingCanBaudRateReply,
+    StageStoredSettingMaxPowerReply,
+    StageStoredSettingMaxSpeedReply,
+    StageStoredSettingMaxAngleReply,
+    StageStoredSettingCurrentRampReply,
+    StageStoredSettingSpeedRampReply,
+    StageStoredSettingAnglePidReply,
+    StageStoredSettingSpeedPidReply,
+    StageStoredSettingCurrentPidReply,
+    SaveStoredSettingsReply,
+]
+"""Every reply that `decode_reply` returns."""
+
+_data_0 = DataByte(0)
+_data_1 = DataByte(1)
+_data_2 = DataByte(2)
 
 
-_dispatcher = Dispatcher(
+_dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     requests=(
-        Route(0x140, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffRequest,
-            0x88: MotorOnRequest,
-            0x81: MotorStopRequest,
-            0x8C: BrakeRequest,
-            0xA0: SetPowerRequest,
-            0xA1: SetTorqueRequest,
-            0xA2: SetSpeedRequest,
-            0xA3: MoveToAngleRequest,
-            0xA4: MoveToAngleAtSpeedRequest,
-            0xA5: TurnToAngleRequest,
-            0xA6: TurnToAngleAtSpeedRequest,
-            0xA7: MoveByAngleRequest,
-            0xA8: MoveByAngleAtSpeedRequest,
-            0xC0: Select(_key_2, {
-                0x0A: ReadControlParameterAnglePidRequest,
-                0x0B: ReadControlParameterSpeedPidRequest,
-                0x0C: ReadControlParameterCurrentPidRequest,
-                0x1E: ReadControlParameterMaxTorqueCurrentRequest,
-                0x20: ReadControlParameterMaxSpeedRequest,
-                0x22: ReadControlParameterUpperAngleRequest,
-                0x23: ReadControlParameterLowerAngleRequest,
-                0x26: ReadControlParameterSpeedRampRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0xC1: Select(_key_2, {
-                0x0A: WriteControlParameterRamAnglePidRequest,
-                0x0B: WriteControlParameterRamSpeedPidRequest,
-                0x0C: WriteControlParameterRamCurrentPidRequest,
-                0x1E: WriteControlParameterRamMaxTorqueCurrentRequest,
-                0x20: WriteControlParameterRamMaxSpeedRequest,
-                0x22: WriteControlParameterRamUpperAngleRequest,
-                0x23: WriteControlParameterRamLowerAngleRequest,
-                0x26: WriteControlParameterRamSpeedRampRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0x90: ReadEncoderRequest,
-            0x18: CalibrateEncoderRequest,
-            0x19: WritePositionAsZeroRomRequest,
-            0x92: ReadMultiTurnAngleRequest,
-            0x94: ReadSingleTurnAngleRequest,
-            0x95: SetZeroRamRequest,
-            0x9A: ReadStatus1Request,
-            0x9B: ClearErrorsRequest,
-            0x9C: ReadStatus2Request,
-            0x9D: ReadStatus3Request,
-            0x40: Select(_key_2, {
-                0x05: Select(_key_3, {
-                    0x0A: ReadStoredSettingDriverIdRequest,
-                    0x0B: ReadStoredSettingBusTypeRequest,
-                    0x0C: ReadStoredSettingRs485BaudRateRequest,
-                    0x0D: ReadStoredSettingCanBaudRateRequest,
-                    0xB0: ReadStoredSettingMaxPowerRequest,
-                    0xB2: ReadStoredSettingMaxSpeedRequest,
-                    0xB4: ReadStoredSettingMaxAngleRequest,
-                    0xBA: ReadStoredSettingCurrentRampRequest,
-                    0xBC: ReadStoredSettingSpeedRampRequest,
-                }, Refusal.UNKNOWN_CODE),
-                0xA0: ReadStoredSettingAnglePidRequest,
-                0xA4: ReadStoredSettingSpeedPidRequest,
-                0xA8: ReadStoredSettingCurrentPidRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0x42: Select(_key_2, {
-                0x05: Select(_key_3, {
-                    0x0A: StageStoredSettingDriverIdRequest,
-                    0x0B: StageStoredSettingBusTypeRequest,
-                    0x0C: StageStoredSettingRs485BaudRateRequest,
-                    0x0D: StageStoredSettingCanBaudRateRequest,
-                    0xB0: StageStoredSettingMaxPowerRequest,
-                    0xB2: StageStoredSettingMaxSpeedRequest,
-                    0xB4: StageStoredSettingMaxAngleRequest,
-                    0xBA: StageStoredSettingCurrentRampRequest,
-                    0xBC: StageStoredSettingSpeedRampRequest,
-                }, Refusal.UNKNOWN_CODE),
-                0xA0: StageStoredSettingAnglePidRequest,
-                0xA4: StageStoredSettingSpeedPidRequest,
-                0xA8: StageStoredSettingCurrentPidRequest,
-            }, Refusal.UNKNOWN_CODE),
-            0x44: SaveStoredSettingsRequest,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x140,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffRequest,
+                            0x88: MotorOnRequest,
+                            0x81: MotorStopRequest,
+                            0x8C: BrakeRequest,
+                            0xA0: SetPowerRequest,
+                            0xA1: SetTorqueRequest,
+                            0xA2: SetSpeedRequest,
+                            0xA3: MoveToAngleRequest,
+                            0xA4: MoveToAngleAtSpeedRequest,
+                            0xA5: TurnToAngleRequest,
+                            0xA6: TurnToAngleAtSpeedRequest,
+                            0xA7: MoveByAngleRequest,
+                            0xA8: MoveByAngleAtSpeedRequest,
+                            0xC0: Select(
+                                _data_1,
+                                {
+                                    0x0A: ReadControlParameterAnglePidRequest,
+                                    0x0B: ReadControlParameterSpeedPidRequest,
+                                    0x0C: ReadControlParameterCurrentPidRequest,
+                                    0x1E: ReadControlParameterMaxTorqueCurrentRequest,
+                                    0x20: ReadControlParameterMaxSpeedRequest,
+                                    0x22: ReadControlParameterUpperAngleRequest,
+                                    0x23: ReadControlParameterLowerAngleRequest,
+                                    0x26: ReadControlParameterSpeedRampRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0xC1: Select(
+                                _data_1,
+                                {
+                                    0x0A: WriteControlParameterRamAnglePidRequest,
+                                    0x0B: WriteControlParameterRamSpeedPidRequest,
+                                    0x0C: WriteControlParameterRamCurrentPidRequest,
+                                    0x1E: WriteControlParameterRamMaxTorqueCurrentRequest,
+                                    0x20: WriteControlParameterRamMaxSpeedRequest,
+                                    0x22: WriteControlParameterRamUpperAngleRequest,
+                                    0x23: WriteControlParameterRamLowerAngleRequest,
+                                    0x26: WriteControlParameterRamSpeedRampRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x90: ReadEncoderRequest,
+                            0x18: CalibrateEncoderRequest,
+                            0x19: WritePositionAsZeroRomRequest,
+                            0x92: ReadMultiTurnAngleRequest,
+                            0x94: ReadSingleTurnAngleRequest,
+                            0x95: SetZeroRamRequest,
+                            0x9A: ReadStatus1Request,
+                            0x9B: ClearErrorsRequest,
+                            0x9C: ReadStatus2Request,
+                            0x9D: ReadStatus3Request,
+                            0x40: Select(
+                                _data_1,
+                                {
+                                    0x05: Select(
+                                        _data_2,
+                                        {
+                                            0x0A: ReadStoredSettingDriverIdRequest,
+                                            0x0B: ReadStoredSettingBusTypeRequest,
+                                            0x0C: ReadStoredSettingRs485BaudRateRequest,
+                                            0x0D: ReadStoredSettingCanBaudRateRequest,
+                                            0xB0: ReadStoredSettingMaxPowerRequest,
+                                            0xB2: ReadStoredSettingMaxSpeedRequest,
+                                            0xB4: ReadStoredSettingMaxAngleRequest,
+                                            0xBA: ReadStoredSettingCurrentRampRequest,
+                                            0xBC: ReadStoredSettingSpeedRampRequest,
+                                        },
+                                        Refusal.UNKNOWN_CODE,
+                                    ),
+                                    0xA0: ReadStoredSettingAnglePidRequest,
+                                    0xA4: ReadStoredSettingSpeedPidRequest,
+                                    0xA8: ReadStoredSettingCurrentPidRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x42: Select(
+                                _data_1,
+                                {
+                                    0x05: Select(
+                                        _data_2,
+                                        {
+                                            0x0A: StageStoredSettingDriverIdRequest,
+                                            0x0B: StageStoredSettingBusTypeRequest,
+                                            0x0C: StageStoredSettingRs485BaudRateRequest,
+                                            0x0D: StageStoredSettingCanBaudRateRequest,
+                                            0xB0: StageStoredSettingMaxPowerRequest,
+                                            0xB2: StageStoredSettingMaxSpeedRequest,
+                                            0xB4: StageStoredSettingMaxAngleRequest,
+                                            0xBA: StageStoredSettingCurrentRampRequest,
+                                            0xBC: StageStoredSettingSpeedRampRequest,
+                                        },
+                                        Refusal.UNKNOWN_CODE,
+                                    ),
+                                    0xA0: StageStoredSettingAnglePidRequest,
+                                    0xA4: StageStoredSettingSpeedPidRequest,
+                                    0xA8: StageStoredSettingCurrentPidRequest,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x44: SaveStoredSettingsRequest,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     replies=(
-        Route(0x180, 1, range(1, 33), Select(data_length, {8: Select(_key_1, {
-            0x80: MotorOffReply,
-            0x88: MotorOnReply,
-            0x81: MotorStopReply,
-            0x8C: BrakeReply,
-            0xA0: SetPowerReply,
-            0xA1: SetTorqueReply,
-            0xA2: SetSpeedReply,
-            0xA3: MoveToAngleReply,
-            0xA4: MoveToAngleAtSpeedReply,
-            0xA5: TurnToAngleReply,
-            0xA6: TurnToAngleAtSpeedReply,
-            0xA7: MoveByAngleReply,
-            0xA8: MoveByAngleAtSpeedReply,
-            0xC0: Select(_key_2, {
-                0x0A: ReadControlParameterAnglePidReply,
-                0x0B: ReadControlParameterSpeedPidReply,
-                0x0C: ReadControlParameterCurrentPidReply,
-                0x1E: ReadControlParameterMaxTorqueCurrentReply,
-                0x20: ReadControlParameterMaxSpeedReply,
-                0x22: ReadControlParameterUpperAngleReply,
-                0x23: ReadControlParameterLowerAngleReply,
-                0x26: ReadControlParameterSpeedRampReply,
-            }, Refusal.UNKNOWN_CODE),
-            0xC1: Select(_key_2, {
-                0x0A: WriteControlParameterRamAnglePidReply,
-                0x0B: WriteControlParameterRamSpeedPidReply,
-                0x0C: WriteControlParameterRamCurrentPidReply,
-                0x1E: WriteControlParameterRamMaxTorqueCurrentReply,
-                0x20: WriteControlParameterRamMaxSpeedReply,
-                0x22: WriteControlParameterRamUpperAngleReply,
-                0x23: WriteControlParameterRamLowerAngleReply,
-                0x26: WriteControlParameterRamSpeedRampReply,
-            }, Refusal.UNKNOWN_CODE),
-            0x90: ReadEncoderReply,
-            0x18: CalibrateEncoderReply,
-            0x19: WritePositionAsZeroRomReply,
-            0x92: ReadMultiTurnAngleReply,
-            0x94: ReadSingleTurnAngleReply,
-            0x95: SetZeroRamReply,
-            0x9A: ReadStatus1Reply,
-            0x9B: ClearErrorsReply,
-            0x9C: ReadStatus2Reply,
-            0x9D: ReadStatus3Reply,
-            0x40: Select(_key_2, {
-                0x05: Select(_key_3, {
-                    0x0A: ReadStoredSettingDriverIdReply,
-                    0x0B: ReadStoredSettingBusTypeReply,
-                    0x0C: ReadStoredSettingRs485BaudRateReply,
-                    0x0D: ReadStoredSettingCanBaudRateReply,
-                    0xB0: ReadStoredSettingMaxPowerReply,
-                    0xB2: ReadStoredSettingMaxSpeedReply,
-                    0xB4: ReadStoredSettingMaxAngleReply,
-                    0xBA: ReadStoredSettingCurrentRampReply,
-                    0xBC: ReadStoredSettingSpeedRampReply,
-                }, Refusal.UNKNOWN_CODE),
-                0xA0: ReadStoredSettingAnglePidReply,
-                0xA4: ReadStoredSettingSpeedPidReply,
-                0xA8: ReadStoredSettingCurrentPidReply,
-            }, Refusal.UNKNOWN_CODE),
-            0x42: Select(_key_2, {
-                0x05: Select(_key_3, {
-                    0x0A: StageStoredSettingDriverIdReply,
-                    0x0B: StageStoredSettingBusTypeReply,
-                    0x0C: StageStoredSettingRs485BaudRateReply,
-                    0x0D: StageStoredSettingCanBaudRateReply,
-                    0xB0: StageStoredSettingMaxPowerReply,
-                    0xB2: StageStoredSettingMaxSpeedReply,
-                    0xB4: StageStoredSettingMaxAngleReply,
-                    0xBA: StageStoredSettingCurrentRampReply,
-                    0xBC: StageStoredSettingSpeedRampReply,
-                }, Refusal.UNKNOWN_CODE),
-                0xA0: StageStoredSettingAnglePidReply,
-                0xA4: StageStoredSettingSpeedPidReply,
-                0xA8: StageStoredSettingCurrentPidReply,
-            }, Refusal.UNKNOWN_CODE),
-            0x44: SaveStoredSettingsReply,
-        }, Refusal.UNKNOWN_CODE)}, Refusal.WRONG_LENGTH)),
+        Route(
+            0x180,
+            1,
+            range(1, 33),
+            Select(
+                data_length,
+                {
+                    8: Select(
+                        _data_0,
+                        {
+                            0x80: MotorOffReply,
+                            0x88: MotorOnReply,
+                            0x81: MotorStopReply,
+                            0x8C: BrakeReply,
+                            0xA0: SetPowerReply,
+                            0xA1: SetTorqueReply,
+                            0xA2: SetSpeedReply,
+                            0xA3: MoveToAngleReply,
+                            0xA4: MoveToAngleAtSpeedReply,
+                            0xA5: TurnToAngleReply,
+                            0xA6: TurnToAngleAtSpeedReply,
+                            0xA7: MoveByAngleReply,
+                            0xA8: MoveByAngleAtSpeedReply,
+                            0xC0: Select(
+                                _data_1,
+                                {
+                                    0x0A: ReadControlParameterAnglePidReply,
+                                    0x0B: ReadControlParameterSpeedPidReply,
+                                    0x0C: ReadControlParameterCurrentPidReply,
+                                    0x1E: ReadControlParameterMaxTorqueCurrentReply,
+                                    0x20: ReadControlParameterMaxSpeedReply,
+                                    0x22: ReadControlParameterUpperAngleReply,
+                                    0x23: ReadControlParameterLowerAngleReply,
+                                    0x26: ReadControlParameterSpeedRampReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0xC1: Select(
+                                _data_1,
+                                {
+                                    0x0A: WriteControlParameterRamAnglePidReply,
+                                    0x0B: WriteControlParameterRamSpeedPidReply,
+                                    0x0C: WriteControlParameterRamCurrentPidReply,
+                                    0x1E: WriteControlParameterRamMaxTorqueCurrentReply,
+                                    0x20: WriteControlParameterRamMaxSpeedReply,
+                                    0x22: WriteControlParameterRamUpperAngleReply,
+                                    0x23: WriteControlParameterRamLowerAngleReply,
+                                    0x26: WriteControlParameterRamSpeedRampReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x90: ReadEncoderReply,
+                            0x18: CalibrateEncoderReply,
+                            0x19: WritePositionAsZeroRomReply,
+                            0x92: ReadMultiTurnAngleReply,
+                            0x94: ReadSingleTurnAngleReply,
+                            0x95: SetZeroRamReply,
+                            0x9A: ReadStatus1Reply,
+                            0x9B: ClearErrorsReply,
+                            0x9C: ReadStatus2Reply,
+                            0x9D: ReadStatus3Reply,
+                            0x40: Select(
+                                _data_1,
+                                {
+                                    0x05: Select(
+                                        _data_2,
+                                        {
+                                            0x0A: ReadStoredSettingDriverIdReply,
+                                            0x0B: ReadStoredSettingBusTypeReply,
+                                            0x0C: ReadStoredSettingRs485BaudRateReply,
+                                            0x0D: ReadStoredSettingCanBaudRateReply,
+                                            0xB0: ReadStoredSettingMaxPowerReply,
+                                            0xB2: ReadStoredSettingMaxSpeedReply,
+                                            0xB4: ReadStoredSettingMaxAngleReply,
+                                            0xBA: ReadStoredSettingCurrentRampReply,
+                                            0xBC: ReadStoredSettingSpeedRampReply,
+                                        },
+                                        Refusal.UNKNOWN_CODE,
+                                    ),
+                                    0xA0: ReadStoredSettingAnglePidReply,
+                                    0xA4: ReadStoredSettingSpeedPidReply,
+                                    0xA8: ReadStoredSettingCurrentPidReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x42: Select(
+                                _data_1,
+                                {
+                                    0x05: Select(
+                                        _data_2,
+                                        {
+                                            0x0A: StageStoredSettingDriverIdReply,
+                                            0x0B: StageStoredSettingBusTypeReply,
+                                            0x0C: StageStoredSettingRs485BaudRateReply,
+                                            0x0D: StageStoredSettingCanBaudRateReply,
+                                            0xB0: StageStoredSettingMaxPowerReply,
+                                            0xB2: StageStoredSettingMaxSpeedReply,
+                                            0xB4: StageStoredSettingMaxAngleReply,
+                                            0xBA: StageStoredSettingCurrentRampReply,
+                                            0xBC: StageStoredSettingSpeedRampReply,
+                                        },
+                                        Refusal.UNKNOWN_CODE,
+                                    ),
+                                    0xA0: StageStoredSettingAnglePidReply,
+                                    0xA4: StageStoredSettingSpeedPidReply,
+                                    0xA8: StageStoredSettingCurrentPidReply,
+                                },
+                                Refusal.UNKNOWN_CODE,
+                            ),
+                            0x44: SaveStoredSettingsReply,
+                        },
+                        Refusal.UNKNOWN_CODE,
+                    ),
+                },
+                Refusal.WRONG_LENGTH,
+            ),
+        ),
     ),
     answers={
-        MotorOffRequest: Answer(MotorOffReply, ((_key_1, (0x80,)),), (), True),
-        MotorOnRequest: Answer(MotorOnReply, ((_key_1, (0x88,)),), (), True),
-        MotorStopRequest: Answer(MotorStopReply, ((_key_1, (0x81,)),), (), True),
-        BrakeRequest: Answer(BrakeReply, ((_key_1, (0x8C,)),), (), False),
-        SetPowerRequest: Answer(SetPowerReply, ((_key_1, (0xA0,)),), (), False),
-        SetTorqueRequest: Answer(SetTorqueReply, ((_key_1, (0xA1,)),), (), False),
-        SetSpeedRequest: Answer(SetSpeedReply, ((_key_1, (0xA2,)),), (), False),
-        MoveToAngleRequest: Answer(MoveToAngleReply, ((_key_1, (0xA3,)),), (), False),
-        MoveToAngleAtSpeedRequest: Answer(MoveToAngleAtSpeedReply, ((_key_1, (0xA4,)),), (), False),
-        TurnToAngleRequest: Answer(TurnToAngleReply, ((_key_1, (0xA5,)),), (), False),
-        TurnToAngleAtSpeedRequest: Answer(TurnToAngleAtSpeedReply, ((_key_1, (0xA6,)),), (), False),
-        MoveByAngleRequest: Answer(MoveByAngleReply, ((_key_1, (0xA7,)),), (), False),
-        MoveByAngleAtSpeedRequest: Answer(MoveByAngleAtSpeedReply, ((_key_1, (0xA8,)),), (), False),
-        ReadControlParameterAnglePidRequest: Answer(ReadControlParameterAnglePidReply, ((_key_1, (0xC0,)), (_key_2, (0x0A,))), (), False),
-        ReadControlParameterSpeedPidRequest: Answer(ReadControlParameterSpeedPidReply, ((_key_1, (0xC0,)), (_key_2, (0x0B,))), (), False),
-        ReadControlParameterCurrentPidRequest: Answer(ReadControlParameterCurrentPidReply, ((_key_1, (0xC0,)), (_key_2, (0x0C,))), (), False),
-        ReadControlParameterMaxTorqueCurrentRequest: Answer(ReadControlParameterMaxTorqueCurrentReply, ((_key_1, (0xC0,)), (_key_2, (0x1E,))), (), False),
-        ReadControlParameterMaxSpeedRequest: Answer(ReadControlParameterMaxSpeedReply, ((_key_1, (0xC0,)), (_key_2, (0x20,))), (), False),
-        ReadControlParameterUpperAngleRequest: Answer(ReadControlParameterUpperAngleReply, ((_key_1, (0xC0,)), (_key_2, (0x22,))), (), False),
-        ReadControlParameterLowerAngleRequest: Answer(ReadControlParameterLowerAngleReply, ((_key_1, (0xC0,)), (_key_2, (0x23,))), (), False),
-        ReadControlParameterSpeedRampRequest: Answer(ReadControlParameterSpeedRampReply, ((_key_1, (0xC0,)), (_key_2, (0x26,))), (), False),
-        WriteControlParameterRamAnglePidRequest: Answer(WriteControlParameterRamAnglePidReply, ((_key_1, (0xC1,)), (_key_2, (0x0A,))), (), False),
-        WriteControlParameterRamSpeedPidRequest: Answer(WriteControlParameterRamSpeedPidReply, ((_key_1, (0xC1,)), (_key_2, (0x0B,))), (), False),
-        WriteControlParameterRamCurrentPidRequest: Answer(WriteControlParameterRamCurrentPidReply, ((_key_1, (0xC1,)), (_key_2, (0x0C,))), (), False),
-        WriteControlParameterRamMaxTorqueCurrentRequest: Answer(WriteControlParameterRamMaxTorqueCurrentReply, ((_key_1, (0xC1,)), (_key_2, (0x1E,))), (), False),
-        WriteControlParameterRamMaxSpeedRequest: Answer(WriteControlParameterRamMaxSpeedReply, ((_key_1, (0xC1,)), (_key_2, (0x20,))), (), False),
-        WriteControlParameterRamUpperAngleRequest: Answer(WriteControlParameterRamUpperAngleReply, ((_key_1, (0xC1,)), (_key_2, (0x22,))), (), False),
-        WriteControlParameterRamLowerAngleRequest: Answer(WriteControlParameterRamLowerAngleReply, ((_key_1, (0xC1,)), (_key_2, (0x23,))), (), False),
-        WriteControlParameterRamSpeedRampRequest: Answer(WriteControlParameterRamSpeedRampReply, ((_key_1, (0xC1,)), (_key_2, (0x26,))), (), False),
-        ReadEncoderRequest: Answer(ReadEncoderReply, ((_key_1, (0x90,)),), (), False),
-        CalibrateEncoderRequest: Answer(CalibrateEncoderReply, ((_key_1, (0x18,)),), (), False),
-        WritePositionAsZeroRomRequest: Answer(WritePositionAsZeroRomReply, ((_key_1, (0x19,)),), (), False),
-        ReadMultiTurnAngleRequest: Answer(ReadMultiTurnAngleReply, ((_key_1, (0x92,)),), (), False),
-        ReadSingleTurnAngleRequest: Answer(ReadSingleTurnAngleReply, ((_key_1, (0x94,)),), (), False),
-        SetZeroRamRequest: Answer(SetZeroRamReply, ((_key_1, (0x95,)),), (), True),
-        ReadStatus1Request: Answer(ReadStatus1Reply, ((_key_1, (0x9A,)),), (), False),
-        ClearErrorsRequest: Answer(ClearErrorsReply, ((_key_1, (0x9B,)),), (), False),
-        ReadStatus2Request: Answer(ReadStatus2Reply, ((_key_1, (0x9C,)),), (), False),
-        ReadStatus3Request: Answer(ReadStatus3Reply, ((_key_1, (0x9D,)),), (), False),
-        ReadStoredSettingDriverIdRequest: Answer(ReadStoredSettingDriverIdReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0x0A,))), (), False),
-        ReadStoredSettingBusTypeRequest: Answer(ReadStoredSettingBusTypeReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0x0B,))), (), False),
-        ReadStoredSettingRs485BaudRateRequest: Answer(ReadStoredSettingRs485BaudRateReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0x0C,))), (), False),
-        ReadStoredSettingCanBaudRateRequest: Answer(ReadStoredSettingCanBaudRateReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0x0D,))), (), False),
-        ReadStoredSettingMaxPowerRequest: Answer(ReadStoredSettingMaxPowerReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xB0,))), (), False),
-        ReadStoredSettingMaxSpeedRequest: Answer(ReadStoredSettingMaxSpeedReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xB2,))), (), False),
-        ReadStoredSettingMaxAngleRequest: Answer(ReadStoredSettingMaxAngleReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xB4,))), (), False),
-        ReadStoredSettingCurrentRampRequest: Answer(ReadStoredSettingCurrentRampReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xBA,))), (), False),
-        ReadStoredSettingSpeedRampRequest: Answer(ReadStoredSettingSpeedRampReply, ((_key_1, (0x40,)), (_key_2, (0x05,)), (_key_3, (0xBC,))), (), False),
-        ReadStoredSettingAnglePidRequest: Answer(ReadStoredSettingAnglePidReply, ((_key_1, (0x40,)), (_key_2, (0xA0,))), (), False),
-        ReadStoredSettingSpeedPidRequest: Answer(ReadStoredSettingSpeedPidReply, ((_key_1, (0x40,)), (_key_2, (0xA4,))), (), False),
-        ReadStoredSettingCurrentPidRequest: Answer(ReadStoredSettingCurrentPidReply, ((_key_1, (0x40,)), (_key_2, (0xA8,))), (), False),
-        StageStoredSettingDriverIdRequest: Answer(StageStoredSettingDriverIdReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0x0A,))), (), False),
-        StageStoredSettingBusTypeRequest: Answer(StageStoredSettingBusTypeReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0x0B,))), (), False),
-        StageStoredSettingRs485BaudRateRequest: Answer(StageStoredSettingRs485BaudRateReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0x0C,))), (), False),
-        StageStoredSettingCanBaudRateRequest: Answer(StageStoredSettingCanBaudRateReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0x0D,))), (), False),
-        StageStoredSettingMaxPowerRequest: Answer(StageStoredSettingMaxPowerReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xB0,))), (), False),
-        StageStoredSettingMaxSpeedRequest: Answer(StageStoredSettingMaxSpeedReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xB2,))), (), False),
-        StageStoredSettingMaxAngleRequest: Answer(StageStoredSettingMaxAngleReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xB4,))), (), False),
-        StageStoredSettingCurrentRampRequest: Answer(StageStoredSettingCurrentRampReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xBA,))), (), False),
-        StageStoredSettingSpeedRampRequest: Answer(StageStoredSettingSpeedRampReply, ((_key_1, (0x42,)), (_key_2, (0x05,)), (_key_3, (0xBC,))), (), False),
-        StageStoredSettingAnglePidRequest: Answer(StageStoredSettingAnglePidReply, ((_key_1, (0x42,)), (_key_2, (0xA0,))), (), False),
-        StageStoredSettingSpeedPidRequest: Answer(StageStoredSettingSpeedPidReply, ((_key_1, (0x42,)), (_key_2, (0xA4,))), (), False),
-        StageStoredSettingCurrentPidRequest: Answer(StageStoredSettingCurrentPidReply, ((_key_1, (0x42,)), (_key_2, (0xA8,))), (), False),
-        SaveStoredSettingsRequest: Answer(SaveStoredSettingsReply, ((_key_1, (0x44,)),), (), False),
+        MotorOffRequest: Answer(
+            MotorOffReply,
+            (
+                (_data_0, (0x80,)),
+            ),
+            echo=True,
+        ),
+        MotorOnRequest: Answer(
+            MotorOnReply,
+            (
+                (_data_0, (0x88,)),
+            ),
+            echo=True,
+        ),
+        MotorStopRequest: Answer(
+            MotorStopReply,
+            (
+                (_data_0, (0x81,)),
+            ),
+            echo=True,
+        ),
+        BrakeRequest: Answer(
+            BrakeReply,
+            (
+                (_data_0, (0x8C,)),
+            ),
+        ),
+        SetPowerRequest: Answer(
+            SetPowerReply,
+            (
+                (_data_0, (0xA0,)),
+            ),
+        ),
+        SetTorqueRequest: Answer(
+            SetTorqueReply,
+            (
+                (_data_0, (0xA1,)),
+            ),
+        ),
+        SetSpeedRequest: Answer(
+            SetSpeedReply,
+            (
+                (_data_0, (0xA2,)),
+            ),
+        ),
+        MoveToAngleRequest: Answer(
+            MoveToAngleReply,
+            (
+                (_data_0, (0xA3,)),
+            ),
+        ),
+        MoveToAngleAtSpeedRequest: Answer(
+            MoveToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA4,)),
+            ),
+        ),
+        TurnToAngleRequest: Answer(
+            TurnToAngleReply,
+            (
+                (_data_0, (0xA5,)),
+            ),
+        ),
+        TurnToAngleAtSpeedRequest: Answer(
+            TurnToAngleAtSpeedReply,
+            (
+                (_data_0, (0xA6,)),
+            ),
+        ),
+        MoveByAngleRequest: Answer(
+            MoveByAngleReply,
+            (
+                (_data_0, (0xA7,)),
+            ),
+        ),
+        MoveByAngleAtSpeedRequest: Answer(
+            MoveByAngleAtSpeedReply,
+            (
+                (_data_0, (0xA8,)),
+            ),
+        ),
+        ReadControlParameterAnglePidRequest: Answer(
+            ReadControlParameterAnglePidReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x0A,)),
+            ),
+        ),
+        ReadControlParameterSpeedPidRequest: Answer(
+            ReadControlParameterSpeedPidReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x0B,)),
+            ),
+        ),
+        ReadControlParameterCurrentPidRequest: Answer(
+            ReadControlParameterCurrentPidReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x0C,)),
+            ),
+        ),
+        ReadControlParameterMaxTorqueCurrentRequest: Answer(
+            ReadControlParameterMaxTorqueCurrentReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x1E,)),
+            ),
+        ),
+        ReadControlParameterMaxSpeedRequest: Answer(
+            ReadControlParameterMaxSpeedReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x20,)),
+            ),
+        ),
+        ReadControlParameterUpperAngleRequest: Answer(
+            ReadControlParameterUpperAngleReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x22,)),
+            ),
+        ),
+        ReadControlParameterLowerAngleRequest: Answer(
+            ReadControlParameterLowerAngleReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x23,)),
+            ),
+        ),
+        ReadControlParameterSpeedRampRequest: Answer(
+            ReadControlParameterSpeedRampReply,
+            (
+                (_data_0, (0xC0,)),
+                (_data_1, (0x26,)),
+            ),
+        ),
+        WriteControlParameterRamAnglePidRequest: Answer(
+            WriteControlParameterRamAnglePidReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x0A,)),
+            ),
+        ),
+        WriteControlParameterRamSpeedPidRequest: Answer(
+            WriteControlParameterRamSpeedPidReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x0B,)),
+            ),
+        ),
+        WriteControlParameterRamCurrentPidRequest: Answer(
+            WriteControlParameterRamCurrentPidReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x0C,)),
+            ),
+        ),
+        WriteControlParameterRamMaxTorqueCurrentRequest: Answer(
+            WriteControlParameterRamMaxTorqueCurrentReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x1E,)),
+            ),
+        ),
+        WriteControlParameterRamMaxSpeedRequest: Answer(
+            WriteControlParameterRamMaxSpeedReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x20,)),
+            ),
+        ),
+        WriteControlParameterRamUpperAngleRequest: Answer(
+            WriteControlParameterRamUpperAngleReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x22,)),
+            ),
+        ),
+        WriteControlParameterRamLowerAngleRequest: Answer(
+            WriteControlParameterRamLowerAngleReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x23,)),
+            ),
+        ),
+        WriteControlParameterRamSpeedRampRequest: Answer(
+            WriteControlParameterRamSpeedRampReply,
+            (
+                (_data_0, (0xC1,)),
+                (_data_1, (0x26,)),
+            ),
+        ),
+        ReadEncoderRequest: Answer(
+            ReadEncoderReply,
+            (
+                (_data_0, (0x90,)),
+            ),
+        ),
+        CalibrateEncoderRequest: Answer(
+            CalibrateEncoderReply,
+            (
+                (_data_0, (0x18,)),
+            ),
+        ),
+        WritePositionAsZeroRomRequest: Answer(
+            WritePositionAsZeroRomReply,
+            (
+                (_data_0, (0x19,)),
+            ),
+        ),
+        ReadMultiTurnAngleRequest: Answer(
+            ReadMultiTurnAngleReply,
+            (
+                (_data_0, (0x92,)),
+            ),
+        ),
+        ReadSingleTurnAngleRequest: Answer(
+            ReadSingleTurnAngleReply,
+            (
+                (_data_0, (0x94,)),
+            ),
+        ),
+        SetZeroRamRequest: Answer(
+            SetZeroRamReply,
+            (
+                (_data_0, (0x95,)),
+            ),
+            echo=True,
+        ),
+        ReadStatus1Request: Answer(
+            ReadStatus1Reply,
+            (
+                (_data_0, (0x9A,)),
+            ),
+        ),
+        ClearErrorsRequest: Answer(
+            ClearErrorsReply,
+            (
+                (_data_0, (0x9B,)),
+            ),
+        ),
+        ReadStatus2Request: Answer(
+            ReadStatus2Reply,
+            (
+                (_data_0, (0x9C,)),
+            ),
+        ),
+        ReadStatus3Request: Answer(
+            ReadStatus3Reply,
+            (
+                (_data_0, (0x9D,)),
+            ),
+        ),
+        ReadStoredSettingDriverIdRequest: Answer(
+            ReadStoredSettingDriverIdReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0A,)),
+            ),
+        ),
+        ReadStoredSettingBusTypeRequest: Answer(
+            ReadStoredSettingBusTypeReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0B,)),
+            ),
+        ),
+        ReadStoredSettingRs485BaudRateRequest: Answer(
+            ReadStoredSettingRs485BaudRateReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0C,)),
+            ),
+        ),
+        ReadStoredSettingCanBaudRateRequest: Answer(
+            ReadStoredSettingCanBaudRateReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0D,)),
+            ),
+        ),
+        ReadStoredSettingMaxPowerRequest: Answer(
+            ReadStoredSettingMaxPowerReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xB0,)),
+            ),
+        ),
+        ReadStoredSettingMaxSpeedRequest: Answer(
+            ReadStoredSettingMaxSpeedReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xB2,)),
+            ),
+        ),
+        ReadStoredSettingMaxAngleRequest: Answer(
+            ReadStoredSettingMaxAngleReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xB4,)),
+            ),
+        ),
+        ReadStoredSettingCurrentRampRequest: Answer(
+            ReadStoredSettingCurrentRampReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xBA,)),
+            ),
+        ),
+        ReadStoredSettingSpeedRampRequest: Answer(
+            ReadStoredSettingSpeedRampReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xBC,)),
+            ),
+        ),
+        ReadStoredSettingAnglePidRequest: Answer(
+            ReadStoredSettingAnglePidReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0xA0,)),
+            ),
+        ),
+        ReadStoredSettingSpeedPidRequest: Answer(
+            ReadStoredSettingSpeedPidReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0xA4,)),
+            ),
+        ),
+        ReadStoredSettingCurrentPidRequest: Answer(
+            ReadStoredSettingCurrentPidReply,
+            (
+                (_data_0, (0x40,)),
+                (_data_1, (0xA8,)),
+            ),
+        ),
+        StageStoredSettingDriverIdRequest: Answer(
+            StageStoredSettingDriverIdReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0A,)),
+            ),
+        ),
+        StageStoredSettingBusTypeRequest: Answer(
+            StageStoredSettingBusTypeReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0B,)),
+            ),
+        ),
+        StageStoredSettingRs485BaudRateRequest: Answer(
+            StageStoredSettingRs485BaudRateReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0C,)),
+            ),
+        ),
+        StageStoredSettingCanBaudRateRequest: Answer(
+            StageStoredSettingCanBaudRateReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0x0D,)),
+            ),
+        ),
+        StageStoredSettingMaxPowerRequest: Answer(
+            StageStoredSettingMaxPowerReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xB0,)),
+            ),
+        ),
+        StageStoredSettingMaxSpeedRequest: Answer(
+            StageStoredSettingMaxSpeedReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xB2,)),
+            ),
+        ),
+        StageStoredSettingMaxAngleRequest: Answer(
+            StageStoredSettingMaxAngleReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xB4,)),
+            ),
+        ),
+        StageStoredSettingCurrentRampRequest: Answer(
+            StageStoredSettingCurrentRampReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xBA,)),
+            ),
+        ),
+        StageStoredSettingSpeedRampRequest: Answer(
+            StageStoredSettingSpeedRampReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0x05,)),
+                (_data_2, (0xBC,)),
+            ),
+        ),
+        StageStoredSettingAnglePidRequest: Answer(
+            StageStoredSettingAnglePidReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0xA0,)),
+            ),
+        ),
+        StageStoredSettingSpeedPidRequest: Answer(
+            StageStoredSettingSpeedPidReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0xA4,)),
+            ),
+        ),
+        StageStoredSettingCurrentPidRequest: Answer(
+            StageStoredSettingCurrentPidReply,
+            (
+                (_data_0, (0x42,)),
+                (_data_1, (0xA8,)),
+            ),
+        ),
+        SaveStoredSettingsRequest: Answer(
+            SaveStoredSettingsReply,
+            (
+                (_data_0, (0x44,)),
+            ),
+        ),
     },
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
 ids_of = _dispatcher.ids_of
-decode_request = _dispatcher.decode_request
-decode_reply = _dispatcher.decode_reply
+decode_request = _dispatcher.requests.decode
+decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply

@@ -109,6 +109,19 @@ class CAdapter(Adapter):
         answer = self._ask("answers", *_frame(request), *_frame(reply))
         return answer if isinstance(answer, Refused) else None
 
+    def text(self, direction: Direction, frame: CanFrame, parameters: Parameters, size: int = 1000) -> tuple[int, str]:
+        """A frame as text in a buffer of `size` bytes, and the length of the complete text."""
+        answer = self._ask("print", direction.value, *self._known(parameters), *_frame(frame), str(size))
+        assert not isinstance(answer, Refused)
+        length, is_intact, *words = answer
+        assert is_intact == "1", "bytes behind the buffer were written"
+        return int(length), " ".join(words)
+
+    def filter(self, address: str, direction: Direction, node: int) -> tuple[int, int] | Refused:
+        """The id and the mask of the filter for one node."""
+        answer = self._ask("filter", f"{address}_{direction.value}_filter", *self._known({}), str(node))
+        return answer if isinstance(answer, Refused) else (int(answer[0], 16), int(answer[1], 16))
+
     def milli(self, type_name: str, direction: str, number: int, parameters: Parameters) -> int | Refused:
         """`to` thousandths of the unit, or `from` them."""
         answer = self._ask("milli", type_name, *self._known(parameters), direction, str(number))

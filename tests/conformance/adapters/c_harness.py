@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import itertools
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field, Layout
 from canwright.model.message import Direction, Message
 from canwright.model.types import Encoding, Type
+from canwright.targets.c import PARTS
 from canwright.targets.c.names import Names, layouts, member
 
 from .c_signatures import Function, functions
@@ -24,7 +26,7 @@ ARGUMENTS = {"frame": "frame", "message": "message", "node": "node", "parameters
 def harness(edition: Edition, include: Path) -> str:
     """The program's text, for the headers below `include`."""
     name = f"{edition.family}/{edition.identifier}"
-    text = "".join((include / f"{name}{part}.h").read_text("utf-8") for part in ("", "_float"))
+    text = "".join((include / f"{name}{part}.h").read_text("utf-8") for part in PARTS)
     return _Harness(edition, functions(text)).text(name)
 
 
@@ -48,6 +50,7 @@ class _Harness:
             layouts=[self._layout(layout) for layout in with_fields],
             milli=[t for t in map(self._milli, self._edition.types) if t],
             messages=[self._message(m) for m in self._edition.all_messages()],
+            filters=list(self._filters()),
             directions=[d for d in map(self._direction, Direction) if d],
             check_reply=check.call({"request": "frame", "reply": "reply"}) if check else "CANWRIGHT_NOT_ANSWER",
         )
@@ -57,14 +60,24 @@ class _Harness:
         enumerators = [f"{self._prefix}{name}_{value}".upper() for value in ("unknown", *values)]
         return {"name": name, "member": member(name), "enumerators": enumerators if values else []}
 
+    def _filters(self) -> Iterator[dict[str, str]]:
+        for address, direction in itertools.product(self._edition.addresses, Direction):
+            name = f"{address.name}_{direction.value}_filter"
+            function = self._functions.get(f"{self._prefix}{name}")
+            if function:
+                yield {"name": name, "call": function.call({"filter": "filter", "node": "node"})}
+
     def _direction(self, direction: Direction) -> dict[str, Any] | None:
         decode = self._functions.get(f"{self._prefix}decode_{direction.value}")
         if decode is None:
             return None
         messages = [m for m in self._edition.messages(direction) if _has_members(m.layout)]
+        print_ = self._functions[f"{self._prefix}print_{direction.value}"]
+        names = {**ARGUMENTS, "text": "text", "size": "size"}
         return {
             "word": direction.value,
             "decode": decode.call({**ARGUMENTS, direction.value: "any"}),
+            "print": print_.call(names).replace("&text", "text"),
             "messages": [
                 {
                     "enumerator": self._names_of.command(m.command),
@@ -110,7 +123,7 @@ class _Harness:
             "signed": signed,
             "enum": members if type_.enum else [],
             "flags": members if type_.flags else [],
-            "names": names.call({"raw": "raw"}) if names else "",
+            "names": names.call({"raw": "raw"}) if names and type_.enum else "",
             "to": to.call({"value": "value", "raw": "raw", "parameters": "known"}) if to else "",
             "to_fails": to is not None and to.result != "double",
             "from": self._from(from_) if from_ else "",

@@ -55,6 +55,7 @@ class PythonAdapter(Adapter):
     def __init__(self, edition: Edition, module: ModuleType) -> None:
         super().__init__(edition)
         self._module = module
+        self._names = {attribute(f.name): f.name for m in edition.all_messages() for f in m.layout.fields}
 
     @classmethod
     def create(cls, specification: Specification, workdir: Path) -> PythonAdapter:
@@ -67,13 +68,13 @@ class PythonAdapter(Adapter):
     ) -> Decoded | Refused:
         try:
             message = self._decoded(direction, frame, self.parameters(parameters), expected)
-            if message.encode() is None or (message.can_id ^ frame.id) & ~self._reserved(message, direction):
-                raise AssertionError(f"{message} does not go back to id 0x{frame.id:X}")
         except ValueError as error:
-            return _refused(error)
-        names = {attribute(f): f for f in self._field_names()}
-        raw = {names[n]: list(v) if isinstance(v, tuple) else int(v) for n, v in message.raw().items()}
-        return Decoded(message.COMMAND, message.node, raw, dict(self._values(message, names)))
+            return self._refused(error)
+        again = message.unpack(message.node, message.can_id, message.encode_unchecked(), message.parameters)
+        if again != message or (message.can_id ^ frame.id) & ~self._reserved(message, direction):
+            raise AssertionError(f"{message} does not go back to id 0x{frame.id:X}")
+        raw = {self._names[n]: list(v) if isinstance(v, tuple) else int(v) for n, v in message.raw().items()}
+        return Decoded(message.COMMAND, message.node, raw, dict(self._values(message)))
 
     def _decoded(self, direction: Direction, frame: CanFrame, known: Any, expected: str | None) -> Any:
         """The message of a frame: of any class, of the class that answers a request, or of the class of a request."""
@@ -94,19 +95,16 @@ class PythonAdapter(Adapter):
         ignored = [f for m in ours for f in m.layout.fields if f.space is Space.ID and isinstance(f.role, ReservedRole)]
         return sum(1 << bit for f in ignored for element in f.elements for bit in element.bits)
 
-    def _field_names(self) -> set[str]:
-        return {f.name for m in self.edition.all_messages() for f in m.layout.fields}
-
-    def _values(self, message: Any, names: Mapping[str, str]) -> list[tuple[str, Value]]:
+    def _values(self, message: Any) -> list[tuple[str, Value]]:
         found: list[tuple[str, Value]] = []
         for name in message.fields():
             try:
                 value = getattr(message, name)
-                unnamed = not isinstance(value, IntEnum) and names[name] in self._enums(message)
-                found.append((names[name], None if unnamed else _value(value)))
+                unnamed = not isinstance(value, IntEnum) and self._names[name] in self._enums(message)
+                found.append((self._names[name], None if unnamed else _value(value)))
             except ValueError as error:
-                if _refused(error).says is not Refusal.MISSING_PARAMETER:
-                    found.append((names[name], None))
+                if self._refused(error).says is not Refusal.MISSING_PARAMETER:
+                    found.append((self._names[name], None))
         return found
 
     def _enums(self, message: Any) -> set[str]:
@@ -120,7 +118,7 @@ class PythonAdapter(Adapter):
         try:
             return _encoded(self.message(direction, command, node, raw, parameters))
         except ValueError as error:
-            return _refused(error)
+            return self._refused(error)
 
     def message(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
@@ -144,7 +142,7 @@ class PythonAdapter(Adapter):
             extra = {"parameters": self.parameters(parameters)} if self._takes_parameters(cls) else {}
             return _encoded(cls(**self._node(cls, node), **given, **extra))
         except ValueError as error:
-            return _refused(error)
+            return self._refused(error)
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         try:
@@ -156,8 +154,16 @@ class PythonAdapter(Adapter):
                 reply_remote=reply.remote,
             )
         except ValueError as error:
-            return _refused(error)
+            return self._refused(error)
         return None
+
+    def _refused(self, error: ValueError) -> Refused:
+        """A refusal of the package; any other ValueError is a failure of the package and goes on up."""
+        refusal = getattr(error, "refusal", None)
+        if refusal is None:
+            raise error
+        field: str | None = getattr(error, "field", None)
+        return Refused(Refusal(refusal.value), self._names.get(field, field) if field else None)
 
     def _class(self, direction: Direction, command: str) -> Any:
         return getattr(self._module, class_name(self.message_of(direction, command).name))
@@ -202,15 +208,9 @@ class PythonAdapter(Adapter):
 
 
 def _encoded(message: Any) -> Encoded:
-    return Encoded(message.can_id, message.encode(), message.EXTENDED, message.REMOTE)
-
-
-def _refused(error: ValueError) -> Refused:
-    """A refusal of the package; any other ValueError is a failure of the package and goes on up."""
-    refusal = getattr(error, "refusal", None)
-    if refusal is None:
-        raise error
-    return Refused(Refusal(refusal.value), getattr(error, "field", None))
+    """The frame of a message; the message that is decoded from it must pass the checks of `encode` too."""
+    decoded = message.unpack(message.node, message.can_id, message.encode(), message.parameters)
+    return Encoded(message.can_id, decoded.encode(), message.EXTENDED, message.REMOTE)
 
 
 def _value(value: Any) -> Value:

@@ -77,6 +77,18 @@ typedef struct {
     CANWRIGHT_ALIGNED uint8_t data[CANWRIGHT_MAX_DATA];
 } canwright_frame_t;
 
+/**
+ * An acceptance filter with the layout of SocketCAN's `struct can_filter`. A frame passes if
+ * `(frame.id & mask) == (filter.id & mask)`; the flags of the id are part of both. The mask has every bit that all
+ * wanted ids have in common, so no other single filter accepts fewer frames.
+ */
+typedef struct {
+    /** The bits that an id must have. */
+    uint32_t id;
+    /** The bits that are compared. */
+    uint32_t mask;
+} canwright_filter_t;
+
 /** The result of a call. Unless it is CANWRIGHT_OK, the outputs are unspecified. */
 typedef enum {
     CANWRIGHT_OK = 0,
@@ -159,6 +171,13 @@ static inline void canwright_clear(canwright_frame_t *frame)
 #if CANWRIGHT_MAX_DATA != 8u
 #error "canwright_clear sets 8 bytes, one by one: a loop may become a call of memset"
 #endif
+}
+
+/** True for a frame that a filter accepts. */
+CANWRIGHT_NONNULL
+static inline bool canwright_accepts(const canwright_filter_t *filter, const canwright_frame_t *frame)
+{
+    return (frame->id & filter->mask) == (filter->id & filter->mask);
 }
 
 /** True for two frames with the same data bytes. */

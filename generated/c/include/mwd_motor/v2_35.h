@@ -26,6 +26,13 @@
 /** The start of the spec's hash. Headers generated from different specs of one edition do not compile together. */
 #define MWD_MOTOR_V2_35_SPEC 0x9646f881u
 
+/** The name of the edition. */
+#define MWD_MOTOR_V2_35_EDITION         "v2.35"
+/** The SHA-256 of the spec, in hexadecimal. */
+#define MWD_MOTOR_V2_35_SPEC_HASH       "9646f881ae245540a2b578311c59a2686c35cc947f822cba889bbb996fc75283"
+/** Maximum time from request to reply, in microseconds. */
+#define MWD_MOTOR_V2_35_REPLY_WITHIN_US 250u
+
 #if defined(__cplusplus) && defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wold-style-cast"
@@ -115,6 +122,19 @@ static inline canwright_status_t mwd_motor_v2_35_motor_request_node(uint32_t *fo
     return CANWRIGHT_OK;
 }
 
+/** Id of the filter for the requests to all nodes, which also accepts ids of no node. */
+#define MWD_MOTOR_V2_35_MOTOR_REQUEST_FILTER_ID   0x00000140u
+/** Mask of the filter for the requests to all nodes. */
+#define MWD_MOTOR_V2_35_MOTOR_REQUEST_FILTER_MASK 0xC00007C0u
+
+/** The filter for the requests to one node. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_35_motor_request_filter(canwright_filter_t *filter, uint32_t node)
+{
+    filter->mask = 0xC00007FFu;
+    return mwd_motor_v2_35_motor_request_id(&filter->id, node);
+}
+
 /** The id of a reply from a node. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_reply_id(uint32_t *id, uint32_t node)
@@ -136,6 +156,19 @@ static inline canwright_status_t mwd_motor_v2_35_motor_reply_node(uint32_t *foun
     }
     *found = node;
     return CANWRIGHT_OK;
+}
+
+/** Id of the filter for the replies from all nodes, which also accepts ids of no node. */
+#define MWD_MOTOR_V2_35_MOTOR_REPLY_FILTER_ID   0x00000140u
+/** Mask of the filter for the replies from all nodes. */
+#define MWD_MOTOR_V2_35_MOTOR_REPLY_FILTER_MASK 0xC00007C0u
+
+/** The filter for the replies from one node. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_35_motor_reply_filter(canwright_filter_t *filter, uint32_t node)
+{
+    filter->mask = 0xC00007FFu;
+    return mwd_motor_v2_35_motor_reply_id(&filter->id, node);
 }
 
 /** Checks id, length and code of a request. */
@@ -204,6 +237,9 @@ static inline canwright_status_t mwd_motor_v2_35_motor_reply_stamp(
 /** The id of a request. */
 #define MWD_MOTOR_V2_35_BROADCAST_REQUEST_ID 0x280u
 
+#define MWD_MOTOR_V2_35_BROADCAST_REQUEST_FILTER_ID   0x00000280u /**< Id of the filter for the requests. */
+#define MWD_MOTOR_V2_35_BROADCAST_REQUEST_FILTER_MASK 0xC00007FFu /**< Mask of the filter for the requests. */
+
 /** Checks id, length and code of a request. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_broadcast_request_match(const canwright_frame_t *frame, uint8_t dlc)
@@ -233,11 +269,30 @@ static inline void mwd_motor_v2_35_broadcast_request_stamp(canwright_frame_t *fr
  * ----------------------------------------------------------------------------------------------------------------- */
 
 /**
+ * @name temperature: Motor temperature, degC
+ *
+ * Resolution (1 LSB): 1 degC.
+ * @{
+ */
+#define MWD_MOTOR_V2_35_TEMPERATURE_UNIT       "degC" /**< Unit. */
+#define MWD_MOTOR_V2_35_TEMPERATURE_SCALE_NUM  1      /**< Scale: numerator. */
+#define MWD_MOTOR_V2_35_TEMPERATURE_SCALE_DEN  1      /**< Scale: denominator. */
+#define MWD_MOTOR_V2_35_TEMPERATURE_OFFSET_NUM 0      /**< Offset: numerator. */
+#define MWD_MOTOR_V2_35_TEMPERATURE_OFFSET_DEN 1      /**< Offset: denominator. */
+
+/** @} */
+
+/**
  * @name voltage: Supply voltage, V
  *
  * Resolution (1 LSB): 0.1 V.
  * @{
  */
+#define MWD_MOTOR_V2_35_VOLTAGE_UNIT       "V" /**< Unit. */
+#define MWD_MOTOR_V2_35_VOLTAGE_SCALE_NUM  1   /**< Scale: numerator. */
+#define MWD_MOTOR_V2_35_VOLTAGE_SCALE_DEN  10  /**< Scale: denominator. */
+#define MWD_MOTOR_V2_35_VOLTAGE_OFFSET_NUM 0   /**< Offset: numerator. */
+#define MWD_MOTOR_V2_35_VOLTAGE_OFFSET_DEN 1   /**< Offset: denominator. */
 
 /** To thousandths of V. */
 static inline int32_t mwd_motor_v2_35_voltage_to_milli(uint16_t raw)
@@ -287,6 +342,7 @@ static inline bool mwd_motor_v2_35_power_valid(int16_t raw)
  */
 #define MWD_MOTOR_V2_35_TORQUE_CURRENT_RAW_MIN (-2048) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_35_TORQUE_CURRENT_RAW_MAX 2048    /**< Highest raw value. */
+#define MWD_MOTOR_V2_35_TORQUE_CURRENT_UNIT    "A"     /**< Unit. */
 
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_torque_current_valid(int16_t raw)
@@ -351,8 +407,13 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_milli(
  * named. Used here: A separate type with 32/2000 A for all series. No single scale fits the numbers of both sections.
  * @{
  */
-#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_RAW_MIN (-2000) /**< Lowest raw value. */
-#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_RAW_MAX 2000    /**< Highest raw value. */
+#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_RAW_MIN    (-2000) /**< Lowest raw value. */
+#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_RAW_MAX    2000    /**< Highest raw value. */
+#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_UNIT       "A"     /**< Unit. */
+#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_SCALE_NUM  2       /**< Scale: numerator. */
+#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_SCALE_DEN  125     /**< Scale: denominator. */
+#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_OFFSET_NUM 0       /**< Offset: numerator. */
+#define MWD_MOTOR_V2_35_BROADCAST_CURRENT_OFFSET_DEN 1       /**< Offset: denominator. */
 
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_broadcast_current_valid(int16_t raw)
@@ -385,6 +446,11 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_milli(in
  * Resolution (1 LSB): 1/64 A.
  * @{
  */
+#define MWD_MOTOR_V2_35_PHASE_CURRENT_UNIT       "A" /**< Unit. */
+#define MWD_MOTOR_V2_35_PHASE_CURRENT_SCALE_NUM  1   /**< Scale: numerator. */
+#define MWD_MOTOR_V2_35_PHASE_CURRENT_SCALE_DEN  64  /**< Scale: denominator. */
+#define MWD_MOTOR_V2_35_PHASE_CURRENT_OFFSET_NUM 0   /**< Offset: numerator. */
+#define MWD_MOTOR_V2_35_PHASE_CURRENT_OFFSET_DEN 1   /**< Offset: denominator. */
 
 /** To thousandths of A. */
 static inline int32_t mwd_motor_v2_35_phase_current_to_milli(int16_t raw)
@@ -406,6 +472,24 @@ static inline canwright_status_t mwd_motor_v2_35_phase_current_from_milli(int16_
 /** @} */
 
 /**
+ * @name speed_i16: Motor speed, deg/s
+ *
+ * Resolution (1 LSB): 1 deg/s.
+ *
+ * Erratum (2.6, 2.8, 2.10, 2.12): Speed is an i32 in 0.01 deg/s in 0xA2, a u16 limit in 1 deg/s in 0xA4, 0xA6 and
+ * 0xA8, and an i16 in 1 deg/s in replies. Used here: Three types as printed. Working drivers use all three. The wrong
+ * scale causes an error by a factor of 100.
+ * @{
+ */
+#define MWD_MOTOR_V2_35_SPEED_I16_UNIT       "deg/s" /**< Unit. */
+#define MWD_MOTOR_V2_35_SPEED_I16_SCALE_NUM  1       /**< Scale: numerator. */
+#define MWD_MOTOR_V2_35_SPEED_I16_SCALE_DEN  1       /**< Scale: denominator. */
+#define MWD_MOTOR_V2_35_SPEED_I16_OFFSET_NUM 0       /**< Offset: numerator. */
+#define MWD_MOTOR_V2_35_SPEED_I16_OFFSET_DEN 1       /**< Offset: denominator. */
+
+/** @} */
+
+/**
  * @name speed_setpoint: Target speed, deg/s
  *
  * Resolution (1 LSB): 0.01 deg/s.
@@ -415,6 +499,11 @@ static inline canwright_status_t mwd_motor_v2_35_phase_current_from_milli(int16_
  * scale causes an error by a factor of 100.
  * @{
  */
+#define MWD_MOTOR_V2_35_SPEED_SETPOINT_UNIT       "deg/s" /**< Unit. */
+#define MWD_MOTOR_V2_35_SPEED_SETPOINT_SCALE_NUM  1       /**< Scale: numerator. */
+#define MWD_MOTOR_V2_35_SPEED_SETPOINT_SCALE_DEN  100     /**< Scale: denominator. */
+#define MWD_MOTOR_V2_35_SPEED_SETPOINT_OFFSET_NUM 0       /**< Offset: numerator. */
+#define MWD_MOTOR_V2_35_SPEED_SETPOINT_OFFSET_DEN 1       /**< Offset: denominator. */
 
 /** To thousandths of deg/s. */
 static inline int64_t mwd_motor_v2_35_speed_setpoint_to_milli(int32_t raw)
@@ -436,11 +525,48 @@ static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_milli(int32
 /** @} */
 
 /**
+ * @name speed_limit: Speed limit of the movement, deg/s
+ *
+ * Resolution (1 LSB): 1 deg/s.
+ *
+ * Erratum (2.6, 2.8, 2.10, 2.12): Speed is an i32 in 0.01 deg/s in 0xA2, a u16 limit in 1 deg/s in 0xA4, 0xA6 and
+ * 0xA8, and an i16 in 1 deg/s in replies. Used here: Three types as printed. Working drivers use all three. The wrong
+ * scale causes an error by a factor of 100.
+ * @{
+ */
+#define MWD_MOTOR_V2_35_SPEED_LIMIT_UNIT       "deg/s" /**< Unit. */
+#define MWD_MOTOR_V2_35_SPEED_LIMIT_SCALE_NUM  1       /**< Scale: numerator. */
+#define MWD_MOTOR_V2_35_SPEED_LIMIT_SCALE_DEN  1       /**< Scale: denominator. */
+#define MWD_MOTOR_V2_35_SPEED_LIMIT_OFFSET_NUM 0       /**< Offset: numerator. */
+#define MWD_MOTOR_V2_35_SPEED_LIMIT_OFFSET_DEN 1       /**< Offset: denominator. */
+
+/** @} */
+
+/**
+ * @name acceleration: Acceleration, deg/s^2
+ *
+ * Resolution (1 LSB): 1 deg/s^2.
+ * @{
+ */
+#define MWD_MOTOR_V2_35_ACCELERATION_UNIT       "deg/s^2" /**< Unit. */
+#define MWD_MOTOR_V2_35_ACCELERATION_SCALE_NUM  1         /**< Scale: numerator. */
+#define MWD_MOTOR_V2_35_ACCELERATION_SCALE_DEN  1         /**< Scale: denominator. */
+#define MWD_MOTOR_V2_35_ACCELERATION_OFFSET_NUM 0         /**< Offset: numerator. */
+#define MWD_MOTOR_V2_35_ACCELERATION_OFFSET_DEN 1         /**< Offset: denominator. */
+
+/** @} */
+
+/**
  * @name angle_i32: Angle, deg
  *
  * Resolution (1 LSB): 0.01 deg.
  * @{
  */
+#define MWD_MOTOR_V2_35_ANGLE_I32_UNIT       "deg" /**< Unit. */
+#define MWD_MOTOR_V2_35_ANGLE_I32_SCALE_NUM  1     /**< Scale: numerator. */
+#define MWD_MOTOR_V2_35_ANGLE_I32_SCALE_DEN  100   /**< Scale: denominator. */
+#define MWD_MOTOR_V2_35_ANGLE_I32_OFFSET_NUM 0     /**< Offset: numerator. */
+#define MWD_MOTOR_V2_35_ANGLE_I32_OFFSET_DEN 1     /**< Offset: denominator. */
 
 /** To thousandths of deg. */
 static inline int64_t mwd_motor_v2_35_angle_i32_to_milli(int32_t raw)
@@ -470,6 +596,11 @@ static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_milli(int32_t *r
  * range. Used here: Any u32 may be commanded. The behaviour of a drive for a larger angle is not documented.
  * @{
  */
+#define MWD_MOTOR_V2_35_SINGLE_TURN_ANGLE_UNIT       "deg" /**< Unit. */
+#define MWD_MOTOR_V2_35_SINGLE_TURN_ANGLE_SCALE_NUM  1     /**< Scale: numerator. */
+#define MWD_MOTOR_V2_35_SINGLE_TURN_ANGLE_SCALE_DEN  100   /**< Scale: denominator. */
+#define MWD_MOTOR_V2_35_SINGLE_TURN_ANGLE_OFFSET_NUM 0     /**< Offset: numerator. */
+#define MWD_MOTOR_V2_35_SINGLE_TURN_ANGLE_OFFSET_DEN 1     /**< Offset: denominator. */
 
 /** To thousandths of deg. */
 static inline int64_t mwd_motor_v2_35_single_turn_angle_to_milli(uint32_t raw)
@@ -497,7 +628,12 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_milli(ui
  * 0..36000*gear_ratio-1.
  * @{
  */
-#define MWD_MOTOR_V2_35_SINGLE_TURN_POSITION_RAW_MIN 0u /**< Lowest raw value. */
+#define MWD_MOTOR_V2_35_SINGLE_TURN_POSITION_RAW_MIN    0u    /**< Lowest raw value. */
+#define MWD_MOTOR_V2_35_SINGLE_TURN_POSITION_UNIT       "deg" /**< Unit. */
+#define MWD_MOTOR_V2_35_SINGLE_TURN_POSITION_SCALE_NUM  1     /**< Scale: numerator. */
+#define MWD_MOTOR_V2_35_SINGLE_TURN_POSITION_SCALE_DEN  100   /**< Scale: denominator. */
+#define MWD_MOTOR_V2_35_SINGLE_TURN_POSITION_OFFSET_NUM 0     /**< Offset: numerator. */
+#define MWD_MOTOR_V2_35_SINGLE_TURN_POSITION_OFFSET_DEN 1     /**< Offset: denominator. */
 
 /** True if a raw value is valid. */
 CANWRIGHT_NONNULL
@@ -543,6 +679,11 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_milli
  * 55.
  * @{
  */
+#define MWD_MOTOR_V2_35_MULTI_TURN_ANGLE_UNIT       "deg" /**< Unit. */
+#define MWD_MOTOR_V2_35_MULTI_TURN_ANGLE_SCALE_NUM  1     /**< Scale: numerator. */
+#define MWD_MOTOR_V2_35_MULTI_TURN_ANGLE_SCALE_DEN  100   /**< Scale: denominator. */
+#define MWD_MOTOR_V2_35_MULTI_TURN_ANGLE_OFFSET_NUM 0     /**< Offset: numerator. */
+#define MWD_MOTOR_V2_35_MULTI_TURN_ANGLE_OFFSET_DEN 1     /**< Offset: denominator. */
 
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_multi_turn_angle_valid(int64_t raw)
@@ -595,6 +736,7 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_milli(int
 #define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MAX_15 32767u /**< Highest raw value (encoder_bits 15). */
 #define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MIN_18 0u     /**< Lowest raw value (encoder_bits 18). */
 #define MWD_MOTOR_V2_35_ENCODER_POSITION_RAW_MAX_18 65535u /**< Highest raw value (encoder_bits 18). */
+#define MWD_MOTOR_V2_35_ENCODER_POSITION_UNIT       "deg"  /**< Unit. */
 
 /** True if a raw value is valid. */
 CANWRIGHT_NONNULL
@@ -702,6 +844,25 @@ static inline bool mwd_motor_v2_35_spin_direction_valid(uint8_t raw)
  */
 #define MWD_MOTOR_V2_35_ERROR_FLAGS_LOW_VOLTAGE      0x01u /**< Low-voltage protection */
 #define MWD_MOTOR_V2_35_ERROR_FLAGS_OVER_TEMPERATURE 0x08u /**< Over-temperature protection */
+
+/** The name of one flag, or NULL. */
+static inline const char *mwd_motor_v2_35_error_flags_name(uint8_t raw)
+{
+    switch (raw) {
+    case MWD_MOTOR_V2_35_ERROR_FLAGS_LOW_VOLTAGE:
+        return "low_voltage";
+    case MWD_MOTOR_V2_35_ERROR_FLAGS_OVER_TEMPERATURE:
+        return "over_temperature";
+    default:
+        return NULL;
+    }
+}
+
+/** The lowest flag that is set; 0 if none is. */
+static inline uint8_t mwd_motor_v2_35_error_flags_first_flag(uint8_t raw)
+{
+    return (uint8_t)(raw & (0u - raw));
+}
 
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_error_flags_valid(uint8_t raw)

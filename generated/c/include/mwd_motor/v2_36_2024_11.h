@@ -25,6 +25,13 @@
 /** The start of the spec's hash. Headers generated from different specs of one edition do not compile together. */
 #define MWD_MOTOR_V2_36_2024_11_SPEC 0x8ca3b292u
 
+/** The name of the edition. */
+#define MWD_MOTOR_V2_36_2024_11_EDITION         "v2.36-2024-11"
+/** The SHA-256 of the spec, in hexadecimal. */
+#define MWD_MOTOR_V2_36_2024_11_SPEC_HASH       "8ca3b292afb308c6e8a31b869e8dcf49afce16d703588e40e8b1331b2d763ebe"
+/** Maximum time from request to reply, in microseconds. */
+#define MWD_MOTOR_V2_36_2024_11_REPLY_WITHIN_US 250u
+
 #if defined(__cplusplus) && defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wold-style-cast"
@@ -113,6 +120,20 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_node(uint
     return CANWRIGHT_OK;
 }
 
+/** Id of the filter for the requests to all nodes, which also accepts ids of no node. */
+#define MWD_MOTOR_V2_36_2024_11_MOTOR_REQUEST_FILTER_ID   0x00000140u
+/** Mask of the filter for the requests to all nodes. */
+#define MWD_MOTOR_V2_36_2024_11_MOTOR_REQUEST_FILTER_MASK 0xC00007C0u
+
+/** The filter for the requests to one node. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_filter(
+    canwright_filter_t *filter, uint32_t node)
+{
+    filter->mask = 0xC00007FFu;
+    return mwd_motor_v2_36_2024_11_motor_request_id(&filter->id, node);
+}
+
 /** The id of a reply from a node. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_id(uint32_t *id, uint32_t node)
@@ -134,6 +155,19 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_node(uint32
     }
     *found = node;
     return CANWRIGHT_OK;
+}
+
+/** Id of the filter for the replies from all nodes, which also accepts ids of no node. */
+#define MWD_MOTOR_V2_36_2024_11_MOTOR_REPLY_FILTER_ID   0x00000180u
+/** Mask of the filter for the replies from all nodes. */
+#define MWD_MOTOR_V2_36_2024_11_MOTOR_REPLY_FILTER_MASK 0xC00007C0u
+
+/** The filter for the replies from one node. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_filter(canwright_filter_t *filter, uint32_t node)
+{
+    filter->mask = 0xC00007FFu;
+    return mwd_motor_v2_36_2024_11_motor_reply_id(&filter->id, node);
 }
 
 /** Checks id, length and code of a request. */
@@ -257,11 +291,30 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_2_stamp(
  * ----------------------------------------------------------------------------------------------------------------- */
 
 /**
+ * @name temperature: Motor temperature, degC
+ *
+ * Resolution (1 LSB): 1 degC.
+ * @{
+ */
+#define MWD_MOTOR_V2_36_2024_11_TEMPERATURE_UNIT       "degC" /**< Unit. */
+#define MWD_MOTOR_V2_36_2024_11_TEMPERATURE_SCALE_NUM  1      /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_TEMPERATURE_SCALE_DEN  1      /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2024_11_TEMPERATURE_OFFSET_NUM 0      /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_TEMPERATURE_OFFSET_DEN 1      /**< Offset: denominator. */
+
+/** @} */
+
+/**
  * @name voltage: Supply voltage, V
  *
  * Resolution (1 LSB): 0.01 V.
  * @{
  */
+#define MWD_MOTOR_V2_36_2024_11_VOLTAGE_UNIT       "V" /**< Unit. */
+#define MWD_MOTOR_V2_36_2024_11_VOLTAGE_SCALE_NUM  1   /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_VOLTAGE_SCALE_DEN  100 /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2024_11_VOLTAGE_OFFSET_NUM 0   /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_VOLTAGE_OFFSET_DEN 1   /**< Offset: denominator. */
 
 /** To thousandths of V. */
 static inline int32_t mwd_motor_v2_36_2024_11_voltage_to_milli(int16_t raw)
@@ -288,6 +341,11 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_voltage_from_milli(int1
  * Resolution (1 LSB): 0.01 A.
  * @{
  */
+#define MWD_MOTOR_V2_36_2024_11_BUS_CURRENT_UNIT       "A" /**< Unit. */
+#define MWD_MOTOR_V2_36_2024_11_BUS_CURRENT_SCALE_NUM  1   /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_BUS_CURRENT_SCALE_DEN  100 /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2024_11_BUS_CURRENT_OFFSET_NUM 0   /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_BUS_CURRENT_OFFSET_DEN 1   /**< Offset: denominator. */
 
 /** To thousandths of A. */
 static inline int32_t mwd_motor_v2_36_2024_11_bus_current_to_milli(int16_t raw)
@@ -365,6 +423,7 @@ static inline bool mwd_motor_v2_36_2024_11_output_power_valid(int16_t raw)
  */
 #define MWD_MOTOR_V2_36_2024_11_TORQUE_CURRENT_RAW_MIN (-2048) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2024_11_TORQUE_CURRENT_RAW_MAX 2048    /**< Highest raw value. */
+#define MWD_MOTOR_V2_36_2024_11_TORQUE_CURRENT_UNIT    "A"     /**< Unit. */
 
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_torque_current_valid(int16_t raw)
@@ -434,6 +493,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_torque_current_from_mil
  * measured current can exceed the commanded limit.
  * @{
  */
+#define MWD_MOTOR_V2_36_2024_11_MEASURED_TORQUE_CURRENT_UNIT "A" /**< Unit. */
 
 /** To thousandths of A. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
@@ -493,6 +553,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_measured_torque_current
  * those of MF and MG. No edition gives a scale for MH. A guessed value would look like a measurement.
  * @{
  */
+#define MWD_MOTOR_V2_36_2024_11_PHASE_CURRENT_UNIT "A" /**< Unit. */
 
 /** To thousandths of A. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
@@ -543,6 +604,24 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_phase_current_from_mill
 /** @} */
 
 /**
+ * @name speed_i16: Motor speed, deg/s
+ *
+ * Resolution (1 LSB): 1 deg/s.
+ *
+ * Erratum (3, 11, 13, 15, 17): Speed is an i32 in 0.01 deg/s in 0xA2, a u16 limit in 1 deg/s in 0xA4, 0xA6 and 0xA8,
+ * and an i16 in 1 deg/s in replies. Used here: Three types as printed. Working drivers use all three. The wrong scale
+ * causes an error by a factor of 100.
+ * @{
+ */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_I16_UNIT       "deg/s" /**< Unit. */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_I16_SCALE_NUM  1       /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_I16_SCALE_DEN  1       /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_I16_OFFSET_NUM 0       /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_I16_OFFSET_DEN 1       /**< Offset: denominator. */
+
+/** @} */
+
+/**
  * @name speed_setpoint: Target speed, deg/s
  *
  * Resolution (1 LSB): 0.01 deg/s.
@@ -552,6 +631,11 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_phase_current_from_mill
  * causes an error by a factor of 100.
  * @{
  */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_SETPOINT_UNIT       "deg/s" /**< Unit. */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_SETPOINT_SCALE_NUM  1       /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_SETPOINT_SCALE_DEN  100     /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_SETPOINT_OFFSET_NUM 0       /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_SETPOINT_OFFSET_DEN 1       /**< Offset: denominator. */
 
 /** To thousandths of deg/s. */
 static inline int64_t mwd_motor_v2_36_2024_11_speed_setpoint_to_milli(int32_t raw)
@@ -573,11 +657,34 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_speed_setpoint_from_mil
 /** @} */
 
 /**
+ * @name speed_limit: Speed limit of the movement, deg/s
+ *
+ * Resolution (1 LSB): 1 deg/s.
+ *
+ * Erratum (3, 11, 13, 15, 17): Speed is an i32 in 0.01 deg/s in 0xA2, a u16 limit in 1 deg/s in 0xA4, 0xA6 and 0xA8,
+ * and an i16 in 1 deg/s in replies. Used here: Three types as printed. Working drivers use all three. The wrong scale
+ * causes an error by a factor of 100.
+ * @{
+ */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_LIMIT_UNIT       "deg/s" /**< Unit. */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_LIMIT_SCALE_NUM  1       /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_LIMIT_SCALE_DEN  1       /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_LIMIT_OFFSET_NUM 0       /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_SPEED_LIMIT_OFFSET_DEN 1       /**< Offset: denominator. */
+
+/** @} */
+
+/**
  * @name angle_i32: Angle, deg
  *
  * Resolution (1 LSB): 0.01 deg.
  * @{
  */
+#define MWD_MOTOR_V2_36_2024_11_ANGLE_I32_UNIT       "deg" /**< Unit. */
+#define MWD_MOTOR_V2_36_2024_11_ANGLE_I32_SCALE_NUM  1     /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_ANGLE_I32_SCALE_DEN  100   /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2024_11_ANGLE_I32_OFFSET_NUM 0     /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_ANGLE_I32_OFFSET_DEN 1     /**< Offset: denominator. */
 
 /** To thousandths of deg. */
 static inline int64_t mwd_motor_v2_36_2024_11_angle_i32_to_milli(int32_t raw)
@@ -607,6 +714,11 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_angle_i32_from_milli(in
  * Used here: Any u32 may be commanded. The behaviour of a drive for a larger angle is not documented.
  * @{
  */
+#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_ANGLE_UNIT       "deg" /**< Unit. */
+#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_ANGLE_SCALE_NUM  1     /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_ANGLE_SCALE_DEN  100   /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_ANGLE_OFFSET_NUM 0     /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_ANGLE_OFFSET_DEN 1     /**< Offset: denominator. */
 
 /** To thousandths of deg. */
 static inline int64_t mwd_motor_v2_36_2024_11_single_turn_angle_to_milli(uint32_t raw)
@@ -634,7 +746,12 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_angle_from_
  * 0..36000*gear_ratio-1.
  * @{
  */
-#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_POSITION_RAW_MIN 0u /**< Lowest raw value. */
+#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_POSITION_RAW_MIN    0u    /**< Lowest raw value. */
+#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_POSITION_UNIT       "deg" /**< Unit. */
+#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_POSITION_SCALE_NUM  1     /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_POSITION_SCALE_DEN  100   /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_POSITION_OFFSET_NUM 0     /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_SINGLE_TURN_POSITION_OFFSET_DEN 1     /**< Offset: denominator. */
 
 /** True if a raw value is valid. */
 CANWRIGHT_NONNULL
@@ -680,6 +797,11 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_position_fr
  * 55.
  * @{
  */
+#define MWD_MOTOR_V2_36_2024_11_MULTI_TURN_ANGLE_UNIT       "deg" /**< Unit. */
+#define MWD_MOTOR_V2_36_2024_11_MULTI_TURN_ANGLE_SCALE_NUM  1     /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_MULTI_TURN_ANGLE_SCALE_DEN  100   /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2024_11_MULTI_TURN_ANGLE_OFFSET_NUM 0     /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2024_11_MULTI_TURN_ANGLE_OFFSET_DEN 1     /**< Offset: denominator. */
 
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_multi_turn_angle_valid(int64_t raw)
@@ -732,6 +854,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_multi_turn_angle_from_m
 #define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MAX_15 32767u /**< Highest raw value (encoder_bits 15). */
 #define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MIN_16 0u     /**< Lowest raw value (encoder_bits 16). */
 #define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_RAW_MAX_16 65535u /**< Highest raw value (encoder_bits 16). */
+#define MWD_MOTOR_V2_36_2024_11_ENCODER_POSITION_UNIT       "deg"  /**< Unit. */
 
 /** True if a raw value is valid. */
 CANWRIGHT_NONNULL
@@ -936,6 +1059,37 @@ static inline bool mwd_motor_v2_36_2024_11_motor_state_valid(uint8_t raw)
 #define MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_SHORT_CIRCUIT   0x20u /**< Motor short circuit */
 #define MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_STALL           0x40u /**< Motor stall */
 #define MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_INPUT_LOST      0x80u /**< Input signal missing */
+
+/** The name of one flag, or NULL. */
+static inline const char *mwd_motor_v2_36_2024_11_error_flags_name(uint8_t raw)
+{
+    switch (raw) {
+    case MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_LOW_VOLTAGE:
+        return "low_voltage";
+    case MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_OVER_VOLTAGE:
+        return "over_voltage";
+    case MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_DRIVER_OVERHEAT:
+        return "driver_overheat";
+    case MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_MOTOR_OVERHEAT:
+        return "motor_overheat";
+    case MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_OVER_CURRENT:
+        return "over_current";
+    case MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_SHORT_CIRCUIT:
+        return "short_circuit";
+    case MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_STALL:
+        return "stall";
+    case MWD_MOTOR_V2_36_2024_11_ERROR_FLAGS_INPUT_LOST:
+        return "input_lost";
+    default:
+        return NULL;
+    }
+}
+
+/** The lowest flag that is set; 0 if none is. */
+static inline uint8_t mwd_motor_v2_36_2024_11_error_flags_first_flag(uint8_t raw)
+{
+    return (uint8_t)(raw & (0u - raw));
+}
 
 /** @} */
 

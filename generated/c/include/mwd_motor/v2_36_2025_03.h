@@ -25,6 +25,13 @@
 /** The start of the spec's hash. Headers generated from different specs of one edition do not compile together. */
 #define MWD_MOTOR_V2_36_2025_03_SPEC 0x9989cb1cu
 
+/** The name of the edition. */
+#define MWD_MOTOR_V2_36_2025_03_EDITION         "v2.36-2025-03"
+/** The SHA-256 of the spec, in hexadecimal. */
+#define MWD_MOTOR_V2_36_2025_03_SPEC_HASH       "9989cb1cd104e63668800d10f0a5d90a71132f07248156e61cbe6cb6d9d96467"
+/** Maximum time from request to reply, in microseconds. */
+#define MWD_MOTOR_V2_36_2025_03_REPLY_WITHIN_US 250u
+
 #if defined(__cplusplus) && defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wold-style-cast"
@@ -113,6 +120,20 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_node(uint
     return CANWRIGHT_OK;
 }
 
+/** Id of the filter for the requests to all nodes, which also accepts ids of no node. */
+#define MWD_MOTOR_V2_36_2025_03_MOTOR_REQUEST_FILTER_ID   0x00000140u
+/** Mask of the filter for the requests to all nodes. */
+#define MWD_MOTOR_V2_36_2025_03_MOTOR_REQUEST_FILTER_MASK 0xC00007C0u
+
+/** The filter for the requests to one node. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_filter(
+    canwright_filter_t *filter, uint32_t node)
+{
+    filter->mask = 0xC00007FFu;
+    return mwd_motor_v2_36_2025_03_motor_request_id(&filter->id, node);
+}
+
 /** The id of a reply from a node. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_id(uint32_t *id, uint32_t node)
@@ -134,6 +155,19 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_node(uint32
     }
     *found = node;
     return CANWRIGHT_OK;
+}
+
+/** Id of the filter for the replies from all nodes, which also accepts ids of no node. */
+#define MWD_MOTOR_V2_36_2025_03_MOTOR_REPLY_FILTER_ID   0x00000180u
+/** Mask of the filter for the replies from all nodes. */
+#define MWD_MOTOR_V2_36_2025_03_MOTOR_REPLY_FILTER_MASK 0xC00007C0u
+
+/** The filter for the replies from one node. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_filter(canwright_filter_t *filter, uint32_t node)
+{
+    filter->mask = 0xC00007FFu;
+    return mwd_motor_v2_36_2025_03_motor_reply_id(&filter->id, node);
 }
 
 /** Checks id, length and code of a request. */
@@ -319,11 +353,30 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_3_stamp(
  * ----------------------------------------------------------------------------------------------------------------- */
 
 /**
+ * @name temperature: Motor temperature, degC
+ *
+ * Resolution (1 LSB): 1 degC.
+ * @{
+ */
+#define MWD_MOTOR_V2_36_2025_03_TEMPERATURE_UNIT       "degC" /**< Unit. */
+#define MWD_MOTOR_V2_36_2025_03_TEMPERATURE_SCALE_NUM  1      /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_TEMPERATURE_SCALE_DEN  1      /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2025_03_TEMPERATURE_OFFSET_NUM 0      /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_TEMPERATURE_OFFSET_DEN 1      /**< Offset: denominator. */
+
+/** @} */
+
+/**
  * @name voltage: Supply voltage, V
  *
  * Resolution (1 LSB): 0.01 V.
  * @{
  */
+#define MWD_MOTOR_V2_36_2025_03_VOLTAGE_UNIT       "V" /**< Unit. */
+#define MWD_MOTOR_V2_36_2025_03_VOLTAGE_SCALE_NUM  1   /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_VOLTAGE_SCALE_DEN  100 /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2025_03_VOLTAGE_OFFSET_NUM 0   /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_VOLTAGE_OFFSET_DEN 1   /**< Offset: denominator. */
 
 /** To thousandths of V. */
 static inline int32_t mwd_motor_v2_36_2025_03_voltage_to_milli(int16_t raw)
@@ -350,6 +403,11 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_voltage_from_milli(int1
  * Resolution (1 LSB): 0.01 A.
  * @{
  */
+#define MWD_MOTOR_V2_36_2025_03_BUS_CURRENT_UNIT       "A" /**< Unit. */
+#define MWD_MOTOR_V2_36_2025_03_BUS_CURRENT_SCALE_NUM  1   /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_BUS_CURRENT_SCALE_DEN  100 /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2025_03_BUS_CURRENT_OFFSET_NUM 0   /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_BUS_CURRENT_OFFSET_DEN 1   /**< Offset: denominator. */
 
 /** To thousandths of A. */
 static inline int32_t mwd_motor_v2_36_2025_03_bus_current_to_milli(int16_t raw)
@@ -432,6 +490,7 @@ static inline bool mwd_motor_v2_36_2025_03_output_power_valid(int16_t raw)
  */
 #define MWD_MOTOR_V2_36_2025_03_TORQUE_CURRENT_RAW_MIN (-2048) /**< Lowest raw value. */
 #define MWD_MOTOR_V2_36_2025_03_TORQUE_CURRENT_RAW_MAX 2048    /**< Highest raw value. */
+#define MWD_MOTOR_V2_36_2025_03_TORQUE_CURRENT_UNIT    "A"     /**< Unit. */
 
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_torque_current_valid(int16_t raw)
@@ -501,6 +560,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_mil
  * measured current can exceed the commanded limit.
  * @{
  */
+#define MWD_MOTOR_V2_36_2025_03_MEASURED_TORQUE_CURRENT_UNIT "A" /**< Unit. */
 
 /** To thousandths of A. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
@@ -560,6 +620,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
  * those of MF and MG. No edition gives a scale for MH. A guessed value would look like a measurement.
  * @{
  */
+#define MWD_MOTOR_V2_36_2025_03_PHASE_CURRENT_UNIT "A" /**< Unit. */
 
 /** To thousandths of A. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
@@ -610,6 +671,24 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_mill
 /** @} */
 
 /**
+ * @name speed_i16: Motor speed, deg/s
+ *
+ * Resolution (1 LSB): 1 deg/s.
+ *
+ * Erratum (3, 11, 13, 15, 17): Speed is an i32 in 0.01 deg/s in 0xA2, a u16 limit in 1 deg/s in 0xA4, 0xA6 and 0xA8,
+ * and an i16 in 1 deg/s in replies. Used here: Three types as printed. Working drivers use all three. The wrong scale
+ * causes an error by a factor of 100.
+ * @{
+ */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_I16_UNIT       "deg/s" /**< Unit. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_I16_SCALE_NUM  1       /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_I16_SCALE_DEN  1       /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_I16_OFFSET_NUM 0       /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_I16_OFFSET_DEN 1       /**< Offset: denominator. */
+
+/** @} */
+
+/**
  * @name speed_setpoint: Target speed, deg/s
  *
  * Resolution (1 LSB): 0.01 deg/s.
@@ -619,6 +698,11 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_mill
  * causes an error by a factor of 100.
  * @{
  */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_SETPOINT_UNIT       "deg/s" /**< Unit. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_SETPOINT_SCALE_NUM  1       /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_SETPOINT_SCALE_DEN  100     /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_SETPOINT_OFFSET_NUM 0       /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_SETPOINT_OFFSET_DEN 1       /**< Offset: denominator. */
 
 /** To thousandths of deg/s. */
 static inline int64_t mwd_motor_v2_36_2025_03_speed_setpoint_to_milli(int32_t raw)
@@ -640,11 +724,34 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_setpoint_from_mil
 /** @} */
 
 /**
+ * @name speed_limit: Speed limit of the movement, deg/s
+ *
+ * Resolution (1 LSB): 1 deg/s.
+ *
+ * Erratum (3, 11, 13, 15, 17): Speed is an i32 in 0.01 deg/s in 0xA2, a u16 limit in 1 deg/s in 0xA4, 0xA6 and 0xA8,
+ * and an i16 in 1 deg/s in replies. Used here: Three types as printed. Working drivers use all three. The wrong scale
+ * causes an error by a factor of 100.
+ * @{
+ */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_LIMIT_UNIT       "deg/s" /**< Unit. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_LIMIT_SCALE_NUM  1       /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_LIMIT_SCALE_DEN  1       /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_LIMIT_OFFSET_NUM 0       /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_SPEED_LIMIT_OFFSET_DEN 1       /**< Offset: denominator. */
+
+/** @} */
+
+/**
  * @name angle_i32: Angle, deg
  *
  * Resolution (1 LSB): 0.01 deg.
  * @{
  */
+#define MWD_MOTOR_V2_36_2025_03_ANGLE_I32_UNIT       "deg" /**< Unit. */
+#define MWD_MOTOR_V2_36_2025_03_ANGLE_I32_SCALE_NUM  1     /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_ANGLE_I32_SCALE_DEN  100   /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2025_03_ANGLE_I32_OFFSET_NUM 0     /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_ANGLE_I32_OFFSET_DEN 1     /**< Offset: denominator. */
 
 /** To thousandths of deg. */
 static inline int64_t mwd_motor_v2_36_2025_03_angle_i32_to_milli(int32_t raw)
@@ -674,6 +781,11 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_i32_from_milli(in
  * Used here: Any u32 may be commanded. The behaviour of a drive for a larger angle is not documented.
  * @{
  */
+#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_ANGLE_UNIT       "deg" /**< Unit. */
+#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_ANGLE_SCALE_NUM  1     /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_ANGLE_SCALE_DEN  100   /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_ANGLE_OFFSET_NUM 0     /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_ANGLE_OFFSET_DEN 1     /**< Offset: denominator. */
 
 /** To thousandths of deg. */
 static inline int64_t mwd_motor_v2_36_2025_03_single_turn_angle_to_milli(uint32_t raw)
@@ -701,7 +813,12 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_
  * 0..36000*gear_ratio-1.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_POSITION_RAW_MIN 0u /**< Lowest raw value. */
+#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_POSITION_RAW_MIN    0u    /**< Lowest raw value. */
+#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_POSITION_UNIT       "deg" /**< Unit. */
+#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_POSITION_SCALE_NUM  1     /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_POSITION_SCALE_DEN  100   /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_POSITION_OFFSET_NUM 0     /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_SINGLE_TURN_POSITION_OFFSET_DEN 1     /**< Offset: denominator. */
 
 /** True if a raw value is valid. */
 CANWRIGHT_NONNULL
@@ -747,6 +864,11 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
  * 55.
  * @{
  */
+#define MWD_MOTOR_V2_36_2025_03_MULTI_TURN_ANGLE_UNIT       "deg" /**< Unit. */
+#define MWD_MOTOR_V2_36_2025_03_MULTI_TURN_ANGLE_SCALE_NUM  1     /**< Scale: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_MULTI_TURN_ANGLE_SCALE_DEN  100   /**< Scale: denominator. */
+#define MWD_MOTOR_V2_36_2025_03_MULTI_TURN_ANGLE_OFFSET_NUM 0     /**< Offset: numerator. */
+#define MWD_MOTOR_V2_36_2025_03_MULTI_TURN_ANGLE_OFFSET_DEN 1     /**< Offset: denominator. */
 
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_multi_turn_angle_valid(int64_t raw)
@@ -799,6 +921,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_m
 #define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MAX_15 32767u /**< Highest raw value (encoder_bits 15). */
 #define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MIN_16 0u     /**< Lowest raw value (encoder_bits 16). */
 #define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_RAW_MAX_16 65535u /**< Highest raw value (encoder_bits 16). */
+#define MWD_MOTOR_V2_36_2025_03_ENCODER_POSITION_UNIT       "deg"  /**< Unit. */
 
 /** True if a raw value is valid. */
 CANWRIGHT_NONNULL
@@ -1151,6 +1274,37 @@ static inline bool mwd_motor_v2_36_2025_03_motor_state_valid(uint8_t raw)
 #define MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_STALL           0x40u /**< Motor stall */
 #define MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_INPUT_LOST      0x80u /**< Input signal missing */
 
+/** The name of one flag, or NULL. */
+static inline const char *mwd_motor_v2_36_2025_03_error_flags_name(uint8_t raw)
+{
+    switch (raw) {
+    case MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_LOW_VOLTAGE:
+        return "low_voltage";
+    case MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_OVER_VOLTAGE:
+        return "over_voltage";
+    case MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_DRIVER_OVERHEAT:
+        return "driver_overheat";
+    case MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_MOTOR_OVERHEAT:
+        return "motor_overheat";
+    case MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_OVER_CURRENT:
+        return "over_current";
+    case MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_SHORT_CIRCUIT:
+        return "short_circuit";
+    case MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_STALL:
+        return "stall";
+    case MWD_MOTOR_V2_36_2025_03_ERROR_FLAGS_INPUT_LOST:
+        return "input_lost";
+    default:
+        return NULL;
+    }
+}
+
+/** The lowest flag that is set; 0 if none is. */
+static inline uint8_t mwd_motor_v2_36_2025_03_error_flags_first_flag(uint8_t raw)
+{
+    return (uint8_t)(raw & (0u - raw));
+}
+
 /** @} */
 
 /**
@@ -1159,6 +1313,25 @@ static inline bool mwd_motor_v2_36_2025_03_motor_state_valid(uint8_t raw)
  */
 #define MWD_MOTOR_V2_36_2025_03_ALIGN_STATE_SUCCEEDED      0x01u /**< Calibration successful */
 #define MWD_MOTOR_V2_36_2025_03_ALIGN_STATE_PHASE_REVERSED 0x10u /**< Detected phase sequence is reversed */
+
+/** The name of one flag, or NULL. */
+static inline const char *mwd_motor_v2_36_2025_03_align_state_name(uint8_t raw)
+{
+    switch (raw) {
+    case MWD_MOTOR_V2_36_2025_03_ALIGN_STATE_SUCCEEDED:
+        return "succeeded";
+    case MWD_MOTOR_V2_36_2025_03_ALIGN_STATE_PHASE_REVERSED:
+        return "phase_reversed";
+    default:
+        return NULL;
+    }
+}
+
+/** The lowest flag that is set; 0 if none is. */
+static inline uint8_t mwd_motor_v2_36_2025_03_align_state_first_flag(uint8_t raw)
+{
+    return (uint8_t)(raw & (0u - raw));
+}
 
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_align_state_valid(uint8_t raw)

@@ -17,7 +17,10 @@ from .view import edition_view
 RUNTIME = Path(__file__).parent / "runtime"
 """The headers that are the same for every protocol."""
 
-SHARED = ("canwright.h", "canwright_float.h")
+SHARED = ("canwright.h", "canwright_exact.h", "canwright_float.h", "canwright_print.h")
+PARTS = ("", "_float", "_print")
+"""The endings of the names of the headers of an edition."""
+
 FILTERS: dict[str, Callable[..., object]] = {
     "arguments": arguments,
     "comment": comment,
@@ -52,10 +55,9 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
             lines = "".join(f"/* {view.header} */\n" for view in editions)
             yield Output(f"include/{family}/{file}", lines + (RUNTIME / file).read_text("utf-8"))
         for view in editions:
-            yield Output(f"include/{family}/{view.file}.h", fold(env.get_template("edition.h.j2").render(e=view)))
-            yield Output(
-                f"include/{family}/{view.file}_float.h", fold(env.get_template("edition_float.h.j2").render(e=view))
-            )
+            for part in PARTS:
+                text = env.get_template(f"edition{part}.h.j2").render(e=view)
+                yield Output(f"include/{family}/{view.file}{part}.h", fold(text))
         examples = tuple(x.file for v, x in shown if v.family == family and x.exchanges)
         families.append(FamilyView(family, tuple(v.file for v in editions), examples))
     for view, x in shown:

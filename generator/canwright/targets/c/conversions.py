@@ -1,29 +1,23 @@
-"""Conversions between raw integers and values: thousandths of the unit as integers, and the unit as doubles.
+"""Conversions between raw integers and thousandths of the unit, with integers only.
 
-The arithmetic is chosen at generation time, so that no operation overflows or rounds twice.
+The arithmetic is chosen at generation time, so that no operation overflows.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...model.edition import Edition
 from ...model.types import Encoding, Linear, Type
-from ..base import NameProblem
 from .choices import Choice, choose, parameter_access
 from .expressions import joined, operand
 from .names import Names
-from .numbers import INT64, UINT64, Integer, common, integer
+from .numbers import INT64, Integer, common, integer
 from .ratios import RatioMilli
 from .validity import Condition, constant_limits, has_constant_limits
-
-DOUBLE_LIMIT = 10**300
-EXACT = 1 << 53
-"""The largest integer up to which doubles are exact."""
 
 
 class Formula(NamedTuple):
@@ -37,6 +31,8 @@ class Formula(NamedTuple):
     """The condition under which the number is rejected."""
     share: str = ""
     """Arguments for `canwright_share64`, which computes `steps` and rejects what is out of range."""
+    linear: str = ""
+    """The initializer of the `canwright_linear_t` that `number` uses; empty if it uses none."""
 
     @property
     def uses_parameters(self) -> bool:
@@ -51,8 +47,9 @@ OUT_OF_RANGE = Formula(status="OUT_OF_RANGE")
 class ConversionView(NamedTuple):
     """A pair of functions between the raw integer and a number of type `kind`.
 
-    `to` returns a status if it can fail, else the number. `from_` returns the raw integer, of type `wide`; with doubles
-    it computes `steps`, which `nearest_call` rounds. `check` is the part of the range check that needs a parameter.
+    `to` returns a status if it can fail, else the number. `from_` returns the raw integer, of type `wide`; for floating
+    point, it calls a function that stores it and returns a status. `check` is the part of the range check that needs a
+    parameter.
     """
 
     kind: str
@@ -61,7 +58,6 @@ class ConversionView(NamedTuple):
     from_: Choice[Formula]
     wide: str
     check: Choice[Condition] | None
-    nearest_call: str = ""
 
     @property
     def to_parameters(self) -> bool:
@@ -164,7 +160,7 @@ def _milli(
             number = _of_number(linear).number(_cast(INT64, integer(type_), "raw"))
         else:
             number = _to_milli(_Milli.of(linear), kind, integer(type_), ends)
-        return Formula(number=number, ratio=_ratio(linear), out_of_range=beyond)
+        return Formula(number=number, ratio=ratio(linear), out_of_range=beyond)
 
     def from_(linear: Linear | None) -> Formula:
         if linear is None:
@@ -172,7 +168,7 @@ def _milli(
         if linear.times is None:
             return _from_milli(_Milli.of(linear), kind, type_)
         share = _of_number(linear).share_arguments(constant_limits(type_))
-        return Formula(number=f"({integer(type_).name})steps", ratio=_ratio(linear), share=share)
+        return Formula(number=f"({integer(type_).name})steps", ratio=ratio(linear), share=share)
 
     return ConversionView(
         kind=kind.name,
@@ -184,7 +180,7 @@ def _milli(
     )
 
 
-def _ratio(linear: Linear) -> str:
+def ratio(linear: Linear) -> str:
     return "" if linear.times is None else parameter_access(linear.times)
 
 
@@ -234,94 +230,3 @@ def _beyond(kind: Integer, name: str, low: int, high: int) -> str:
     ends = [f"{name} < {kind.literal(low)}"] if low > least else []
     ends += [f"{name} > {kind.literal(high)}"] if high < most else []
     return joined("||", ends) if ends else ""
-
-
-def double(names: Names, type_: Type, valid: Choice[Condition] | None) -> ConversionView | None:
-    """Conversions to the unit; None without a scale."""
-    if not type_.is_number or not any(linear for _, linear in type_.linear.distinct()):
-        return None
-    kind, is_float = integer(type_), type_.encoding is Encoding.FLOAT
-    wide = kind if is_float else UINT64 if kind == UINT64 else INT64
-
-    def to(linear: Linear | None) -> Formula:
-        return Formula(number=_value(linear, type_), ratio=_ratio(linear)) if linear else NO_SCALE
-
-    def from_(linear: Linear | None) -> Formula:
-        return Formula(number=_steps(linear), ratio=_ratio(linear)) if linear else NO_SCALE
-
-    if is_float:
-        nearest_call = f"canwright_bits{type_.width}(&nearest, value, steps)"
-    else:
-        ends = ", ".join(wide.literal(end) for end in constant_limits(type_))
-        nearest_call = f"canwright_nearest{'_unsigned' if wide == UINT64 else ''}(&nearest, value, steps, {ends})"
-    return ConversionView(
-        kind="double",
-        to=choose(names, type_.linear, to, MISSING_PARAMETER),
-        to_fails=type_.linear.parameter is not None or bool(type_.times),
-        from_=choose(names, type_.linear, from_, MISSING_PARAMETER),
-        wide=wide.name,
-        check=valid if is_float or not has_constant_limits(type_) else None,
-        nearest_call=nearest_call,
-    )
-
-
-def _multiple(linear: Linear) -> str:
-    """The value if a parameter multiplies the scale; the division is the last operation."""
-    factor, addend, divisor = linear.as_quotient
-    dividend = "(double)raw" + (f" * {_literal(factor)}" if factor != 1 else "")
-    if addend:
-        dividend += f" {'+' if addend > 0 else '-'} {_literal(abs(addend))}"
-    return f"canwright_multiple(&{_ratio(linear)}, {dividend}, {_literal(divisor)})"
-
-
-def _value(linear: Linear, type_: Type) -> str:
-    """The value: one operation for each factor and offset, without those that change nothing."""
-    if linear.times is not None:
-        return _multiple(linear)
-    factor, divisor = linear.scale.numerator, linear.scale.denominator
-    is_float = type_.encoding is Encoding.FLOAT
-    if linear.offset and not is_float:
-        times, addend, below = linear.as_quotient
-        if max(map(abs, type_.raw_limits)) * abs(times) + abs(addend) <= EXACT:
-            product = "(double)raw" + (f" * {_literal(times)}" if times != 1 else "")
-            dividend = f"{product} {'+' if addend > 0 else '-'} {_literal(abs(addend))}"
-            return dividend if below == 1 else f"({dividend}) / {_literal(below)}"
-    raw = f"canwright_number{type_.width}(raw)" if is_float else "(double)raw"
-    above = f" * {_literal(factor)}" if factor != 1 else ""
-    scaled = raw + above + (f" / {_literal(divisor)}" if divisor != 1 else "")
-    if not is_float and _is_wide(type_, factor, divisor):
-        suffix = "" if integer(type_).signed else "_unsigned"
-        scaled = f"canwright_quotient{suffix}(raw, {UINT64.literal(factor)}, {UINT64.literal(divisor)})"
-    return scaled + (f" + {_literal(linear.offset)}" if linear.offset else "")
-
-
-def _is_wide(type_: Type, factor: int, divisor: int) -> bool:
-    """Whether a product can exceed the exact integers of a double, so that the quotient would be rounded twice."""
-    greatest = max(map(abs, type_.raw_limits)) * factor
-    return greatest > EXACT and 0 < factor < 1 << 31 and 1 < divisor < 1 << 26
-
-
-def _steps(linear: Linear) -> str:
-    """The inverse of `_value`."""
-    scale, offset = linear.scale, linear.offset
-    start = "value" if linear.times is None else f"canwright_share(value, &{_ratio(linear)})"
-    start = f"({start} - {_literal(offset)})" if offset else start
-    above = f" * {_literal(scale.denominator)}" if scale.denominator != 1 else ""
-    return start + above + (f" / {_literal(scale.numerator)}" if scale.numerator != 1 else "")
-
-
-def _literal(number: Fraction | int) -> str:
-    literal = repr(float(number))
-    return f"({literal})" if number < 0 else literal
-
-
-def problems(edition: Edition) -> Iterator[NameProblem]:
-    """Scales that exceed the range of a double."""
-    for type_ in edition.types:
-        for _, linear in type_.linear.distinct():
-            if linear is None:
-                continue
-            parts = (Fraction(linear.scale.numerator), Fraction(linear.scale.denominator), linear.offset)
-            if any(abs(part) > DOUBLE_LIMIT for part in parts):
-                text = "scale or offset exceeds the range of a double"
-                yield NameProblem((*type_.path, "scale"), text, "check the numbers")

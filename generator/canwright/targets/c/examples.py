@@ -54,7 +54,7 @@ class ExampleView(NamedTuple):
 
     @property
     def shows_names(self) -> bool:
-        return any(t.names for t in self._shown)
+        return any(t.is_enum for t in self._shown)
 
     @property
     def shows_values(self) -> bool:
@@ -62,7 +62,7 @@ class ExampleView(NamedTuple):
 
     @property
     def shows_bits(self) -> bool:
-        return any(not t.double and not t.names for t in self._shown)
+        return any(not t.double and not t.is_enum for t in self._shown)
 
     @property
     def uses_parameters(self) -> bool:

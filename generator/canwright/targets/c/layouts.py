@@ -14,7 +14,7 @@ from . import bits
 from .choices import Branch, parameter_access
 from .comments import errata, field_facts
 from .names import Names, member
-from .text import english
+from .text import english, literal
 from .types import TypeView
 
 T = TypeVar("T")
@@ -60,6 +60,14 @@ class FieldRead(NamedTuple):
     constant_differs: str = ""
 
 
+class FieldShow(NamedTuple):
+    """The string literal before the value of a field, and the call that prints it."""
+
+    label: str
+    call: str
+    uses_parameters: bool
+
+
 @dataclass(frozen=True, kw_only=True)
 class LayoutView:
     """A struct and its functions. Without members there is no struct, without fields there are no functions.
@@ -76,6 +84,11 @@ class LayoutView:
     check: Body[FieldCheck]
     pack: Body[bits.Write]
     unpack: Body[FieldRead]
+    show: Body[FieldShow]
+
+    @property
+    def show_parameters(self) -> bool:
+        return self.depends or any(step.uses_parameters for step in self.show.steps)
 
     @property
     def has_check(self) -> bool:
@@ -109,6 +122,7 @@ def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) ->
         check=_ordered_body(names, layout, lambda variant: _checks(names, layout, variant, types)),
         pack=_body(names, layout, lambda variant: bits.write_fields(variant.fields, members, shared)),
         unpack=_body(names, layout, lambda variant: _reads(layout, variant)),
+        show=_ordered_body(names, layout, lambda variant: _shows(names, variant, types)),
     )
 
 
@@ -154,6 +168,19 @@ def _reads(layout: Layout, variant: Variant) -> Iterator[FieldRead]:
             for number, element in enumerate(field.elements):
                 value = bits.read_field(field, element.segments) if field in variant.fields else "0"
                 yield FieldRead(member=member(field.name) + (f"[{number}]" if field.is_array else ""), value=value)
+
+
+def _shows(names: Names, variant: Variant, types: Types) -> Iterator[FieldShow]:
+    for field in variant.fields:
+        if field.fixed is not None:
+            continue
+        type_ = types[names.lower(names.type_stem(field.type))]
+        given = type_.show.formulas.uses_parameters
+        for number, element in enumerate(field.elements):
+            index, place = (f"[{element.index}]", f"[{number}]") if field.is_array else ("", "")
+            raw = f"message->{member(field.name)}{place}"
+            call = f"{type_.name}_show(printer, {raw}{', parameters' if given else ''});"
+            yield FieldShow(literal(f" {field.name}{index}="), call, given)
 
 
 def _checks(names: Names, layout: Layout, variant: Variant, types: Types) -> Iterator[FieldCheck]:

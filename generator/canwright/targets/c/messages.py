@@ -9,6 +9,7 @@ from ...model.edition import Edition
 from ...model.message import Address, Direction, IdRule, Key, Message
 from . import bits
 from .expressions import joined, operand
+from .filters import address_filter
 from .names import Names
 from .numbers import working
 from .patterns import Pattern, address_mask, named_patterns, pattern_of
@@ -39,6 +40,13 @@ class RuleView(NamedTuple):
     """The node from the `offset` of an id."""
     offset_rest: str
     """The remainder of `offset` without the node; it must be 0."""
+    filter_doc: str
+    filter_function: str
+    filter_bits: str
+    """Bits of the id of the filter for one node besides those of its `id_function`; empty without any."""
+    filter_mask: str
+    filters: tuple[MacroView, ...]
+    """The filter for all nodes."""
 
     def masked(self, id_: str) -> str:
         """The bits of an id that belong to the address."""
@@ -175,6 +183,10 @@ def rule_view(names: Names, edition: Edition, address: Address, direction: Direc
     mask = address_mask(edition, address.name, direction)
     base = names.lower(address.name, direction.value)
     node_offset, offset_node, offset_rest = _step(rule.node_step)
+    accepted = address_filter(edition, address, direction)
+    frames = "replies from" if direction is Direction.REPLY else "requests to"
+    which = f"the {frames} all nodes" if rule.nodes is not None else f"the {frames.split()[0]}"
+    superset = "" if accepted.is_exact else ", which also accepts ids of no node"
     return RuleView(
         direction=direction.value,
         id_macro=names.upper(address.name, direction.value, "id"),
@@ -188,6 +200,22 @@ def rule_view(names: Names, edition: Edition, address: Address, direction: Direc
         has_step=rule.node_step != 1,
         offset_node=offset_node,
         offset_rest=offset_rest,
+        filter_doc=f"The filter for the {frames} one node.",
+        filter_function=f"{base}_filter",
+        filter_bits=f"0x{accepted.id:X}u" if accepted.id else "",
+        filter_mask=f"0x{accepted.mask:08X}u",
+        filters=(
+            MacroView(
+                names.upper(address.name, direction.value, "filter_id"),
+                f"0x{accepted.all_id:08X}u",
+                f"Id of the filter for {which}{superset}.",
+            ),
+            MacroView(
+                names.upper(address.name, direction.value, "filter_mask"),
+                f"0x{accepted.all_mask:08X}u",
+                f"Mask of the filter for {which}.",
+            ),
+        ),
     )
 
 

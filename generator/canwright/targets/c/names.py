@@ -32,12 +32,23 @@ LOWER_CASE_MACROS = (
 )
 RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS}".split())
 
-TYPE_ENDINGS = ("_valid", "_name", "_to_milli", "_from_milli", "_to_double", "_from_double")
-LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack")
+TYPE_ENDINGS = (
+    *("_valid", "_name", "_first_flag", "_show"),
+    *("_to_milli", "_from_milli", "_to_float", "_from_float", "_to_double", "_from_double"),
+)
+SCALE_MACROS = ("UNIT", "SCALE_NUM", "SCALE_DEN", "OFFSET_NUM", "OFFSET_DEN")
+LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack", "_show")
 MESSAGE_ENDINGS = ("_encode", "_decode")
-ADDRESS_ENDINGS = ("_request_id", "_request_node", "_reply_id", "_reply_node")
+ADDRESS_ENDINGS = (
+    *("_request_id", "_request_node", "_request_filter"),
+    *("_reply_id", "_reply_node", "_reply_filter"),
+)
 PATTERN_ENDINGS = ("_match", "_stamp")
-ADDRESS_MACROS = ("_REQUEST_ID", "_REPLY_ID", "_NODE_MIN", "_NODE_MAX")
+ADDRESS_MACROS = (
+    *("_NODE_MIN", "_NODE_MAX"),
+    *("_REQUEST_ID", "_REQUEST_FILTER_ID", "_REQUEST_FILTER_MASK"),
+    *("_REPLY_ID", "_REPLY_FILTER_ID", "_REPLY_FILTER_MASK"),
+)
 SIGNIFICANT = 63
 """C99 guarantees that this many initial characters of a name are significant."""
 
@@ -53,7 +64,8 @@ EDITION_NAMES = (
         "decode_request",
         "decode_reply",
     ),
-    *("check_reply", "H", "SPEC", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
+    *("check_reply", "H", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
+    *("SPEC", "SPEC_HASH", "EDITION", "REPLY_WITHIN_US", "PRINT_H", "print_request", "print_reply"),
 )
 
 
@@ -213,4 +225,6 @@ def _type(names: Names, type_: Type) -> Iterator[str]:
     for ending in ("RAW_MIN", "RAW_MAX"):
         yield names.upper(stem, ending)
         yield from (names.upper(stem, ending, case) for case in type_.raw_range.cases)
+    if type_.is_number:
+        yield from (names.upper(stem, ending) for ending in SCALE_MACROS)
     yield from (names.upper(stem, m.name) for m in (*type_.enum, *type_.flags))

@@ -6,14 +6,13 @@ from collections.abc import Iterator, Sequence
 
 from ...model.edition import Edition
 from ..base import NameProblem
-from . import conversions, names, validity
+from . import names, validity
 
 
 def problems(edition: Edition) -> Iterator[NameProblem]:
     """The problems of one edition."""
     yield from names.problems(edition)
     yield from validity.problems(edition)
-    yield from conversions.problems(edition)
 
 
 def between(editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:

@@ -43,6 +43,12 @@ def in_comment(text: str) -> str:
     return line.translate(_ENTITIES)
 
 
+def literal(text: str) -> str:
+    """A text as a string literal, in UTF-8; octal escapes of three digits never take a digit that follows."""
+    plain = (chr(byte) if 32 <= byte < 127 and chr(byte) not in '"\\?' else f"\\{byte:03o}" for byte in text.encode())
+    return f'"{"".join(plain)}"'
+
+
 def comment(paragraphs: str | Sequence[str], indent: int = 0) -> str:
     """Paragraphs as one Doxygen comment, on one line if they fit. The first line is not indented."""
     texts = [in_comment(p) for p in ([paragraphs] if isinstance(paragraphs, str) else paragraphs)]

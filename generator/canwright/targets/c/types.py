@@ -9,10 +9,12 @@ from ...model.edition import Edition
 from ...model.types import Encoding, Type
 from .choices import Choice
 from .comments import errata, type_facts
-from .conversions import ConversionView, double, milli
-from .names import Names, layouts
-from .numbers import Integer, integer
-from .text import english
+from .conversions import ConversionView, milli
+from .floating import DOUBLE, SINGLE, floating, lacks_floating
+from .names import SCALE_MACROS, Names, layouts
+from .numbers import INT64, Integer, integer
+from .printing import ShowView, show
+from .text import english, literal
 from .validity import Condition, valid
 
 
@@ -28,7 +30,7 @@ class NameView(NamedTuple):
 
 
 class TypeView(NamedTuple):
-    """A type with its macros, names, check and conversions. `facts` are part of `doc`; `names` are those of an enum.
+    """A type with its macros, names, check and conversions. `facts` are part of `doc`; `names` are those of an enum or of flags.
 
     `use` is a sentence with the type and its functions, for comments of fields.
     """
@@ -41,16 +43,24 @@ class TypeView(NamedTuple):
     kind: str
     macros: tuple[MacroView, ...]
     names: tuple[NameView, ...]
+    is_flags: bool
     valid: Choice[Condition] | None
     milli: ConversionView | None
     milli_unit: str
+    single: ConversionView | None
     double: ConversionView | None
-    only_double: bool
+    show: ShowView
+    has_notes: bool
+    """True if `doc` says which conversions are missing."""
     unit: str
 
     @property
+    def is_enum(self) -> bool:
+        return bool(self.names) and not self.is_flags
+
+    @property
     def is_empty(self) -> bool:
-        return not (self.macros or self.valid or self.milli or self.only_double)
+        return not (self.macros or self.valid or self.milli or self.has_notes)
 
 
 def types(names: Names, edition: Edition) -> list[TypeView]:
@@ -65,11 +75,11 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
     title = english(type_.title) or type_.name
     stem = names.type_stem(type_)
     thousandths = milli(names, type_, check)
-    lacking = "" if thousandths else _only_doubles(type_)
+    lacking = tuple(_lacking(type_, thousandths))
     facts = tuple(type_facts(type_))
-    about = " ".join(text for text in (english(type_.about), *facts, lacking) if text)
-    in_double = double(names, type_, check)
-    macros = [*_limits(names, type_, kind), *_members(names, type_, kind)]
+    about = " ".join(text for text in (english(type_.about), *facts, *lacking) if text)
+    in_float, in_double = (floating(names, type_, check, format_) for format_ in (SINGLE, DOUBLE))
+    macros = [*_limits(names, type_, kind), *_scale(names, type_), *_members(names, type_, kind)]
     return TypeView(
         name=names.lower(stem),
         use=f"Type {stem}{_functions(type_, stem, thousandths or in_double)}.",
@@ -78,12 +88,15 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
         facts=facts,
         kind=kind.name,
         macros=tuple(macros),
-        names=tuple(NameView(names.upper(names.type_stem(type_), m.name), m.name) for m in type_.enum),
+        names=tuple(NameView(names.upper(names.type_stem(type_), m.name), m.name) for m in (*type_.enum, *type_.flags)),
+        is_flags=bool(type_.flags),
         valid=check,
         milli=thousandths,
         milli_unit=f"thousandths of {unit}" if unit else "thousandths",
+        single=in_float,
         double=in_double,
-        only_double=bool(lacking),
+        show=show(names, type_),
+        has_notes=bool(lacking),
         unit=unit,
     )
 
@@ -100,10 +113,13 @@ def _functions(type_: Type, stem: str, conversion: ConversionView | None) -> str
     return f": {stem}_to_*, {stem}_from_*{given}"
 
 
-def _only_doubles(type_: Type) -> str:
-    """The reason why a type with a number parameter has no thousandths; empty without such a parameter."""
+def _lacking(type_: Type, thousandths: ConversionView | None) -> Iterator[str]:
+    """The reasons why a type has no thousandths or no floating point; none if it has, or if it has no scale."""
     by = ", ".join(type_.times)
-    return f"No thousandths: 64 bits are too few to multiply with {by}; there are conversions to double." if by else ""
+    if by and thousandths is None:
+        yield f"No thousandths: 64 bits are too few to multiply with {by}; there are conversions to floating point."
+    if lacks_floating(type_):
+        yield "No conversions to floating point: scale or offset needs integers of more than 63 bits."
 
 
 def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
@@ -119,6 +135,22 @@ def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
             if bound.parameter is None and bound.constant.denominator == 1:
                 name = names.upper(names.type_stem(type_), ending, *([case] if case else []))
                 yield MacroView(name, _parenthesised(kind.literal(int(bound.constant))), f"{word} raw value{under}.")
+
+
+def _scale(names: Names, type_: Type) -> Iterator[MacroView]:
+    """The unit, and scale and offset if no parameter decides them."""
+    stem = names.type_stem(type_)
+    if type_.unit:
+        yield MacroView(names.upper(stem, "UNIT"), literal(type_.unit.dbc), "Unit.")
+    linear = type_.linear.constant
+    if linear is None or linear.times or not type_.is_number or (type_.is_plain and not type_.unit):
+        return
+    if not lacks_floating(type_):
+        scale, offset = linear.scale, linear.offset
+        numbers = (scale.numerator, scale.denominator, offset.numerator, offset.denominator)
+        parts = ("scale: numerator", "scale: denominator", "offset: numerator", "offset: denominator")
+        for ending, number, part in zip(SCALE_MACROS[1:], numbers, parts, strict=True):
+            yield MacroView(names.upper(stem, ending), _parenthesised(INT64.literal(number)), f"{part.capitalize()}.")
 
 
 def _members(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:

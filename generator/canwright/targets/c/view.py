@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from ...model import formatting
@@ -13,12 +14,13 @@ from ...model.metadata import Level
 from ..base import header
 from .choices import ParameterView, parameter_access, parameters
 from .comments import errata
+from .conversions import ConversionView
 from .dispatch import AnswerView, RouteView, UnpackView, answers, command_numbers, routes
 from .expressions import joined
 from .layouts import LayoutView, fields_named, layout_view
 from .messages import AddressView, Messages, MessageView, addresses
 from .names import Names, layouts, member
-from .text import english
+from .text import english, literal
 from .types import MacroView, TypeView, types
 
 
@@ -110,12 +112,13 @@ class ContentsView(NamedTuple):
 
 
 class DirectionView(NamedTuple):
-    """Any message of one direction."""
+    """Any message of one direction. `without_node` are the commands whose id contains no node."""
 
     word: str
     identify: tuple[RouteView, ...]
     decode: tuple[RouteView, ...]
     contents: tuple[ContentsView, ...]
+    without_node: tuple[str, ...]
 
     @property
     def members(self) -> list[tuple[LayoutView, ContentView]]:
@@ -127,6 +130,19 @@ class DirectionView(NamedTuple):
         return any(content.layout.depends for content in self.contents)
 
     @property
+    def shown(self) -> list[ContentsView]:
+        """The contents that have something to print."""
+        return [content for content in self.contents if content.layout.members]
+
+    @property
+    def has_nodes(self) -> bool:
+        return any(route.rule.has_nodes for route in self.decode)
+
+    @property
+    def show_parameters(self) -> bool:
+        return self.depends or any(content.layout.show_parameters for content in self.shown)
+
+    @property
     def checked(self) -> list[ContentsView]:
         """The contents that have something to check."""
         return [content for content in self.contents if content.layout.has_check]
@@ -134,6 +150,13 @@ class DirectionView(NamedTuple):
     @property
     def check_parameters(self) -> bool:
         return any(content.layout.check_parameters for content in self.contents)
+
+
+class FloatingView(NamedTuple):
+    """The conversions to one floating-point type, and the preprocessor condition under which they exist."""
+
+    guard: str
+    types: tuple[tuple[TypeView, ConversionView], ...]
 
 
 class EditionView(NamedTuple):
@@ -147,6 +170,7 @@ class EditionView(NamedTuple):
     file: str
     title: str
     doc: tuple[str, ...]
+    facts: tuple[MacroView, ...]
     parameters: tuple[ParameterView, ...]
     addresses: tuple[AddressView, ...]
     types: tuple[TypeView, ...]
@@ -162,6 +186,22 @@ class EditionView(NamedTuple):
     @property
     def parameters_argument(self) -> str:
         return f"const {self.prefix}parameters_t *parameters"
+
+    @property
+    def printed(self) -> list[LayoutView]:
+        """The layouts that messages print."""
+        return list({content.layout.name: content.layout for d in self.directions for content in d.shown}.values())
+
+    @property
+    def floating(self) -> list[FloatingView]:
+        return [
+            FloatingView("", tuple((type_, type_.single) for type_ in self.types if type_.single)),
+            FloatingView("CANWRIGHT_HAS_DOUBLE", tuple((type_, type_.double) for type_ in self.types if type_.double)),
+        ]
+
+    @property
+    def has_reply_time(self) -> bool:
+        return any(fact.name == f"{self.PREFIX}REPLY_WITHIN_US" for fact in self.facts)
 
     @property
     def effect_bits(self) -> int:
@@ -188,6 +228,7 @@ def edition_view(edition: Edition) -> EditionView:
         file=edition.identifier,
         title=english(edition.title),
         doc=tuple(_edition_doc(edition)),
+        facts=tuple(_facts(names, edition)),
         parameters=tuple(parameters(names, edition)),
         addresses=tuple(addresses(names, edition, messages)),
         types=tuple(types_.values()),
@@ -208,6 +249,17 @@ def _edition_doc(edition: Edition) -> list[str]:
     manual = english(edition.manual)
     source = f"Numbers in brackets are sections of: {manual}." if manual else ""
     return [text for text in (english(edition.about), source) if text]
+
+
+def _facts(names: Names, edition: Edition) -> Iterator[MacroView]:
+    """What a device can report of the edition, and the time-out of replies."""
+    yield MacroView(names.upper("edition"), literal(edition.name), "The name of the edition.")
+    yield MacroView(names.upper("spec_hash"), literal(edition.hash), "The SHA-256 of the spec, in hexadecimal.")
+    within = edition.bus.reply_within_ms
+    if within is not None:
+        rounded = "" if (within * 1000).denominator == 1 else ", rounded up"
+        doc = f"Maximum time from request to reply, in microseconds{rounded}."
+        yield MacroView(names.upper("reply_within_us"), f"{math.ceil(within * 1000)}u", doc)
 
 
 def _command(
@@ -331,6 +383,7 @@ def _direction(
         identify=tuple(routes(names, edition, messages, direction, {})),
         decode=tuple(routes(names, edition, messages, direction, unpack)),
         contents=tuple(some.values()),
+        without_node=tuple(names.command(m.command) for m in edition.messages(direction) if not m.id.nodes),
     )
 
 

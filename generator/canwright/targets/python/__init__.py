@@ -8,7 +8,7 @@ from pathlib import Path
 from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import Output, Specification
-from . import text
+from . import code, text
 from .examples import example
 from .module import module_view
 
@@ -21,7 +21,7 @@ SHARED = ("_codec.py", "_dispatch.py", "nodes.py", "python_can.py")
 
 def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
     """The distribution with a package for each family."""
-    env = environment("python", {"literal": text.literal, "docstring": text.docstring})
+    env = environment("python", {"literal": text.literal, "docstring": text.docstring, "laid_out": code.laid_out})
     families = list(dict.fromkeys(d.edition.family for d in specifications))
     distribution = families[0] if len(families) == 1 else "canwright_bindings"
     yield Output("pyproject.toml", env.get_template("pyproject.toml.j2").render(name=distribution, families=families))

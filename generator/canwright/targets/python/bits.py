@@ -88,8 +88,17 @@ def read(p: RawPosition, dlc: int) -> str:
     return _signed(shifted, p)
 
 
+def data_byte(key: BitRun) -> int | None:
+    """The position of the data byte that a selector is; None for any other bits."""
+    p = key_place(key)
+    return p.first_byte if p.whole_bytes and p.width == 8 else None
+
+
 def read_key(key: BitRun, shortest: int) -> str:
-    """The value of a selector in data of at least `shortest` bytes; bytes beyond the data are left out."""
+    """The value of a selector, other than one data byte, in data of at least `shortest` bytes.
+
+    Bytes beyond the data are left out.
+    """
     p = key_place(key)
     if p.space is Space.ID:
         return read(p, 0)

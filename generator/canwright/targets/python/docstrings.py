@@ -52,11 +52,15 @@ def of_message(command: Command, message: Message) -> Docstring:
     )
 
 
-def of_field(field: Field, of_type: str, manual_of_layout: str) -> Docstring:
-    """The docstring of the property of a field; `of_type` is the sentence about its type."""
+def of_field(field: Field, of_type: str, manual_of_layout: str, nodes: Sequence[int]) -> Docstring:
+    """The docstring of the property of a field; `of_type` is the sentence about its type.
+
+    `nodes` are the nodes that answer the command one by one; the elements of an array with their numbers are theirs.
+    """
     return (
         sentence(english(field.title)),
         _joined(
+            _elements(field, nodes),
             of_type,
             sentence(english(field.about) or english(field.type.about)),
             f"Exists under {', '.join(field.only)} only." if field.only else "",
@@ -78,6 +82,15 @@ def of_type(type_: Type) -> str:
         parts.append(("from " if type_.encoding is Encoding.FLOAT else "raw ") + _alternatives(limits))
     joined = "; ".join(parts)
     return sentence(plain(joined[:1].upper() + joined[1:]))
+
+
+def _elements(field: Field, nodes: Sequence[int]) -> str:
+    """The number, or the node, of each element of an array; empty for any other field."""
+    numbers = [element.index for element in field.elements if element.index is not None]
+    if not numbers:
+        return ""
+    what = "node" if numbers == list(nodes) else "number"
+    return sentence("Elements: " + ", ".join(f"[{i}] is {what} {number}" for i, number in enumerate(numbers)))
 
 
 def _alternatives(cases: Sequence[tuple[str, str]]) -> str:

@@ -2,67 +2,68 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ...model.layout import Space, Variant
 from ...model.message import Message
-from ...model.types import Order, Parameter
-from . import bits, text
-from .class_bodies import variant_values
-from .fields import places
+from ...model.types import Order
+from . import bits, code, text
+from .fields import places, varying
 from .imports import Imports
 
 
 @dataclass(frozen=True, kw_only=True)
 class EncodeCaseView:
-    """The expression of the data bytes under some values of the layout's parameter."""
+    """The statements that return the data bytes, by the `struct` that writes them or without one."""
 
-    values: tuple[str, ...]
-    expression: str
+    struct: str
+    items: tuple[str, ...]
+    """What the `struct` writes."""
+    statements: tuple[code.Code, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
 class EncodeView:
-    """The data bytes of a message; `parameter` decides among several cases."""
+    """How a message writes its data bytes: in each variant of its layout, which `parameter` decides."""
 
     parameter: str
     cases: tuple[EncodeCaseView, ...]
 
 
-def encode_view(message: Message, parameters: Mapping[str, Parameter], imports: Imports, code: str = "") -> EncodeView:
-    """How a message writes its bytes; `code` is the expression of the selector's value, if it is not constant."""
+def encode_view(message: Message, imports: Imports, selector: str = "") -> EncodeView:
+    """How a message writes its bytes; `selector` is the expression of the selector's value, if it is not constant."""
     layout = message.layout
-    cases = (
-        EncodeCaseView(
-            values=variant_values(layout, variant, parameters), expression=_data(message, variant, code, imports)
-        )
-        for variant in layout.variants
+    return EncodeView(
+        parameter=text.attribute(layout.parameter or ""),
+        cases=tuple(_case(message, variant, selector, imports) for variant in layout.variants),
     )
-    return EncodeView(parameter=text.attribute(layout.parameter or ""), cases=tuple(cases))
 
 
-def _data(message: Message, variant: Variant, code: str, imports: Imports) -> str:
-    """The expression of the data bytes: one `pack`, or else an integer of each byte order."""
-    keys = [bits.key_place(k)._replace(target=code or f"0x{k.value:02X}") for k in message.keys]
-    in_data = [p for p in (*keys, *(p for _, p in places(variant.fields))) if p.space is Space.DATA]
+def _case(message: Message, variant: Variant, selector: str, imports: Imports) -> EncodeCaseView:
+    """One `pack`, or else an integer of each byte order."""
+    keys = [bits.key_place(k)._replace(target=selector or f"0x{k.value:02X}") for k in message.keys]
+    fields = places(variant.fields, varying(message.layout.fields))
+    in_data = [p for p in (*keys, *(p for _, p in fields)) if p.space is Space.DATA]
     ordered = sorted(in_data, key=lambda p: p.first_byte)
     pattern = bits.struct_format(ordered, message.dlc)
     if pattern is not None:
-        return f'{imports.use("pack")}("{pattern}", {", ".join(p.target for p in ordered)})'
+        return EncodeCaseView(struct=pattern, items=tuple(p.target for p in ordered), statements=())
     if not in_data:
-        return f"bytes({message.dlc})"
+        data = 'b""' if message.remote else f"bytes({message.dlc})"
+        return EncodeCaseView(struct="", items=(), statements=(f"return {data}",))
     wide = {p.order for p in in_data if len(p.segments) > 1}
     order = Order.BIG if wide == {Order.BIG} else Order.LITTLE
     sides: dict[Order, list[str]] = {Order.LITTLE: [], Order.BIG: []}
     for p in in_data:
         # bits within one byte are the same in both orders
         own = p if len(p.segments) > 1 else p._replace(order=order)
-        sides[own.order].append(f"({bits.write(own, message.dlc)})")
-    little, big = (" | ".join(sides[side]) for side in (Order.LITTLE, Order.BIG))
+        sides[own.order].append(bits.write(own, message.dlc))
+    statements: list[code.Code] = [code.any_of(side.value, terms) for side, terms in sides.items() if terms]
     if len(wide) > 1:
-        return f"{imports.use('merge')}({little}, {big}, {message.dlc})"
-    return f'({little or big}).to_bytes({message.dlc}, "{order.value}")'
+        statements.append(f"return {imports.use('merge')}(little, big, {message.dlc})")
+    else:
+        statements.append(f'return {order.value}.to_bytes({message.dlc}, "{order.value}")')
+    return EncodeCaseView(struct="", items=(), statements=tuple(statements))
 
 
 def constant_data(message: Message) -> str:
@@ -71,7 +72,7 @@ def constant_data(message: Message) -> str:
     for key in message.keys:
         for s in key.segments if key.space is Space.DATA else ():
             data[s.byte] |= (key.value >> s.raw_low & (1 << s.width) - 1) << s.low
-    return repr(bytes(data))
+    return f'bytes.fromhex("{data.hex(" ").upper()}")'
 
 
 def fixed_id(message: Message) -> int:
@@ -80,8 +81,9 @@ def fixed_id(message: Message) -> int:
     return message.id.base + sum(k.value << k.segments[0].low for k in keys)
 
 
-def can_id(message: Message) -> str:
-    """The expression of the CAN id of a message with fields in its id; empty for any other."""
-    in_id = places(f for f in message.layout.fields if f.space is Space.ID)
-    terms = (f" + ({bits.write(place, message.dlc)})" for _, place in in_id)
-    return f"super().can_id{''.join(terms)}" if in_id else ""
+def id_terms(message: Message) -> code.Code | None:
+    """The assignment of the bits of the CAN id that fields fill; None for a message without fields in its id."""
+    in_id = [
+        place for _, place in places(message.layout.fields, varying(message.layout.fields)) if place.space is Space.ID
+    ]
+    return code.any_of("filled", [bits.write(place, message.dlc) for place in in_id]) if in_id else None

@@ -10,18 +10,18 @@ PUBLIC = ("CodecError", "FieldAbsent", "Message", "Refusal", "Reply", "Request")
 _RUNTIME = {
     "_codec": (
         *PUBLIC,
-        *("Bound", "Float", "Number", "Real", "ToAll", "ToNode", "check_choice", "check_number", "constant"),
-        *("each", "flags", "known", "member", "merge", "missing", "named", "node_in", "require"),
+        *("ArrayType", "Bound", "EnumType", "FlagsType", "Float", "Number", "Real", "ToAll", "ToNode"),
+        *("check_choice", "check_number", "constant", "merge", "missing"),
     ),
-    "_dispatch": ("Answer", "Dispatcher", "Route", "Select", "data_length"),
+    "_dispatch": ("Answer", "DataByte", "Dispatcher", "Route", "Select", "data_length"),
 }
 _STANDARD_LIBRARY = {
     "collections.abc": ("Iterable",),
     "dataclasses": ("dataclass",),
     "enum": ("Enum", "IntEnum", "IntFlag"),
     "fractions": ("Fraction",),
-    "struct": ("Struct", "pack"),
-    "typing": ("TYPE_CHECKING", "Any", "ClassVar"),
+    "struct": ("Struct",),
+    "typing": ("TYPE_CHECKING", "Any", "Literal", "NoReturn", "TypeAlias", "Union"),
 }
 _TYPE_CHECKING = {"typing_extensions": ("Self",)}
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...model.edition import Edition
 from ...model.layout import MAX_DATA_BYTES, Space
 from ...model.message import Command, Direction, Message
-from . import docstrings, encoding, metadata, text
+from . import code, docstrings, encoding, metadata, text
 from .class_bodies import BodyView, ClassBodies
 from .encoding import EncodeView
 
@@ -29,7 +29,8 @@ class MessageView:
     """The class of a message; `body` is None when a base class has its fields."""
 
     name: str
-    bases: tuple[str, ...]
+    header: code.Code
+    """The first line of the class."""
     doc: docstrings.Docstring
     command: str
     direction: str
@@ -41,14 +42,14 @@ class MessageView:
     body: BodyView | None
     id: str
     step: int
-    code: str
+    selector: str
     data: str
     """Expression of the bytes of a frame without fields; empty for one with fields."""
-    can_id: str
-    """Expression of the id, where it has fields."""
+    id_terms: code.Code | None
+    """The assignment of the bits that fields fill in the id; None without any."""
     encode: EncodeView | None
-    metadata: tuple[tuple[str, str], ...]
-    """Names and expressions of class attributes."""
+    metadata: tuple[code.Code, ...]
+    """Assignments of class attributes."""
 
 
 Group = tuple[str, int, bool]
@@ -97,17 +98,17 @@ class MessageViews:
         return LayoutView(
             name=self._bases[group],
             doc=docstrings.of_layout(message.layout),
-            body=self._body(message),
+            body=self._body(message, ()),
             encode=self._encode(message, "self.CODE") if group in self._encoding_bases else None,
         )
 
     def _message(self, command: Command, message: Message) -> MessageView:
         group, nodes = _group(message), message.id.nodes
-        has_fields = bool(message.layout.fields)
+        name, has_fields = text.class_name(message.name), bool(message.layout.fields)
         has_metadata = message.direction is Direction.REQUEST or command.request is None
         return MessageView(
-            name=text.class_name(message.name),
-            bases=self._base_classes(command, message),
+            name=name,
+            header=code.call(f"class {name}", self._base_classes(command, message)),
             doc=docstrings.of_message(command, message),
             command=command.name,
             direction=message.direction.value,
@@ -115,12 +116,12 @@ class MessageViews:
             extended=message.id.extended,
             remote=message.remote,
             nodes=(nodes[0], nodes[-1]) if nodes is not None else None,
-            body=self._body(message) if has_fields and group not in self._bases else None,
+            body=self._body(message, command.from_each) if has_fields and group not in self._bases else None,
             id=f"0x{encoding.fixed_id(message):X}",
             step=message.id.node_step,
-            code=f"0x{message.keys[0].value:02X}" if message.keys else "",
+            selector=f"0x{message.keys[0].value:02X}" if message.keys else "",
             data="" if has_fields else encoding.constant_data(message),
-            can_id=encoding.can_id(message),
+            id_terms=encoding.id_terms(message),
             encode=self._encode(message) if has_fields and group not in self._encoding_bases else None,
             metadata=tuple(metadata.class_attributes(command, self._bodies.parameters)) if has_metadata else (),
         )
@@ -135,8 +136,8 @@ class MessageViews:
         base = self._bases.get(_group(message))
         return (base, role) if base else (role,)
 
-    def _body(self, message: Message) -> BodyView:
-        return self._bodies.body(message.layout, message.dlc, message.id.nodes is not None)
+    def _body(self, message: Message, nodes: Sequence[int]) -> BodyView:
+        return self._bodies.body(message.layout, message.dlc, message.id.nodes is not None, nodes)
 
-    def _encode(self, message: Message, code: str = "") -> EncodeView:
-        return encoding.encode_view(message, self._bodies.parameters, self._bodies.imports, code)
+    def _encode(self, message: Message, selector: str = "") -> EncodeView:
+        return encoding.encode_view(message, self._bodies.imports, selector)

@@ -7,14 +7,14 @@ from collections.abc import Iterable
 from ...model.edition import Edition
 from ...model.message import Direction
 from ..base import header
-from . import docstrings, routes
+from . import code, docstrings, routes
 from .class_bodies import ClassBodies
 from .imports import PUBLIC, Imports
 from .messages import MessageViews
 from .parameters import choice_view, parameter_view
 from .types import type_views
 
-CONSTANTS = ("EDITION", "FAMILY", "SPEC_HASH", "UNKNOWN", "Parameters")
+CONSTANTS = ("AnyReply", "AnyRequest", "EDITION", "FAMILY", "SPEC_HASH", "UNKNOWN", "Parameters")
 FUNCTIONS = ("check_reply", "decode_answer", "decode_reply", "decode_request", "ids_of", "node_of")
 
 
@@ -26,6 +26,9 @@ def module_view(edition: Edition) -> dict[str, object]:
     parameters = {parameter.name: parameter for parameter in edition.parameters}
     classes = MessageViews(edition, ClassBodies(types=types, parameters=parameters, imports=imports))
     bodies = [*(v.body for v in classes.layouts), *(m.body for m in classes.messages if m.body)]
+    encodes = [*(v.encode for v in classes.layouts if v.encode), *(m.encode for m in classes.messages if m.encode)]
+    unpacked = _distinct(case.struct for body in bodies for case in body.cases)
+    packed = _distinct(case.struct for encode in encodes for case in encode.cases)
     choices = [choice_view(p) for p in edition.parameters if p.is_choice and not p.is_numeric]
     enums = [view for view in types.values() if view.enum]
     names = (
@@ -46,15 +49,26 @@ def module_view(edition: Edition) -> dict[str, object]:
         "choices": choices,
         "parameters": [parameter_view(parameter, imports) for parameter in edition.parameters],
         "enums": enums,
-        "numbers": [view for view in types.values() if not view.enum],
-        "patterns": list(dict.fromkeys(case.struct for body in bodies for case in body.cases if case.struct)),
+        "types": list(types.values()),
+        "unpacked": unpacked,
+        "packed": packed,
+        "unpack": lambda pattern: f"_UNPACK_{unpacked.index(pattern) + 1}",
+        "pack": lambda pattern: f"_PACK_{packed.index(pattern) + 1}",
+        "call": code.call,
         "layouts": classes.layouts,
         "messages": classes.messages,
         "request_routes": list(routes.route_views(edition, Direction.REQUEST, readers)),
         "reply_routes": list(routes.route_views(edition, Direction.REPLY, readers)),
         "answers": list(routes.answer_views(edition, readers)),
-        "readers": readers.names,
+        "request_classes": routes.decoded_classes(edition, Direction.REQUEST),
+        "reply_classes": routes.decoded_classes(edition, Direction.REPLY),
+        "readers": readers,
     }
+
+
+def _distinct(patterns: Iterable[str]) -> list[str]:
+    """The patterns of `struct`, each once."""
+    return [pattern for pattern in dict.fromkeys(patterns) if pattern]
 
 
 def _public(names: Iterable[str]) -> list[str]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ...model.types import Parameter
-from . import docstrings, text, types
+from . import code, docstrings, text, types
 from .imports import Imports
 
 
@@ -15,12 +15,10 @@ class ParameterView:
     """A field of `Parameters`."""
 
     name: str
-    python: str
+    declaration: code.Code
+    check: code.Code
+    """The statement that checks its value."""
     doc: docstrings.Docstring
-    values: tuple[str, ...]
-    """Expressions of the values of a choice; empty for a number."""
-    minimum: str
-    maximum: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,18 +32,19 @@ class ChoiceView:
 
 def parameter_view(parameter: Parameter, imports: Imports) -> ParameterView:
     """The field of a parameter."""
+    name, use = text.attribute(parameter.name), imports.use
+    values = [types.parameter_key(parameter, value.name) for value in parameter.values]
+    given = [f"self.{name}", text.literal(name)]
     if parameter.is_choice:
-        python = "int" if parameter.is_numeric else text.class_name(parameter.name)
+        declaration: code.Code = f"{name}: {text.class_name(parameter.name)} | None = None"
+        if parameter.is_numeric:
+            declaration = code.Items(f"{name}: {use('Literal')}[", tuple(values), "] | None = None")
+        check = code.call(use("check_choice"), (*given, *values))
     else:
-        python = imports.use("Real")
-    return ParameterView(
-        name=text.attribute(parameter.name),
-        python=python,
-        doc=docstrings.of_parameter(parameter),
-        values=tuple(types.parameter_key(parameter, v.name) for v in parameter.values),
-        minimum=_limit(parameter.minimum, imports),
-        maximum=_limit(parameter.maximum, imports),
-    )
+        declaration = f"{name}: {use('Real')} | None = None"
+        limits = (_limit(parameter.minimum, imports), _limit(parameter.maximum, imports))
+        check = code.call(use("check_number"), (*given, *limits))
+    return ParameterView(name=name, declaration=declaration, check=check, doc=docstrings.of_parameter(parameter))
 
 
 def _limit(limit: Fraction | None, imports: Imports) -> str:

@@ -55,8 +55,10 @@ class AnswerView:
 
     request: str
     reply: str
-    selectors: str
+    selectors: tuple[tuple[str, str], ...]
+    """Names of readers with the accepted values."""
     nodes: str
+    """Empty where the node of the request replies."""
     echo: bool
     request_node: str
     reply_node: str
@@ -64,10 +66,13 @@ class AnswerView:
 
 
 class Readers:
-    """The functions that read selectors: each expression once, with a name."""
+    """The functions that read selectors: each once, with a name."""
 
     def __init__(self, imports: Imports) -> None:
-        self.names: dict[str, str] = {}
+        self.data_bytes: dict[int, str] = {}
+        """The names of those that read one data byte, by its position."""
+        self.functions: dict[str, str] = {}
+        """The names of all others, by expression."""
         self._imports = imports
 
     def of(self, subject: dispatch.Subject, shortest: int) -> str:
@@ -75,10 +80,14 @@ class Readers:
         if isinstance(subject, dispatch.Length):
             return self._imports.use("data_length")
         if isinstance(subject, dispatch.MaskedId):
-            expression = f"can_id & 0x{subject.mask:X}"
-        else:
-            expression = bits.read_key(subject, shortest)
-        return self.names.setdefault(expression, f"_key_{len(self.names) + 1}")
+            return self._function(f"can_id & 0x{subject.mask:X}")
+        position = bits.data_byte(subject)
+        if position is not None:
+            return self.data_bytes.setdefault(position, f"_data_{position}")
+        return self._function(bits.read_key(subject, shortest))
+
+    def _function(self, expression: str) -> str:
+        return self.functions.setdefault(expression, f"_key_{len(self.functions) + 1}")
 
 
 def route_views(edition: Edition, direction: Direction, readers: Readers) -> Iterator[RouteView]:
@@ -118,6 +127,11 @@ _FORMS = {dispatch.Length: "{}", dispatch.MaskedId: "0x{:X}", BitRun: "0x{:02X}"
 """How the values of a subject are written."""
 
 
+def decoded_classes(edition: Edition, direction: Direction) -> list[str]:
+    """The classes of the messages that can be identified without their request."""
+    return [text.class_name(m.name) for m in edition.messages(direction) if m.claims or not m.keys]
+
+
 def answer_views(edition: Edition, readers: Readers) -> Iterator[AnswerView]:
     """The answers of every command with a request and a reply."""
     routes = dispatch.dispatch_plan(edition.messages(Direction.REPLY)).routes
@@ -127,14 +141,14 @@ def answer_views(edition: Edition, readers: Readers) -> Iterator[AnswerView]:
             continue
         reply = command.reply
         selectors = (
-            f"({readers.of(key, _shortest(reply))}, {_hexadecimal(key.value, *(reply.accept if i == 0 else ()))})"
+            (readers.of(key, _shortest(reply)), _hexadecimal(key.value, *(reply.accept if i == 0 else ())))
             for i, key in enumerate(reply.keys)
         )
         yield AnswerView(
             request=text.class_name(command.request.name),
             reply=text.class_name(reply.name),
-            selectors=text.tuple_of(selectors),
-            nodes=text.tuple_of(map(str, command.from_each)),
+            selectors=tuple(selectors),
+            nodes=text.tuple_of(map(str, command.from_each)) if command.from_each else "",
             echo=command.is_echoed,
             request_node=_node_field(command.request, readers),
             reply_node=_node_field(reply, readers),

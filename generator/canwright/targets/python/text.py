@@ -9,9 +9,13 @@ from collections.abc import Iterable, Sequence
 
 from ...diagnostics.unicode_safety import visible
 from ...model.types import Text
+from .runtime._codec import Message
 
-_RESERVED = {*keyword.kwlist, *keyword.softkwlist, *dir(builtins), "self", "cls"}
-_MEMBERS = {"node", "parameters", "can_id", "encode", "fields", "from_raw", "raw", "mro", "unpack"}
+_RESERVED = {*keyword.kwlist, *dir(builtins)}
+"""What a class of a module must not be named."""
+_MEMBERS = {name for name in dir(Message) if not name.startswith("_")} | {"mro"}
+_IN_CLASS_BODIES = {"self", "property", "classmethod", "super", "int", "float", "bytes", "tuple"}
+"""Names that the code of generated classes uses where it would find a field of that name instead."""
 
 
 @functools.lru_cache(maxsize=1 << 12)
@@ -22,7 +26,7 @@ def plain(text: str) -> str:
 
 def literal(text: str) -> str:
     """A text as a Python string literal in ASCII."""
-    return '"' + ascii(text)[1:-1].replace("\\'", "'").replace('"', '\\"') + '"'
+    return '"' + ascii(text)[1:-1].replace("\\'", "'").replace('"', "\\x22") + '"'
 
 
 def tuple_of(items: Iterable[str]) -> str:
@@ -55,8 +59,11 @@ def member_name(name: str) -> str:
 
 
 def attribute(name: str) -> str:
-    """The attribute and keyword of a field or parameter, with `_` appended where Python or a message uses the name."""
-    return name + "_" if name in _RESERVED or name in _MEMBERS else name
+    """The attribute and keyword of a field or parameter.
+
+    It is the name itself, with `_` appended if it is a keyword of Python or used by every message.
+    """
+    return name + "_" if keyword.iskeyword(name) or name in _MEMBERS or name in _IN_CLASS_BODIES else name
 
 
 def wrap(text: str, indent: int, width: int = 110) -> list[str]:
@@ -74,9 +81,10 @@ def docstring(paragraphs: Sequence[str], indent: int) -> str:
     """A docstring of a summary line and paragraphs, which are safe to print; empty ones are left out."""
     kept = [paragraph for paragraph in paragraphs if paragraph]
     margin = " " * indent
-    if len(kept) == 1 and len(kept[0]) <= 110 - indent:
-        return f'{margin}"""{kept[0]}"""'
-    lines = [f'{margin}"""' + "\n".join(wrap(kept[0], indent)).replace("\n", f"\n{margin}")]
+    summary = wrap(kept[0], indent)
+    if len(kept) == len(summary) == 1:
+        return f'{margin}"""{summary[0]}"""'
+    lines = [f'{margin}"""' + f"\n{margin}".join(summary)]
     for paragraph in kept[1:]:
         lines += ["", *(margin + line for line in wrap(paragraph, indent))]
     return "\n".join([*lines, f'{margin}"""'])

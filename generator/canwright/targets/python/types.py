@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from ...model.edition import Edition
 from ...model.types import Bound, Encoding, Linear, Parameter, Range, Type
-from . import docstrings, text
+from . import code, docstrings, text
 from .imports import Imports
 
 
@@ -26,13 +26,12 @@ class TypeView:
     """A type of the edition: a `Number` or `Float`, or an `enum` class."""
 
     constant: str
-    """The name of the number; empty for an enum."""
-    declaration: str
-    """The expression of the number."""
+    """The name of the object that converts between raw integers and values."""
+    declaration: code.Code
+    """The statement that makes that object."""
     enum: str
     """The name of the class; empty for a number."""
     is_flags: bool
-    mask: str
     members: tuple[MemberView, ...]
     doc: docstrings.Docstring
     meaning: str
@@ -64,12 +63,20 @@ def _view(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) ->
         )
         for m in (*type_.enum, *type_.flags)
     )
+    constant = f"_{enum}" if enum else text.member_name(type_.name)
+    if type_.flags:
+        mask = f"0x{sum(1 << m.value for m in type_.flags):X}"
+        declaration = code.call(imports.use("FlagsType"), (enum, mask), f"{constant} = ")
+    elif type_.enum:
+        declaration = code.call(imports.use("EnumType"), (enum,), f"{constant} = ")
+    else:
+        kind = imports.use("Float" if type_.encoding is Encoding.FLOAT else "Number")
+        declaration = code.call(kind, _arguments(type_, parameters, imports), f"{constant} = ")
     return TypeView(
-        constant="" if enum else text.member_name(type_.name),
-        declaration="" if enum else _declaration(type_, parameters, imports),
+        constant=constant,
+        declaration=declaration,
         enum=enum,
         is_flags=bool(type_.flags),
-        mask=f"0x{sum(1 << m.value for m in type_.flags):X}",
         members=tuple(members),
         doc=(text.english(type_.title),),
         meaning=docstrings.of_type(type_),
@@ -77,15 +84,10 @@ def _view(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) ->
     )
 
 
-def _declaration(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) -> str:
-    """The `Number` or `Float` that converts between raw integers and values."""
-    kind = imports.use("Float" if type_.encoding is Encoding.FLOAT else "Number")
-    return f"{kind}({', '.join(_arguments(type_, parameters, imports))})"
-
-
-def _arguments(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) -> list[str]:
+def _arguments(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) -> list[code.Code]:
+    """The arguments of a `Number` or `Float`."""
     is_float = type_.encoding is Encoding.FLOAT
-    arguments = [str(type_.width)] if is_float else [str(limit) for limit in type_.raw_limits]
+    arguments: list[code.Code] = [str(type_.width)] if is_float else [str(limit) for limit in type_.raw_limits]
     if type_.unit:
         arguments.append(text.literal(type_.unit.name))
     linear, span = type_.linear, type_.raw_range
@@ -93,17 +95,17 @@ def _arguments(type_: Type, parameters: Mapping[str, Parameter], imports: Import
         cases = (
             f"{parameter_key(parameters[linear.parameter], n)}: {_scale(c, imports)}" for n, c in linear.cases.items()
         )
-        arguments += [f"scale={{{', '.join(cases)}}}", f"scale_by={text.literal(text.attribute(linear.parameter))}"]
+        arguments += [code.dict_of(cases, "scale="), f"scale_by={text.literal(text.attribute(linear.parameter))}"]
     elif linear.constant is None or not linear.constant.is_identity:
         arguments.append(f"scale={_scale(linear.constant, imports)}")
     arguments += _times(type_, parameters)
     if span.parameter is not None:
         limits = (
-            f"{parameter_key(parameters[span.parameter], n)}: {_limits(r, imports)}" for n, r in span.cases.items()
+            _limits(r, imports, f"{parameter_key(parameters[span.parameter], n)}: ") for n, r in span.cases.items()
         )
-        arguments += [f"limits={{{', '.join(limits)}}}", f"limits_by={text.literal(text.attribute(span.parameter))}"]
+        arguments += [code.dict_of(limits, "limits="), f"limits_by={text.literal(text.attribute(span.parameter))}"]
     elif span.constant is not None:
-        arguments.append(f"limits={_limits(span.constant, imports)}")
+        arguments.append(_limits(span.constant, imports, "limits="))
     return arguments
 
 
@@ -113,7 +115,7 @@ def _scale(linear: Linear | None, imports: Imports) -> str:
     return f"({linear.scale.numerator}, {linear.scale.denominator}, {exact(linear.offset, imports)})"
 
 
-def _times(type_: Type, parameters: Mapping[str, Parameter]) -> list[str]:
+def _times(type_: Type, parameters: Mapping[str, Parameter]) -> list[code.Code]:
     """The argument `times`: the number parameter that multiplies the scale, or one for each case that has one."""
     linear = type_.linear
     if linear.parameter is None:
@@ -121,12 +123,14 @@ def _times(type_: Type, parameters: Mapping[str, Parameter]) -> list[str]:
         return [f"times={text.literal(text.attribute(times))}"] if times else []
     by = parameters[linear.parameter]
     cases = [(name, case.times) for name, case in linear.cases.items() if case is not None and case.times is not None]
-    shown = ", ".join(f"{parameter_key(by, name)}: {text.literal(text.attribute(times))}" for name, times in cases)
-    return [f"times={{{shown}}}"] if cases else []
+    items = (f"{parameter_key(by, name)}: {text.literal(text.attribute(times))}" for name, times in cases)
+    return [code.dict_of(items, "times=")] if cases else []
 
 
-def _limits(span: Range | None, imports: Imports) -> str:
-    return "None" if span is None else f"({_bound(span.low, imports)}, {_bound(span.high, imports)})"
+def _limits(span: Range | None, imports: Imports, before: str) -> code.Code:
+    if span is None:
+        return f"{before}None"
+    return code.tuple_of((_bound(span.low, imports), _bound(span.high, imports)), before)
 
 
 def _bound(bound: Bound, imports: Imports) -> str:

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Iterable, Mapping
-from enum import Enum, IntEnum
+from collections.abc import Callable, Collection, Iterable, Mapping
+from decimal import Decimal
+from enum import Enum, IntEnum, IntFlag
 from fractions import Fraction
 from functools import lru_cache
+from math import floor
 from operator import index
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-Real = int | float | Fraction
-
+Real = int | float | Fraction | Decimal
+"""A number that is given as a value; it is taken exactly."""
 
 MAX_DATA = 8
 """The most data bytes of a frame."""
@@ -71,7 +73,7 @@ def check_number(value: Real | None, name: str, low: Real | None, high: Real | N
     """Raises ValueError when a known parameter is outside its limits or too large, TypeError when it is no number."""
     if value is not None:
         try:
-            number = finite(value, name)
+            number = Fraction(*ratio(value, name))
         except OverflowError:
             raise ValueError(f"{name} is larger than any float; leave it out when not known") from None
         if (low is not None and number < low) or (high is not None and number > high):
@@ -109,24 +111,34 @@ def above_zero(parameters: object, name: str, field: str) -> tuple[int, int]:
     return numerator, denominator
 
 
-def finite(value: Real, field: str) -> float:
-    """A number as a float. Raises TypeError (no number), CodecError (not_finite), OverflowError (too large)."""
+def ratio(value: Real, field: str) -> tuple[int, int]:
+    """Numerator and denominator of a number, exactly.
+
+    Raises TypeError (no number), CodecError (not_finite), OverflowError (larger than any float).
+    """
     try:
         is_finite = math.isfinite(value)
     except TypeError:
         raise TypeError(f"{field}={value!r} is no number") from None
     if not is_finite:
         raise CodecError(Refusal.NOT_FINITE, f"{field}={float(value)!r} is not a finite number", field)
-    return float(value)
+    if hasattr(value, "as_integer_ratio"):
+        return value.as_integer_ratio()
+    return integer(value, field), 1
 
 
-def nearest(value: Real) -> int:
-    """The nearest integer, ties away from zero; exact, without adding a half."""
-    size: Real = -value if value < 0 else value
-    whole = math.floor(size)
-    if size - whole >= 0.5:
-        whole += 1
-    return -whole if value < 0 else whole
+def nearest(numerator: int, denominator: int) -> int:
+    """The integer nearest to a quotient, ties away from zero; exact."""
+    size = (2 * abs(numerator) + abs(denominator)) // (2 * abs(denominator))
+    return size if (numerator < 0) == (denominator < 0) else -size
+
+
+def integer(raw: Any, field: str) -> int:
+    """An integer, an enum member, flags or a bool as an integer. Raises TypeError for anything else."""
+    try:
+        return index(raw)
+    except TypeError:
+        raise TypeError(f"{field}={raw!r} is no integer") from None
 
 
 class Bound:
@@ -147,11 +159,67 @@ class Bound:
         return None if value is None else self.factor * Fraction(str(value)) + self.number
 
 
+Limits = tuple[Bound, Bound]
+
 Scale = tuple[int, int, int | Fraction]
 """Numerator, denominator and offset: value = raw * numerator / denominator + offset."""
 
+Line = tuple[int, int, int]
+"""Factor, addend and divisor: value = (raw * factor + addend) / divisor."""
 
-class Number:
+
+def line_of(scale: Scale | None) -> Line | None:
+    """A scale and its offset as one quotient of integers."""
+    if scale is None:
+        return None
+    numerator, denominator, offset = scale
+    divisor = math.lcm(denominator, Fraction(offset).denominator)
+    return numerator * (divisor // denominator), int(offset * divisor), divisor
+
+
+class FieldType:
+    """How the raw integer of a field becomes a value. `unit` is the name of its unit, empty without one."""
+
+    __slots__ = ("unit",)
+
+    def __init__(self, unit: str = "") -> None:
+        self.unit = unit
+
+    def value(self, raw: Any, parameters: object, field: str) -> Any:
+        """The value of a raw integer. Raises CodecError when it has none under these parameters."""
+        raise NotImplementedError
+
+    def raw(self, value: Any, parameters: object, field: str) -> Any:
+        """The raw integer of a value. Raises CodecError when it is out of range, TypeError for another kind of value."""
+        raise NotImplementedError
+
+    def check(self, raw: Any, parameters: object, field: str) -> Any:
+        """The raw integer itself. Raises CodecError when it is out of range, TypeError when it is no integer."""
+        raise NotImplementedError
+
+    def raw_range(self, parameters: object) -> tuple[int, int]:
+        """Smallest and largest raw integer under these parameters."""
+        raise NotImplementedError
+
+    def value_range(self, parameters: object) -> tuple[float, float]:
+        """Smallest and largest value under these parameters. Raises CodecError when there is no scale."""
+        low, high = (self.value(raw, parameters, "the range") for raw in self.raw_range(parameters))
+        return (low, high) if low <= high else (high, low)
+
+
+Fast = tuple[float, float, int, int]
+"""A conversion by floats: raw integers per unit, raw integer of the value 0 plus a half, smallest and largest raw."""
+
+FAST_LIMIT = 1 << 32
+"""The largest raw integers and offsets that are converted by floats.
+
+`floor(value * steps + zero)` is the nearest raw integer unless rounding errors move the sum across an integer. There
+are five roundings: of an integer value, `steps`, `zero`, product and sum. Each is at most 2**-53 of a number below
+2**34, so all of them are less than 0.001. A sum that is closer to an integer than that is not used.
+"""
+
+
+class Number(FieldType):
     """Converts between raw integers and values.
 
     `scale` is None where the specification gives none. With `scale_by`, it is a table of scales by the values of that
@@ -160,7 +228,19 @@ class Number:
     it is a table of ranges.
     """
 
-    __slots__ = ("high", "limits", "limits_by", "low", "scale", "scale_by", "times", "unit")
+    __slots__ = (
+        "_by",
+        "_fast",
+        "_fast_by",
+        "_lines",
+        "_span",
+        "high",
+        "limits",
+        "limits_by",
+        "low",
+        "scale_by",
+        "times",
+    )
 
     def __init__(
         self,
@@ -171,80 +251,124 @@ class Number:
         scale: Scale | Mapping[Any, Scale | None] | None = (1, 1, 0),
         scale_by: str = "",
         times: str | Mapping[Any, str] = "",
-        limits: tuple[Bound, Bound] | Mapping[Any, tuple[Bound, Bound] | None] | None = None,
+        limits: Limits | Mapping[Any, Limits | None] | None = None,
         limits_by: str = "",
     ) -> None:
+        super().__init__(unit)
         self.low = low
         self.high = high
-        self.unit = f" {unit}" if unit else ""
-        self.scale: Any = scale
         self.scale_by = scale_by
         self.times: Any = times
         self.limits: Any = limits
         self.limits_by = limits_by
+        self._lines: dict[Any, Line | None] = (
+            {key: line_of(one) for key, one in scale.items()} if isinstance(scale, Mapping) else {None: line_of(scale)}
+        )
+        self._by = scale_by or limits_by
+        self._fast_by = self._fast_conversions()
+        self._fast = self._fast_by.get(None)
+        self._span: tuple[int, int] | None = None
+        always = None if limits_by else self._limits_at(None)
+        if not limits_by and not any(bound.parameter for bound in always or ()):
+            self._span = self._span_within(always, None)
 
-    def _scale(self, parameters: object, field: str) -> Scale:
-        scale = self.scale
-        if self.scale_by:
-            scale = scale.get(known(parameters, self.scale_by, field))
-        if scale is None:
+    def _fast_conversions(self) -> dict[Any, Fast]:
+        """The conversions that floats do with certainty, by the value of the parameter; by None without one."""
+        if self.scale_by and self.limits_by and self.scale_by != self.limits_by:
+            return {}
+        found: dict[Any, Fast] = {}
+        for key in self._lines if self.scale_by else self.limits if self.limits_by else (None,):
+            line = self._lines[key if self.scale_by else None]
+            limits = self.limits.get(key) if self.limits_by else self.limits
+            times = self.times.get(key) if self.scale_by and self.times else self.times
+            if line is None or times or (limits and any(bound.parameter for bound in limits)):
+                continue
+            factor, addend, divisor = line
+            low, high = self._span_within(limits, None)
+            try:
+                steps, zero = divisor / factor, 0.5 - addend / factor
+            except OverflowError:
+                continue
+            if max(-low, high, abs(zero)) <= FAST_LIMIT:
+                found[key] = (steps, zero, low, high)
+        return found
+
+    def _line_at(self, parameters: object, field: str) -> Line:
+        """The line under these parameters. Raises CodecError (missing_parameter, no_scale, out_of_range)."""
+        key = known(parameters, self.scale_by, field) if self.scale_by else None
+        line = self._lines.get(key)
+        if line is None:
             raise CodecError(Refusal.NO_SCALE, f"{field} has no scale here; use {field}_raw", field)
-        numerator, denominator, offset = scale
-        return numerator, denominator, offset
-
-    def _times(self, parameters: object, field: str) -> tuple[int, int] | None:
-        """Numerator and denominator of the parameter that multiplies scale and offset; None where there is none."""
-        times = self.times.get(getattr(parameters, self.scale_by)) if self.scale_by else self.times
-        return above_zero(parameters, times, field) if times else None
+        times = self.times.get(key) if self.scale_by and self.times else self.times
+        if not times:
+            return line
+        numerator, denominator = above_zero(parameters, times, field)
+        factor, addend, divisor = line
+        return factor * numerator, addend * numerator, divisor * denominator
 
     def value(self, raw: int, parameters: object, field: str) -> float:
-        """The value of a raw integer."""
-        numerator, denominator, offset = self._scale(parameters, field)
-        times = self._times(parameters, field) if self.times else None
-        if times is not None:
-            dividend = (raw * numerator + offset * denominator) * times[0]
-            try:
-                return float(dividend / (denominator * times[1]))
-            except OverflowError:
-                text = f"{field} is larger than any float under these parameters"
-                raise CodecError(Refusal.OUT_OF_RANGE, text, field) from None
-        return float(Fraction(raw * numerator, denominator) + offset) if offset else raw * numerator / denominator
+        """The value of a raw integer, rounded to the nearest float. Raises CodecError when it has none."""
+        line = self._lines.get(getattr(parameters, self.scale_by)) if self.scale_by else None
+        if line is None or self.times:
+            line = self._line_at(parameters, field)
+        factor, addend, divisor = line
+        try:
+            return (raw * factor + addend) / divisor
+        except OverflowError:
+            text = f"{field} is larger than any float under these parameters"
+            raise CodecError(Refusal.OUT_OF_RANGE, text, field) from None
 
     def raw(self, value: Real, parameters: object, field: str) -> int:
-        """The raw integer nearest to a value, ties away from zero. Raises CodecError when the value is rejected."""
-        numerator, denominator, offset = self._scale(parameters, field)
-        times = self._times(parameters, field) if self.times else None
+        """The raw integer nearest to a value, ties away from zero. Raises CodecError when the value is rejected.
+
+        The value is taken exactly: a float as the binary number that it is, a Fraction and a Decimal as themselves.
+        """
+        fast = self._fast
+        if fast is None and self._by:
+            fast = self._fast_by.get(getattr(parameters, self._by))
+        if fast is not None and (type(value) is float or type(value) is int):
+            steps, zero, low, high = fast
+            try:
+                quotient = value * steps + zero
+                raw = floor(quotient)
+            except (OverflowError, ValueError):
+                return self._exact_raw(value, parameters, field)
+            if 0.001 < quotient - raw < 0.999 and low <= raw <= high:
+                return raw
+        return self._exact_raw(value, parameters, field)
+
+    def _exact_raw(self, value: Real, parameters: object, field: str) -> int:
+        factor, addend, divisor = self._line_at(parameters, field)
         try:
-            if not isinstance(value, int):
-                value = finite(value, field)
-            quotient: Real = value if times is None else float(value) * times[1] / times[0]
-            if offset:
-                quotient = quotient - float(offset)
-            if denominator != 1:
-                quotient = quotient * denominator
-            if numerator != 1:
-                quotient = quotient / numerator
-            raw = nearest(quotient)
+            numerator, denominator = ratio(value, field)
+            raw = nearest(numerator * divisor - addend * denominator, denominator * factor)
         except OverflowError:
-            raise self._out_of_range(f"{value!r}{self.unit}", parameters, field) from None
-        low, high = self.span(parameters)
+            raise self._out_of_range(shown(value) + self._suffix, parameters, field) from None
+        low, high = self.raw_range(parameters)
         if not low <= raw <= high:
-            raise self._out_of_range(f"{value!r}{self.unit}", parameters, field)
+            raise self._out_of_range(shown(value) + self._suffix, parameters, field)
         return raw
 
     def check(self, raw: int, parameters: object, field: str) -> int:
         """The raw integer itself. Raises CodecError when it is out of range, TypeError when it is no integer."""
-        raw = index(raw)
-        low, high = self.span(parameters)
+        raw = integer(raw, field)
+        low, high = self._span or self.raw_range(parameters)
         if not low <= raw <= high:
             raise self._out_of_range(f"raw {raw}", parameters, field)
         return raw
 
-    def span(self, parameters: object) -> tuple[int, int]:
-        """Smallest and largest raw integer allowed under these parameters."""
-        limits = self.limits
-        if self.limits_by:
-            limits = limits.get(getattr(parameters, self.limits_by))
+    def raw_range(self, parameters: object) -> tuple[int, int]:
+        """Smallest and largest raw integer under these parameters."""
+        if self._span is not None:
+            return self._span
+        return self._span_within(self._limits_at(parameters), parameters)
+
+    def _limits_at(self, parameters: object) -> Limits | None:
+        """The range that the specification sets under these parameters."""
+        limits: Limits | None = self.limits.get(getattr(parameters, self.limits_by)) if self.limits_by else self.limits
+        return limits
+
+    def _span_within(self, limits: Limits | None, parameters: object) -> tuple[int, int]:
         if limits is None:
             return self.low, self.high
         low, high = limits[0].at(parameters), limits[1].at(parameters)
@@ -253,21 +377,34 @@ class Number:
             self.high if high is None else min(self.high, math.floor(high)),
         )
 
+    @property
+    def _suffix(self) -> str:
+        """The unit behind a number."""
+        return f" {self.unit}" if self.unit else ""
+
     def _out_of_range(self, given: str, parameters: object, field: str) -> CodecError:
-        low, high = self.span(parameters)
+        low, high = self.raw_range(parameters)
         text = f"raw {low}..{high}"
         try:
-            ends = sorted((self.value(low, parameters, field), self.value(high, parameters, field)))
-            text = f"{ends[0]}..{ends[1]}{self.unit} ({text})"
+            first, last = self.value_range(parameters)
+            text = f"{first}..{last}{self._suffix} ({text})"
         except CodecError:
             pass
         return CodecError(Refusal.OUT_OF_RANGE, f"{field}={given} is out of range {text}", field)
 
 
+def shown(value: object) -> str:
+    """A number in an error message; Python refuses to print very long ones."""
+    try:
+        return repr(value)
+    except ValueError:
+        return f"a very large {type(value).__name__}"
+
+
 class Float(Number):
     """An IEEE float. Its raw integer is its bit pattern; scale and limits apply to the float."""
 
-    __slots__ = ("bits", "number")
+    __slots__ = ("_bits", "_number")
 
     def __init__(
         self,
@@ -276,102 +413,164 @@ class Float(Number):
         *,
         scale: Scale | Mapping[Any, Scale | None] | None = (1, 1, 0),
         scale_by: str = "",
-        limits: tuple[Bound, Bound] | Mapping[Any, tuple[Bound, Bound] | None] | None = None,
+        limits: Limits | Mapping[Any, Limits | None] | None = None,
         limits_by: str = "",
     ) -> None:
         super().__init__(0, (1 << width) - 1, unit, scale=scale, scale_by=scale_by, limits=limits, limits_by=limits_by)
-        self.bits = struct.Struct("<I" if width == 32 else "<Q")
-        self.number = struct.Struct("<f" if width == 32 else "<d")
+        self._bits = struct.Struct("<I" if width == 32 else "<Q")
+        self._number = struct.Struct("<f" if width == 32 else "<d")
 
     def value(self, raw: int, parameters: object, field: str) -> float:
-        """The scaled float with this bit pattern."""
-        numerator, denominator, offset = self._scale(parameters, field)
-        value: float = self.number.unpack(self.bits.pack(raw))[0]
-        if numerator != 1:
-            value *= numerator
-        if denominator != 1:
-            value /= denominator
-        return value + float(offset) if offset else value
+        """The scaled float with this bit pattern, rounded to the nearest float."""
+        factor, addend, divisor = self._line_at(parameters, field)
+        number: float = self._number.unpack(self._bits.pack(raw))[0]
+        if (factor, addend, divisor) == (1, 0, 1) or not math.isfinite(number):
+            return number if factor > 0 else -number
+        try:
+            return float((Fraction(number) * factor + addend) / divisor)
+        except OverflowError:
+            return math.copysign(math.inf, number * factor)
 
     def raw(self, value: Real, parameters: object, field: str) -> int:
         """The bit pattern of the nearest float. Raises CodecError when the value is rejected."""
-        numerator, denominator, offset = self._scale(parameters, field)
+        factor, addend, divisor = self._line_at(parameters, field)
         try:
-            number = float(finite(value, field))
-            if offset:
-                number -= float(offset)
-            if denominator != 1:
-                number *= denominator
-            if numerator != 1:
-                number /= numerator
-            if math.isinf(number):
-                raise OverflowError
-            bits: int = self.bits.unpack(self.number.pack(number))[0]
+            numerator, denominator = ratio(value, field)
+            exact = Fraction(numerator * divisor - addend * denominator, denominator * factor)
+            number = float(value) if (factor, addend, divisor) == (1, 0, 1) else float(exact)
+            bits: int = self._bits.unpack(self._number.pack(number))[0]
         except OverflowError:
-            raise CodecError(Refusal.OUT_OF_RANGE, f"{field}={value!r} is too large for its float", field) from None
+            text = f"{field}={shown(value)} is too large for its float"
+            raise CodecError(Refusal.OUT_OF_RANGE, text, field) from None
         return self.check(bits, parameters, field)
 
     def check(self, raw: int, parameters: object, field: str) -> int:
         """The bit pattern itself. Raises CodecError when its value is out of range."""
-        if not 0 <= raw <= self.high:
+        if not 0 <= integer(raw, field) <= self.high:
             raise CodecError(Refusal.OUT_OF_RANGE, f"{field}=raw {raw} is out of range 0..{self.high}", field)
-        limits = self.limits.get(getattr(parameters, self.limits_by)) if self.limits_by else self.limits
-        if limits is not None:
+        low, high = self._ends(parameters)
+        if low is not None or high is not None:
             value = self.value(raw, parameters, field)
-            low, high = limits[0].at(parameters), limits[1].at(parameters)
             if not ((low is None or value >= low) and (high is None or value <= high)):
-                text = f"{field}={value!r}{self.unit} is out of range {low and float(low)}..{high and float(high)}"
+                first, last = self.value_range(parameters)
+                text = f"{field}={value!r}{self._suffix} is out of range {first}..{last}"
                 raise CodecError(Refusal.OUT_OF_RANGE, text, field)
-        return raw
-
-
-Check = Callable[[Any, Any, str], int]
-
-
-def integer(raw: int, field: str) -> int:
-    """An enum member, flags or a bool as an integer. Raises TypeError for anything that is no integer."""
-    try:
         return index(raw)
-    except TypeError:
-        raise TypeError(f"{field}={raw!r} is no integer") from None
+
+    def value_range(self, parameters: object) -> tuple[float, float]:
+        """Smallest and largest value under these parameters."""
+        low, high = self._ends(parameters)
+        return -math.inf if low is None else float(low), math.inf if high is None else float(high)
+
+    def _ends(self, parameters: object) -> tuple[Fraction | None, Fraction | None]:
+        limits = self._limits_at(parameters)
+        return (None, None) if limits is None else (limits[0].at(parameters), limits[1].at(parameters))
 
 
-def member(enum: type[IntEnum]) -> Check:
-    """A check that a raw integer has a name in an enum."""
-    values = frozenset(int(one) for one in enum)
+E = TypeVar("E", bound=IntEnum)
+F = TypeVar("F", bound=IntFlag)
 
-    def check(raw: int, parameters: Any, field: str) -> int:
-        if raw not in values:
-            names = ", ".join(map(str, sorted(values)))
-            text = f"{field}={integer(raw, field)} is none of the values {names}"
+
+class EnumType(FieldType, Generic[E]):
+    """Values with names: the members of an enum."""
+
+    __slots__ = ("members",)
+
+    def __init__(self, enum: type[E]) -> None:
+        super().__init__()
+        self.members: dict[int, E] = {int(one): one for one in enum}
+
+    def value(self, raw: int, parameters: object, field: str) -> E | int:
+        """The member of that value; the raw integer where no member has it."""
+        return self.members.get(raw, raw)
+
+    def raw(self, value: int, parameters: object, field: str) -> int:
+        """The integer of a member. Raises CodecError when no member has it."""
+        return self.check(value, parameters, field)
+
+    def check(self, raw: int, parameters: object, field: str) -> int:
+        """The raw integer itself. Raises CodecError when no member has it, TypeError when it is no integer."""
+        if integer(raw, field) not in self.members:
+            names = ", ".join(map(str, sorted(self.members)))
+            text = f"{field}={index(raw)} is none of the values {names}"
             raise CodecError(Refusal.OUT_OF_RANGE, text, field)
         return int(raw)
 
-    return check
+    def raw_range(self, parameters: object) -> tuple[int, int]:
+        """The smallest and the largest value; those between need not have names."""
+        return min(self.members), max(self.members)
 
 
-def flags(mask: int) -> Check:
-    """A check that all set bits of a raw integer have a name."""
+class FlagsType(FieldType, Generic[F]):
+    """Bits with names."""
 
-    def check(raw: int, parameters: Any, field: str) -> int:
-        if integer(raw, field) & ~mask:
-            text = f"{field}=0x{int(raw):X} sets bits without a name; the named ones are 0x{mask:X}"
+    __slots__ = ("_known", "enum", "mask")
+
+    def __init__(self, enum: type[F], mask: int) -> None:
+        super().__init__()
+        self.enum = enum
+        self.mask = mask
+        self._known: dict[int, F] = {}
+
+    def value(self, raw: int, parameters: object, field: str) -> F:
+        """The set bits. Those of one raw integer are made once, because that is slow."""
+        value = self._known.get(raw)
+        if value is None:
+            value = self._known[raw] = self.enum(raw)
+        return value
+
+    def raw(self, value: int, parameters: object, field: str) -> int:
+        """The set bits as an integer. Raises CodecError when one has no name."""
+        return self.check(value, parameters, field)
+
+    def check(self, raw: int, parameters: object, field: str) -> int:
+        """The raw integer itself. Raises CodecError when a set bit has no name, TypeError when it is no integer."""
+        if integer(raw, field) & ~self.mask:
+            text = f"{field}=0x{index(raw):X} sets bits without a name; the named ones are 0x{self.mask:X}"
             raise CodecError(Refusal.OUT_OF_RANGE, text, field)
         return int(raw)
 
-    return check
+    def raw_range(self, parameters: object) -> tuple[int, int]:
+        """No bit, and all bits with names."""
+        return 0, self.mask
 
 
-def each(check: Callable[[Any, Any, str], int], count: int) -> Callable[[Any, Any, str], tuple[int, ...]]:
-    """The check or conversion of every element of an array."""
+class ArrayType(FieldType):
+    """Several values of one type."""
 
-    def check_all(values: Iterable[Any], parameters: Any, field: str) -> tuple[int, ...]:
-        found = tuple(values)
-        if len(found) != count:
-            raise CodecError(Refusal.OUT_OF_RANGE, f"{field} has {len(found)} elements, but needs {count}", field)
-        return tuple(check(value, parameters, field) for value in found)
+    __slots__ = ("count", "type")
 
-    return check_all
+    def __init__(self, type_: FieldType, count: int) -> None:
+        super().__init__(type_.unit)
+        self.type = type_
+        self.count = count
+
+    def value(self, raw: Iterable[int], parameters: object, field: str) -> tuple[Any, ...]:
+        """The value of every element."""
+        return tuple(self.type.value(one, parameters, field) for one in raw)
+
+    def raw(self, value: Iterable[Any], parameters: object, field: str) -> tuple[int, ...]:
+        """The raw integer of every element. Raises CodecError when one is rejected or their number is wrong."""
+        return tuple(self.type.raw(one, parameters, field) for one in self._all(value, field))
+
+    def check(self, raw: Iterable[int], parameters: object, field: str) -> tuple[int, ...]:
+        """The raw integers themselves. Raises CodecError when one is out of range or their number is wrong."""
+        return tuple(self.type.check(one, parameters, field) for one in self._all(raw, field))
+
+    def raw_range(self, parameters: object) -> tuple[int, int]:
+        """The range of each element."""
+        return self.type.raw_range(parameters)
+
+    def value_range(self, parameters: object) -> tuple[float, float]:
+        """The range of each element."""
+        return self.type.value_range(parameters)
+
+    def _all(self, given: Iterable[Any], field: str) -> tuple[Any, ...]:
+        found = tuple(given)
+        if len(found) != self.count:
+            text = f"{field} has {len(found)} elements, but needs {self.count}"
+            raise CodecError(Refusal.OUT_OF_RANGE, text, field)
+        return found
 
 
 def node_in(node: int | None, first: int, last: int) -> int:
@@ -381,12 +580,33 @@ def node_in(node: int | None, first: int, last: int) -> int:
     return index(node)
 
 
+M = TypeVar("M")
+
+
+def immutable(cls: type[M]) -> type[M]:
+    """The class itself; to set or to delete one of its properties is an error that names `replace()`."""
+    for name, member in list(vars(cls).items()):
+        if isinstance(member, property):
+            refuse = _refuse(name)
+            setattr(cls, name, property(member.fget, refuse, refuse, member.__doc__))
+    return cls
+
+
+def _refuse(name: str) -> Callable[..., None]:
+    def refuse(message: Message, *value: object) -> None:
+        text = f"{type(message).__name__} is immutable, so {name} cannot be changed; replace() makes a changed copy"
+        raise AttributeError(text)
+
+    return refuse
+
+
+@immutable
 class Message:
-    """One frame, stored as raw integers. Values in units are computed on access."""
+    """One frame, stored as raw integers; immutable. Values in units are computed on access."""
 
-    __slots__ = ("node", "parameters")
+    __slots__ = ("_checked", "_node", "_parameters", "_raws")
 
-    COMMAND: ClassVar[str]
+    COMMAND: ClassVar[str] = ""
     """The command of this request or reply."""
     DIRECTION: ClassVar[str]
     """`request` or `reply`."""
@@ -416,20 +636,70 @@ class Message:
     """True when the id is a 29-bit one."""
     REMOTE: ClassVar[bool] = False
     """True for a remote frame."""
-    TYPES: ClassVar[Mapping[str, Callable[[Any, Any, str], Any]]] = {}
-    """The check of each field's raw integer, by name, in the order of the specification."""
+    TYPES: ClassVar[Mapping[str, FieldType]] = {}
+    """The type of each field by name, in the order of the specification: its unit, range and conversions."""
+    VARIANTS: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    """The fields that exist together, where that depends on a parameter; empty where all of them always exist."""
+    VARIANT_BY: ClassVar[str] = ""
+    """The parameter that decides on the variant."""
+    VARIANT_OF: ClassVar[Mapping[Any, int]] = {}
+    """The index of the variant by the value of that parameter."""
 
-    node: Any
-    parameters: Any
+    _first_node: ClassVar[int] = 0
+    _last_node: ClassVar[int] = -1
+    _checked: bool
+    """Whether the raw integers and the node are known to be valid."""
+    _node: Any
+    _parameters: Any
+    _raws: Any
+    """A raw integer for each of `TYPES`, a tuple of them for an array, None for a field that does not exist."""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        immutable(cls)
+        if "NODES" in vars(cls):
+            cls._first_node, cls._last_node = cls.NODES
+
+    @property
+    def node(self) -> Any:
+        """The node that receives or sends this frame; None where the id has none."""
+        return self._node
+
+    @property
+    def parameters(self) -> Any:
+        """The `Parameters` of the node."""
+        return self._parameters
 
     @property
     def can_id(self) -> int:
         """The CAN id of this frame."""
-        return self.ID + (self.node or 0) * self.NODE_STEP
+        return self.ID + (self._node or 0) * self.NODE_STEP
 
     def encode(self) -> bytes:
-        """The data bytes of this frame; reserved bits are 0."""
+        """The data bytes of this frame; reserved bits are 0. Raises CodecError as `check` does."""
+        if not self._checked:
+            self.check()
+        return self.encode_unchecked()
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received.
+
+        Every field has the bits that it was decoded from. A message does not store selectors and reserved bits: they
+        are those of the specification.
+        """
         raise TypeError(f"{type(self).__name__} is only a base class")
+
+    def check(self) -> None:
+        """Raises CodecError if a raw integer is out of range, without a name in its enum or flags, or if the node is.
+
+        Messages from constructors, `from_raw` and `replace` have been checked already; decoded ones have not.
+        """
+        fields = [(name, raw) for name, raw in zip(self.TYPES, self._raws, strict=True) if raw is not None]
+        always = set(self.TYPES).intersection(*self.VARIANTS)
+        for name, raw in sorted(fields, key=lambda field: field[0] not in always):
+            self.TYPES[name].check(raw, self._parameters, name)
+        self._known_node(self._node)
+        self._checked = True
 
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Any) -> Self:
@@ -440,49 +710,103 @@ class Message:
     def from_raw(cls, *, node: int | None = None, parameters: Any = None, **raw: Any) -> Self:
         """The message with these raw integers, by field. Raises CodecError where one is out of range."""
         self = cls.__new__(cls)
-        self.node = node_in(node, *self.NODES) if hasattr(self, "NODES") else None
-        self.parameters = cls.DEFAULTS if parameters is None else parameters
-        if set(raw) != set(self.fields()):
-            raise TypeError(f"{cls.__name__}.from_raw takes {', '.join(self.fields()) or 'no field'}")
-        for name, value in raw.items():
-            setattr(self, f"{name}_raw", cls.TYPES[name](value, self.parameters, name))
+        self._node = cls._known_node(node)
+        self._parameters = cls.DEFAULTS if parameters is None else parameters
+        names = cls._names(self._parameters)
+        if set(raw) != set(names):
+            raise TypeError(f"{cls.__name__}.from_raw takes {', '.join(names) or 'no field'}")
+        checked = {name: cls.TYPES[name].check(raw[name], self._parameters, name) for name in names}
+        self._raws = tuple(checked.get(name) for name in cls.TYPES)
+        self._checked = True
         return self
+
+    def replace(self, **values: Any) -> Self:
+        """A copy with other values of some fields; `node` and `parameters` can be replaced too.
+
+        The other fields keep their raw integers. Raises CodecError as `check` does, and TypeError for other names.
+        """
+        parameters = values.pop("parameters", self._parameters)
+        node = values.pop("node", self._node)
+        names = self._names(parameters)
+        raws = {name: raw for name, raw in self.raw().items() if name in names}
+        for name, value in values.items():
+            if name not in names:
+                raise TypeError(f"{type(self).__name__} has no {name} here; it has {', '.join(names) or 'no field'}")
+            raws[name] = self.TYPES[name].raw(value, parameters, name)
+        return self.from_raw(node=node, parameters=parameters, **raws)
 
     def fields(self) -> tuple[str, ...]:
         """Names of the fields that exist under the parameters."""
-        return tuple(self.TYPES)
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name):
-            """Raises the error for an absent field or an unknown attribute."""
-            if not hasattr(type(self), "COMMAND"):
-                raise TypeError(f"{type(self).__name__} is only a base class; use the class of a request or a reply")
-            if name.removesuffix("_raw") not in type(self).TYPES:
-                raise AttributeError(f"{type(self).__name__} has no attribute {name}")
-            there = ", ".join(self.fields())
-            raise FieldAbsent(f"{type(self).__name__} has no {name} under {self.parameters}; it has {there}")
+        return tuple(name for name, raw in zip(self.TYPES, self._raws, strict=True) if raw is not None)
 
     def raw(self) -> dict[str, Any]:
         """The raw integer, or integers, of every field that exists under the parameters."""
-        return {name: getattr(self, f"{name}_raw") for name in self.fields()}
+        return {name: raw for name, raw in zip(self.TYPES, self._raws, strict=True) if raw is not None}
+
+    def values(self) -> dict[str, Any]:
+        """The value of every field that exists under the parameters; None where it has no scale or a parameter is unknown."""
+        found: dict[str, Any] = {}
+        for name in self.fields():
+            try:
+                found[name] = getattr(self, name)
+            except CodecError:
+                found[name] = None
+        return found
+
+    @classmethod
+    def _names(cls, parameters: object) -> Collection[str]:
+        """Names of the fields that exist under parameters. Raises CodecError (missing_parameter)."""
+        if not cls.VARIANT_BY:
+            return cls.TYPES
+        return cls.VARIANTS[cls.VARIANT_OF[known(parameters, cls.VARIANT_BY, cls.__name__)]]
+
+    @classmethod
+    def _known_node(cls, node: int | None) -> int | None:
+        """The node itself. Raises CodecError (unknown_node), and TypeError where the id has no node."""
+        if type(node) is int and cls._first_node <= node <= cls._last_node:
+            return node
+        if not cls.COMMAND:
+            raise TypeError(f"{cls.__name__} is only a base class; use the class of a request or a reply")
+        if hasattr(cls, "NODES"):
+            return node_in(node, *cls.NODES)
+        if node is not None:
+            raise TypeError(f"{cls.__name__} has no node, its id is fixed")
+        return None
+
+    def _require(self, **optional: object) -> None:
+        """Checks the optional fields. Raises CodecError, TypeError (field missing), FieldAbsent (field superfluous)."""
+        names = self._names(self._parameters)
+        for name, value in optional.items():
+            if value is None and name in names:
+                raise TypeError(f"{type(self).__name__} needs {name} under {self._parameters}")
+            if value is not None and name not in names:
+                raise FieldAbsent(f"{type(self).__name__} has no {name} under {self._parameters}")
+
+    def _optional(self, type_: FieldType, value: object, field: str) -> Any:
+        """The raw integer of an optional field; None without one."""
+        return None if value is None else type_.raw(value, self._parameters, field)
+
+    def _absent(self, name: str) -> FieldAbsent:
+        """The error for a field that does not exist under the parameters."""
+        there = ", ".join(self.fields())
+        return FieldAbsent(f"{type(self).__name__} has no {name} under {self._parameters}; it has {there}")
 
     def __repr__(self) -> str:
-        parts = [f"node={self.node}"] if self.node is not None else []
-        for name in self.fields():
+        parts = [f"node={self._node}"] if self._node is not None else []
+        for name, raw in self.raw().items():
             try:
                 parts.append(f"{name}={getattr(self, name)!r}")
             except CodecError:
-                parts.append(f"{name}_raw={getattr(self, f'{name}_raw')!r}")
+                parts.append(f"{name}_raw={raw!r}")
         return f"{type(self).__name__}({', '.join(parts)})"
 
     def __eq__(self, other: object) -> bool:
-        if type(self) is not type(other) or not isinstance(other, Message):
+        if not isinstance(other, Message) or type(self) is not type(other):
             return NotImplemented
-        return self.node == other.node and self.fields() == other.fields() and self.raw() == other.raw()
+        return bool(self._raws == other._raws and self._node == other._node)
 
     def __hash__(self) -> int:
-        return hash((type(self), self.node, tuple(self.raw().values())))
+        return hash((type(self), self._node, self._raws))
 
 
 R = TypeVar("R", bound=Message)
@@ -507,7 +831,7 @@ class Bare(Message):
 
     DATA: ClassVar[bytes]
 
-    def encode(self) -> bytes:
+    def encode_unchecked(self) -> bytes:
         """The data bytes of this frame; a remote frame has none."""
         return b"" if self.REMOTE else self.DATA
 
@@ -515,8 +839,10 @@ class Bare(Message):
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Any) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
         self = cls.__new__(cls)
-        self.node = node
-        self.parameters = parameters
+        self._node = node
+        self._parameters = parameters
+        self._raws = ()
+        self._checked = False
         return self
 
 
@@ -526,8 +852,10 @@ class ToNode(Bare):
     __slots__ = ()
 
     def __init__(self, *, node: int) -> None:
-        self.node = node_in(node, *self.NODES)
-        self.parameters = None
+        self._node = self._known_node(node)
+        self._parameters = None
+        self._raws = ()
+        self._checked = True
 
 
 class ToAll(Bare):
@@ -536,29 +864,10 @@ class ToAll(Bare):
     __slots__ = ()
 
     def __init__(self) -> None:
-        self.node = None
-        self.parameters = None
-
-
-E = TypeVar("E", bound=IntEnum)
-
-
-def named(enum: type[E], raw: int) -> E | int:
-    """The enum member of that value; the raw integer where no member has it."""
-    try:
-        return enum(raw)
-    except ValueError:
-        return raw
-
-
-def require(message: Message, **optional: object) -> None:
-    """Checks the optional fields against the parameters. Raises TypeError (missing) and FieldAbsent (superfluous)."""
-    wanted = message.fields()
-    for name, value in optional.items():
-        if value is None and name in wanted:
-            raise TypeError(f"{type(message).__name__} needs {name} under {message.parameters}")
-        if value is not None and name not in wanted:
-            raise FieldAbsent(f"{type(message).__name__} has no {name} under {message.parameters}")
+        self._node = self._known_node(None)
+        self._parameters = None
+        self._raws = ()
+        self._checked = True
 
 
 def constant(found: int, wanted: int, field: str) -> None:

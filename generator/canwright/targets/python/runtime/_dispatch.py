@@ -4,12 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Generic, NamedTuple, TypeVar, Union, cast
+from itertools import takewhile
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, Union, cast
 
-from ._codec import CodecError, Message, Refusal, Request
+from ._codec import MAX_DATA, CodecError, Message, Refusal, Request
+
+if TYPE_CHECKING:
+    from typing_extensions import Buffer
 
 Reader = Callable[[int, bytes], int]
 """Reads a number from id and data."""
+
+
+class DataByte:
+    """Reads one data byte; 0 where the data is shorter."""
+
+    def __init__(self, position: int) -> None:
+        self.position = position
+
+    def __call__(self, can_id: int, data: bytes) -> int:
+        return data[self.position] if self.position < len(data) else 0
+
+
+def data_length(can_id: int, data: bytes) -> int:
+    """The number of data bytes."""
+    return len(data)
 
 
 class Select(NamedTuple):
@@ -23,10 +42,11 @@ class Select(NamedTuple):
 Node = Union[Select, type[Message], Refusal]  # noqa: UP007 - `Node` in `Select` is a forward reference
 """A decision, the message that a frame is, or the reason for its rejection."""
 
+Unpack = Callable[[int | None, int, bytes, Any], Any]
+"""`unpack` of a message, or a function that finds the message and calls its `unpack`."""
 
-def data_length(can_id: int, data: bytes) -> int:
-    """The number of data bytes."""
-    return len(data)
+Table = tuple[int, Mapping[int, Unpack]]
+"""The position of a data byte, and `unpack` of the message for each value of that byte."""
 
 
 class Route:
@@ -56,7 +76,6 @@ class Route:
         self.extended = extended
         self.remote = remote
         self.classes = frozenset((*_classes(then), *answers))
-        self.length, self.selector, self.by_code = _direct(then)
 
     def node(self, can_id: int) -> tuple[bool, int | None]:
         """Whether an id belongs to this route, and its node."""
@@ -66,18 +85,47 @@ class Route:
         node = rest // self.step
         return rest == node * self.step and node in self.nodes, node
 
+    def ids(self) -> Iterator[tuple[int, int | None]]:
+        """Every id of this route, without the bits of `mask`, and its node."""
+        for node in [None] if self.nodes is None else self.nodes:
+            yield self.base + (node or 0) * self.step, node
+
     def message(self, can_id: int, data: bytes) -> type[Message]:
         """The message that a frame is. Raises CodecError (unknown_id, unknown_code, wrong_length)."""
-        if len(data) == self.length:
-            found = self.by_code.get(self.selector(can_id, data))
-            if found is not None:
-                return found
         node = self.then
         while isinstance(node, Select):
             node = node.cases.get(node.read(can_id, data), node.otherwise)
         if isinstance(node, Refusal):
             raise CodecError(node, self._refusal_text(node, can_id, data))
         return node
+
+    def unpack(self, node: int | None, can_id: int, data: bytes, parameters: Any) -> Any:
+        """The message of a frame. Raises CodecError."""
+        return self.message(can_id, data).unpack(node, can_id, data, parameters)
+
+    def tables(self) -> dict[int, Table]:
+        """The table of each data length for which a data byte decides."""
+        found = ((length, self._table(self.then, length)) for length in range(1, MAX_DATA + 1))
+        return {length: table for length, table in found if table is not None}
+
+    def _table(self, node: Node, length: int) -> Table | None:
+        """The decision of a node for data of one length; None if it is none by a data byte."""
+        while isinstance(node, Select) and node.read is data_length:
+            node = node.cases.get(length, node.otherwise)
+        if isinstance(node, Refusal):
+            return None
+        if not isinstance(node, Select):
+            return 0, dict.fromkeys(range(256), node.unpack)
+        if not isinstance(node.read, DataByte) or node.read.position >= length:
+            return None
+        return node.read.position, {value: self._unpack_below(then, length) for value, then in node.cases.items()}
+
+    def _unpack_below(self, node: Node, length: int) -> Unpack:
+        """What unpacks the frames that belong to a node."""
+        if not isinstance(node, (Select, Refusal)):
+            return node.unpack
+        table = self._table(node, length)
+        return self.unpack if table is None else _unpack_by(*table, self.unpack)
 
     def _refusal_text(self, refusal: Refusal, can_id: int, data: bytes) -> str:
         path = [self.then]
@@ -93,17 +141,13 @@ class Route:
         return f"0x{can_id:X} has the unknown code {codes}"
 
 
-def _direct(then: Node) -> tuple[int, Reader, dict[int, type[Message]]]:
-    """The most common length, its selector, and the messages identified by both; length -1 without any."""
-    if isinstance(then, Select) and then.read is data_length and len(then.cases) == 1:
-        ((length, by_code),) = then.cases.items()
-        if isinstance(by_code, Select):
-            return (
-                length,
-                by_code.read,
-                {c: m for c, m in by_code.cases.items() if not isinstance(m, (Select, Refusal))},
-            )
-    return -1, data_length, {}
+def _unpack_by(position: int, cases: Mapping[int, Unpack], otherwise: Unpack) -> Unpack:
+    """The function that decides by a data byte."""
+
+    def unpack(node: int | None, can_id: int, data: bytes, parameters: Any) -> Any:
+        return cases.get(data[position], otherwise)(node, can_id, data, parameters)
+
+    return unpack
 
 
 def _classes(node: Node) -> Iterator[type[Message]]:
@@ -115,24 +159,69 @@ def _classes(node: Node) -> Iterator[type[Message]]:
         yield node
 
 
-class Router:
-    """All routes of one direction."""
+P = TypeVar("P")
+M = TypeVar("M", bound=Message)
 
-    def __init__(self, direction: str, routes: tuple[Route, ...]) -> None:
+MAX_IDS = 1 << 11
+"""The most ids of a route that are listed; each 11-bit id fits in."""
+
+
+ById = dict[int, tuple[int | None, dict[int, Table], Route]]
+"""The node of each id, the table for each data length, and the route."""
+
+
+class Router(Generic[P, M]):
+    """All routes of one direction; `P` is the `Parameters` of the edition, `M` the messages that can be decoded.
+
+    Most frames are found by look-ups that are made from the routes: the id leads to the node and to a table for each
+    data length, a data byte leads to the message. All other frames are decided by the routes.
+    """
+
+    def __init__(self, direction: str, routes: Iterable[Route], unknown: P) -> None:
         self.direction = direction
-        self.routes = routes
-        self.direct: dict[int, tuple[Route, int | None]] = {}
-        for route in reversed(routes):
-            if not route.mask and not route.extended and not route.remote:
-                for node in [None] if route.nodes is None else route.nodes:
-                    self.direct[route.base + (node or 0) * route.step] = (route, node)
+        self.routes = tuple(routes)
+        self._unknown = unknown
+        kinds = [(extended, remote) for extended in (False, True) for remote in (False, True)]
+        self._listed: dict[tuple[bool, bool], ById] = {kind: {} for kind in kinds}
+        for route in takewhile(_can_be_listed, self.routes):
+            tables = {} if route.remote else route.tables()
+            by_id = self._listed[route.extended, route.remote]
+            for can_id, node in route.ids():
+                by_id.setdefault(can_id, (node, tables, route))
+        self._by_id = self._listed[False, False]
+
+    def decode(
+        self, can_id: int, data: Buffer, parameters: P | None = None, *, extended: bool = False, remote: bool = False
+    ) -> M:
+        """Decodes a frame of this direction by itself; a reply is decoded without knowledge of its request.
+
+        Raises CodecError when the frame is rejected, TypeError when `data` is not bytes-like.
+        """
+        if type(data) is not bytes:
+            data = bytes(memoryview(data))
+        if parameters is None:
+            parameters = self._unknown
+        node: int | None
+        unpack: Unpack | None
+        try:
+            by_id = self._listed[extended, remote] if extended or remote else self._by_id
+            node, tables, _ = by_id[can_id]
+            position, cases = tables[len(data)]
+            unpack = cases[data[position]]
+        except KeyError:
+            node = unpack = None
+        if unpack is None:
+            route, node = self.find(can_id, extended, remote)
+            unpack = route.unpack
+        message: M = unpack(node, can_id, data, parameters)
+        return message
 
     def find(self, can_id: int, extended: bool, remote: bool) -> tuple[Route, int | None]:
         """The route and the node of an id. Raises CodecError (unknown_id)."""
-        if not extended and not remote:
-            found = self.direct.get(can_id)
-            if found is not None:
-                return found
+        listed = self._listed.get((extended, remote), {}).get(can_id)
+        if listed is not None:
+            node, _, route = listed
+            return route, node
         for route in self.routes:
             if (route.extended, route.remote) == (extended, remote):
                 ours, node = route.node(can_id)
@@ -154,6 +243,11 @@ class Router:
                 yield route.base + node * route.step, route.mask, route.extended, route.remote
 
 
+def _can_be_listed(route: Route) -> bool:
+    """Whether all ids of a route are few enough to be listed."""
+    return not route.mask and (route.nodes is None or len(route.nodes) <= MAX_IDS)
+
+
 @dataclass(frozen=True)
 class Answer:
     """The reply to a request: its class and its selectors, each with the accepted values.
@@ -165,19 +259,37 @@ class Answer:
 
     reply: type[Message]
     selectors: tuple[tuple[Reader, tuple[int, ...]], ...]
-    nodes: tuple[int, ...]
-    echo: bool
+    nodes: tuple[int, ...] = ()
+    echo: bool = False
     unused: int = 0
     request_node: tuple[Reader, int] | None = None
     reply_node: tuple[Reader, int] | None = None
 
+    def check_source(
+        self, request: type[Message], to: int | None, mask: int, node: int | None, can_id: int, data: bytes
+    ) -> None:
+        """Checks that a reply comes from the right node. Raises CodecError (not_answer).
 
-P = TypeVar("P")
+        `node` is that of the id of the reply. The request went to node `to`, of which the bits of `mask` are known; None
+        when its node is unknown.
+        """
+        expected, known = (self.nodes, -1) if self.nodes else (() if to is None else (to,), mask)
+        sources = [(node, known)]
+        if self.reply_node:
+            read, bits = self.reply_node
+            sources.append((read(can_id, data), known & bits))
+        for source, bits in sources:
+            if source is not None and expected and all((source ^ one) & bits for one in expected):
+                listed = " or ".join(map(str, expected))
+                raise not_answer(f"{request.__name__} went to node {listed}, this came from node {source}")
+
+
+Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 
 
-class Dispatcher(Generic[P]):
-    """Finds the message of a frame in one edition; `P` is the `Parameters` of the edition."""
+class Dispatcher(Generic[P, Q, M]):
+    """Decodes the requests `Q` and the replies `M` of one edition; `P` is its `Parameters`."""
 
     def __init__(
         self,
@@ -187,65 +299,51 @@ class Dispatcher(Generic[P]):
         answers: Mapping[type[Message], Answer],
         unknown: P,
     ) -> None:
-        self._requests = Router("request", tuple(requests))
-        self._replies = Router("reply", tuple(replies))
+        self.requests: Router[P, Q] = Router("request", requests, unknown)
+        self.replies: Router[P, M] = Router("reply", replies, unknown)
         self._answers = answers
         self._unknown = unknown
 
     def node_of(self, direction: str, can_id: int, *, extended: bool = False, remote: bool = False) -> int | None:
         """The node of the id of a `request` or a `reply`; None without one. Raises CodecError (unknown_id)."""
-        return self._router(direction).find(can_id, extended, remote)[1]
+        router = self.requests if direction == "request" else self.replies
+        return router.find(can_id, extended, remote)[1]
 
     def ids_of(self, direction: str, node: int) -> tuple[tuple[int, int, bool, bool], ...]:
         """The ids of a node, as a `request` or a `reply`, each with a mask of the bits that messages fill in.
 
         The last two items are True for a 29-bit id, and for remote frames.
         """
-        return tuple(self._router(direction).ids(node))
-
-    def _router(self, direction: str) -> Router:
-        return self._requests if direction == "request" else self._replies
-
-    def decode_request(
-        self, can_id: int, data: bytes, parameters: P | None = None, *, extended: bool = False, remote: bool = False
-    ) -> Message:
-        """Decodes a request. Raises CodecError."""
-        route, node = self._requests.find(can_id, extended, remote)
-        known = self._unknown if parameters is None else parameters
-        return route.message(can_id, data).unpack(node, can_id, data, known)
-
-    def decode_reply(
-        self, can_id: int, data: bytes, parameters: P | None = None, *, extended: bool = False, remote: bool = False
-    ) -> Message:
-        """Decodes a reply without knowing its request. Raises CodecError."""
-        route, node = self._replies.find(can_id, extended, remote)
-        known = self._unknown if parameters is None else parameters
-        return route.message(can_id, data).unpack(node, can_id, data, known)
+        return tuple((self.requests if direction == "request" else self.replies).ids(node))
 
     def decode_answer(
         self,
         request: type[Request[R]],
         can_id: int,
-        data: bytes,
+        data: Buffer,
         parameters: P | None = None,
         *,
         extended: bool = False,
         remote: bool = False,
     ) -> R:
-        """Decodes the reply to a request of that class. Raises CodecError, unknown_code when it answers another."""
-        answer = self._answers.get(request)
-        if answer is None:
-            raise not_answer(f"{request.__name__} has no reply")
+        """Decodes the reply to a request of that class.
+
+        Raises CodecError: unknown_code when the frame answers another request, not_answer when the class has no reply or
+        its replies come from other nodes; TypeError when `data` is not bytes-like.
+        """
+        data = bytes(memoryview(data))
+        answer = self._answer(request)
         node = self._node_of_answer(answer, can_id, data, extended, remote)
+        answer.check_source(request, None, -1, node, can_id, data)
         known = self._unknown if parameters is None else parameters
         return cast(R, answer.reply.unpack(node, can_id, data, known))
 
     def check_reply(
         self,
         request_id: int,
-        request: bytes,
+        request: Buffer,
         reply_id: int,
-        reply: bytes,
+        reply: Buffer,
         *,
         extended: bool = False,
         remote: bool = False,
@@ -256,33 +354,33 @@ class Dispatcher(Generic[P]):
 
         `extended` and `remote` describe the request; `reply_extended` is needed where the reply has another kind of id.
         """
-        route, node = self._requests.find(request_id, extended, remote)
+        request, reply = bytes(memoryview(request)), bytes(memoryview(reply))
+        route, to = self.requests.find(request_id, extended, remote)
         sent = route.message(request_id, request)
-        answer = self._answers.get(sent)
-        if answer is None:
-            raise not_answer(f"{sent.__name__} has no reply")
+        answer = self._answer(sent)
         reply_extended = extended if reply_extended is None else reply_extended
         try:
-            from_node = self._node_of_answer(answer, reply_id, reply, reply_extended, reply_remote)
+            node = self._node_of_answer(answer, reply_id, reply, reply_extended, reply_remote)
         except CodecError as error:
             raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
-        to, mask = (node, -1)
-        if answer.request_node and not answer.nodes:
+        mask = -1
+        if answer.request_node:
             to, mask = answer.request_node[0](request_id, request), answer.request_node[1]
-        expected = answer.nodes or (() if to is None else (to,))
-        sources = [(from_node, mask)]
-        if answer.reply_node:
-            sources.append((answer.reply_node[0](reply_id, reply), mask & answer.reply_node[1]))
-        for source, bits in sources:
-            if source is not None and expected and all((source ^ one) & bits for one in expected):
-                raise not_answer(f"{sent.__name__} went to node {to}, this came from node {source}")
+        answer.check_source(sent, to, mask, node, reply_id, reply)
         if answer.echo and reply != request:
             raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")
+
+    def _answer(self, request: type[Message]) -> Answer:
+        """The reply to a request. Raises CodecError (not_answer) when it has none."""
+        answer = self._answers.get(request)
+        if answer is None:
+            raise not_answer(f"{request.__name__} has no reply")
+        return answer
 
     def _node_of_answer(self, answer: Answer, can_id: int, data: bytes, extended: bool, remote: bool) -> int | None:
         """The node that sent the reply of an answer. Raises CodecError when the frame is not this reply."""
         reply = answer.reply
-        route, node = self._replies.find(can_id, extended, remote)
+        route, node = self.replies.find(can_id, extended, remote)
         if reply not in route.classes:
             raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} is no id of {reply.__name__}")
         if can_id & answer.unused:

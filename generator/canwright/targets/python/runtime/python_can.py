@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 
 import can
 
 from ._codec import CodecError, Message, Refusal
+
+if TYPE_CHECKING:
+    from typing_extensions import Buffer
 
 M = TypeVar("M", bound=Message, covariant=True)
 
@@ -14,13 +17,13 @@ M = TypeVar("M", bound=Message, covariant=True)
 class Decoder(Protocol[M]):
     """`decode_request` or `decode_reply` of an edition, or `partial(decode_answer, SomeRequest)`."""
 
-    def __call__(self, can_id: int, data: bytes, parameters: Any = ..., *, extended: bool, remote: bool) -> M: ...
+    def __call__(self, can_id: int, data: Buffer, parameters: Any = ..., *, extended: bool, remote: bool) -> M: ...
 
 
 class NodeDecoder(Protocol[M]):
     """`decode_request` or `decode_reply` of `Node` or `Nodes`, which know the parameters."""
 
-    def __call__(self, can_id: int, data: bytes, *, extended: bool, remote: bool) -> M: ...
+    def __call__(self, can_id: int, data: Buffer, *, extended: bool, remote: bool) -> M: ...
 
 
 def to_message(message: Message) -> can.Message:
@@ -46,7 +49,7 @@ def from_message(frame: can.Message, decode: Any, parameters: Any = None) -> Any
     known = () if parameters is None else (parameters,)
     return decode(
         frame.arbitration_id,
-        bytes(frame.data),
+        frame.data,
         *known,
         extended=frame.is_extended_id,
         remote=frame.is_remote_frame,

@@ -1,0 +1,83 @@
+"""Floating point in C: exact conversions, `float` functions without any double, and scales of more than 63 bits."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from canwright.project.loader import specification
+from canwright.targets import c
+
+from ..assurance import floating
+from ..compilers import WARNINGS, ZIG
+from ..conformance.adapter import write_files
+from ..conformance.adapters.c_signatures import functions
+from ..spec_texts import MINIMAL, SPECS
+
+SAMPLE = 20_000
+DOUBLE_CALL = re.compile(rb"\b__aeabi_(?:d\w+|\w+2d|cd\w+)\b")
+"""The names of functions for doubles in the symbol table of an object."""
+CORTEX_M4F = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16")
+
+
+def test_conversions_agree_with_fractions(tmp_path: Path) -> None:
+    assert floating.differences(floating.compiled(tmp_path), SAMPLE, seed=7) == []
+
+
+def unit(folder: Path, kinds: Sequence[str]) -> tuple[str, Path]:
+    """The option for the headers, and a unit with the conversions of all specs to and from some floating-point types."""
+    specifications = [specification(spec) for spec in SPECS]
+    include = write_files(c.generate(specifications, {}), folder) / "include"
+    lines, table = [], []
+    for one in specifications:
+        name = f"{one.edition.family}/{one.edition.identifier}_float.h"
+        lines.append(f'#include "{name}"')
+        found = functions((include / name).read_text("utf-8"))
+        table += [f"    (void (*)(void)){f}," for f in found if f.endswith(tuple(f"_{kind}" for kind in kinds))]
+    assert table
+    lines += ["extern void (*const all[])(void);", "void (*const all[])(void) = {", *table, "};", ""]
+    (folder / "unit.c").write_text("\n".join(lines), "utf-8")
+    return f"-I{include}", folder / "unit.c"
+
+
+def test_float_functions_call_no_function_for_doubles(tmp_path: Path) -> None:
+    target = ("-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4", "-ffreestanding", "-Os")
+    made = tmp_path / "unit.o"
+    ZIG.run("c99", *target, *WARNINGS, *unit(tmp_path, ["float"]), "-c", "-o", made)
+    assert not DOUBLE_CALL.search(made.read_bytes())
+    ZIG.run("c99", *target, *WARNINGS, *unit(tmp_path, ["float", "double"]), "-c", "-o", made)
+    assert DOUBLE_CALL.search(made.read_bytes())
+
+
+@pytest.mark.machine
+@pytest.mark.skipif(not shutil.which("arm-none-eabi-gcc"), reason="arm-none-eabi-gcc is not installed")
+def test_float_functions_of_gcc_for_cortex_m4f_call_no_function_for_doubles(tmp_path: Path) -> None:
+    flags = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-std=c99", "-Os", *WARNINGS)
+    made = tmp_path / "unit.o"
+    subprocess.run(["arm-none-eabi-gcc", *flags, *unit(tmp_path, ["float"]), "-c", "-o", made], check=True)
+    assert not DOUBLE_CALL.search(made.read_bytes())
+
+
+@pytest.mark.machine
+@pytest.mark.skipif(not shutil.which("avr-gcc"), reason="avr-gcc is not installed")
+def test_avr_has_the_float_functions_alone(tmp_path: Path) -> None:
+    """A double of avr-gcc has 32 bits."""
+    command: list[str | Path] = ["avr-gcc", "-std=c99", "-mmcu=atmega2560", "-Os", "-c", "-o", tmp_path / "unit.o"]
+    subprocess.run([*command, *unit(tmp_path, ["float"])], check=True)
+    with_double = [*command, *unit(tmp_path, ["double"])]
+    done = subprocess.run(with_double, capture_output=True, text=True, check=False)
+    assert re.search(r"_to_double\W undeclared", done.stderr)
+
+
+@pytest.mark.parametrize("scale", ["3.14159265358979323846", "1/1000000000000000000000000000000"])
+def test_a_scale_of_more_than_63_bits_has_no_conversions(scale: str, tmp_path: Path) -> None:
+    file = tmp_path / "spec.yaml"
+    file.write_text(MINIMAL.replace("scale: 0.1", f"scale: {scale}"), "utf-8")
+    texts = {output.path: output.text for output in c.generate([specification(file)], {})}
+    assert "level_to" not in texts["include/lamp/v1_float.h"]
+    text = " ".join(texts["include/lamp/v1.h"].replace("*", " ").split())
+    assert "No conversions to floating point: scale or offset needs integers of more than 63 bits." in text

@@ -1,0 +1,167 @@
+"""Printing and filters in C: golden frames of all specs against the reference decoder, and short buffers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from fractions import Fraction
+
+import pytest
+from canwright.language.golden_frames import GoldenFrame, RefusedFrame
+from canwright.model.layout import Field
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding
+from canwright.project.loader import load
+from canwright.semantics.decoder import Decoded, Decoder, Rejection
+from canwright.semantics.encoder import Encoder
+from canwright.targets import c
+from canwright.targets.base import Specification
+
+from ..conformance.adapter import CanFrame, Refused, assignment
+from ..conformance.adapters.c import EXTENDED, REMOTE, CAdapter
+from ..spec_texts import SPECS, called
+
+Made = tuple[Specification, CAdapter]
+
+
+@pytest.fixture(scope="module", params=SPECS, ids=called)
+def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Made:
+    one = load(request.param).specification
+    return one, CAdapter.create(one, tmp_path_factory.mktemp("print"))
+
+
+def frames(one: Specification) -> Iterator[tuple[Direction, CanFrame, GoldenFrame | RefusedFrame]]:
+    assert one.frames is not None
+    for golden in (*one.frames.frames, *one.frames.refused):
+        if isinstance(golden, (GoldenFrame, RefusedFrame)):
+            direction = golden.direction if isinstance(golden, GoldenFrame) else golden.decode
+            yield direction, CanFrame(golden.id, golden.data, golden.extended, golden.remote), golden
+
+
+def test_golden_frames_as_text(made: Made) -> None:
+    one, target = made
+    decoder = Decoder(one.edition)
+    for direction, frame, golden in frames(one):
+        known = golden.parameters
+        length, text = target.text(direction, frame, known)
+        assert length == len(text) and text.isascii()
+        decoded = decoder.decode(direction, frame, assignment(known))
+        if isinstance(decoded, Rejection):
+            assert text.startswith(f"{decoded.reason.value}: {frame.id:0{8 if frame.extended else 3}X} ["), text
+            continue
+        head, _, rest = text.partition(":")
+        node = "" if decoded.node is None else f", node {decoded.node}"
+        assert head == f"{decoded.message.command} {direction.value}{node}"
+        printed = dict(re.findall(r" ([\w\[\]]+)=(.*?)(?= [\w\[\]]+=|$)", rest))
+        for field in decoded.variant.fields:
+            if field.fixed is None:
+                check_field(printed, field, decoded, Encoder(known))
+        assert not printed
+
+
+def check_field(printed: dict[str, str], field: Field, decoded: Decoded, encoder: Encoder) -> None:
+    """Removes the texts of a field and compares them with its raw integers and values."""
+    raws, values = decoded.raws[field.name], decoded.values.get(field.name)
+    elements = raws if isinstance(raws, list) else [raws]
+    each = values if isinstance(raws, list) else [values]
+    assert isinstance(each, list)
+    for element, raw, value in zip(field.elements, elements, each, strict=True):
+        text = printed.pop(field.name if element.index is None else f"{field.name}[{element.index}]")
+        if field.type.flags:
+            names = value if isinstance(value, list) else []
+            unknown = [part for part in text.split("|") if part not in names]
+            assert (
+                sum(int(part, 16) for part in unknown if part != "none")
+                + sum(1 << flag.value for flag in field.type.flags if flag.name in text.split("|"))
+                == raw
+            )
+        elif field.type.enum:
+            assert text == (value or str(raw))
+        elif value is None:
+            assert text == f"{raw} raw" or field.type.encoding is Encoding.FLOAT
+        else:
+            number, _, unit = text.partition(" ")
+            assert unit == (field.type.unit.dbc if field.type.unit else "")
+            if number.startswith(("<-", ">")):
+                assert abs(Fraction(str(value))) > int(number.lstrip("<->")) == (1 << 64) - 1
+            elif field.type.encoding is Encoding.FLOAT:
+                assert abs(Fraction(number) - Fraction(str(value))) <= Fraction(1, 2 * 10**6)
+            else:
+                assert encoder.nearest_raw(field, Fraction(number)) == raw, (text, raw)
+
+
+def test_a_short_buffer_cuts_the_end(made: Made) -> None:
+    one, target = made
+    direction, frame, golden = next(frames(one))
+    length, text = target.text(direction, frame, golden.parameters)
+    for size in range(1, length + 3):
+        assert target.text(direction, frame, golden.parameters, size) == (length, text[: size - 1].strip())
+    assert target.text(direction, frame, golden.parameters, 0) == (length, "")
+
+
+def _macros(one: Specification) -> dict[str, int]:
+    header = next(o.text for o in c.generate([one], {}) if o.path.endswith(f"/{one.edition.identifier}.h"))
+    prefix = f"{one.edition.family}_{one.edition.identifier}_".upper()
+    found = re.findall(rf"#define {prefix}(\w+_FILTER_(?:ID|MASK)) +0x(\w+)u", header)
+    return {name: int(number, 16) for name, number in found}
+
+
+def test_filters_accept_golden_frames_and_no_other_node(made: Made) -> None:
+    one, target = made
+    macros, decoder = _macros(one), Decoder(one.edition)
+    for direction, frame, golden in frames(one):
+        found = decoder.decode(direction, frame, assignment(golden.parameters))
+        if isinstance(found, Rejection):
+            continue
+        id_ = frame.id | EXTENDED * frame.extended | REMOTE * frame.remote
+        address, nodes = found.message.address, found.message.id.nodes
+        stem = f"{address}_{direction.value}_filter".upper()
+        assert not (id_ ^ macros[f"{stem}_ID"]) & macros[f"{stem}_MASK"], golden
+        if nodes is None:
+            continue
+        for node in nodes[:40]:
+            filter_ = target.filter(address, direction, node)
+            assert not isinstance(filter_, Refused)
+            assert (not (id_ ^ filter_[0]) & filter_[1]) == (node == found.node), (golden, node)
+        assert target.filter(address, direction, nodes[-1] + 1) == Refused(Refusal.UNKNOWN_NODE)
+
+
+def test_filters_compare_every_bit_that_is_the_same_in_all_ids(made: Made) -> None:
+    """No bit can be added to a mask: frames of every message are built here, with all values of fields in the id."""
+    one, _ = made
+    macros = _macros(one)
+    for direction in Direction:
+        ids: dict[str, set[int]] = {}
+        for message in one.edition.messages(direction):
+            free = [
+                s.low + bit
+                for f in message.layout.fields
+                if f.demanded is None
+                for e in f.elements
+                for s in e.segments
+                for bit in range(s.width)
+                if f.space.value == "id"
+            ]
+            keyed = {0}
+            for place, key in enumerate(message.keys):
+                values = (key.value, *message.accept) if place == 0 else (key.value,)
+                if key.space.value == "id":
+                    keyed = {
+                        k | sum((value >> s.raw_low & (1 << s.width) - 1) << s.low for s in key.segments)
+                        for k in keyed
+                        for value in values
+                    }
+            flags = EXTENDED * message.id.extended | REMOTE * message.remote
+            for node in message.id.nodes or (0,):
+                for k in keyed:
+                    start = message.id.base + node * message.id.node_step | k | flags
+                    ids.setdefault(message.address, set()).update([start, *(start | 1 << bit for bit in free)])
+        for address, found in ids.items():
+            stem = f"{address}_{direction.value}_filter".upper()
+            first = next(iter(found))
+            differing = 0
+            for id_ in found:
+                differing |= id_ ^ first
+            width = 0x1FFFFFFF if first & EXTENDED else 0x7FF
+            assert macros[f"{stem}_MASK"] == (0xC0000000 | width) & ~differing, (address, direction)
