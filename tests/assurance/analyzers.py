@@ -43,8 +43,9 @@ def findings(analyzer: str, unit: Path, include: Path) -> list[str]:
     return _FINDING.findall(output(tool(analyzer), *ANALYZERS[analyzer], unit, *ending))
 
 
-def _findings(header: Header) -> list[str]:
-    names = (header.name.replace("_float.h", ".h"), header.name)
+def all_findings(header: Header) -> list[str]:
+    """The findings of every analyzer in a header and those that it includes."""
+    names = (header.name.replace(f"_{header.part}.h", ".h"), header.name)
     unit = header.unit.with_suffix(".all.c")
     unit.write_text(everything(header.include, names), "utf-8")
     return [f"{analyzer}: {line}" for analyzer in ANALYZERS for line in findings(analyzer, unit, header.include)]
@@ -57,9 +58,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for analyzer in ANALYZERS:
         tool(analyzer)
     with tempfile.TemporaryDirectory() as name:
-        outermost = [header for header in write_headers(Path(name)) if header.is_float]
-        found = sorted({line.replace(f"{name}/", "") for lines in each(_findings, outermost) for line in lines})
-    print("\n".join(found) or f"{len(outermost)} editions, {len(ANALYZERS)} analyzers: no finding")
+        outermost = [header for header in write_headers(Path(name)) if header.part]
+        found = sorted({line.replace(f"{name}/", "") for lines in each(all_findings, outermost) for line in lines})
+    print("\n".join(found) or f"{len(outermost)} headers, {len(ANALYZERS)} analyzers: no finding")
     return 1 if found else 0
 
 

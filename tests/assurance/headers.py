@@ -16,7 +16,7 @@ from canwright.targets.base import Specification
 from ..spec_texts import SPECS
 
 T = TypeVar("T")
-SUFFIXES = ("", "_float")
+SUFFIXES = ("", "_float", "_print")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,8 +33,10 @@ class Header:
         return (self.include / self.name).read_text("utf-8")
 
     @property
-    def is_float(self) -> bool:
-        return self.name.endswith("_float.h")
+    def part(self) -> str:
+        """What the header contains: `float` conversions, functions to `print`, or else the edition."""
+        ending = self.name.removesuffix(".h").rsplit("_", 1)[-1]
+        return ending if f"_{ending}" in SUFFIXES else ""
 
 
 def write_headers(folder: Path, specs: Sequence[Path] = SPECS) -> list[Header]:

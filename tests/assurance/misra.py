@@ -49,7 +49,7 @@ class Finding(NamedTuple):
 
 def findings(headers: Sequence[Header]) -> list[Finding]:
     """All findings in the headers, each once. A header of conversions includes the edition's other header."""
-    outermost = [header for header in headers if header.is_float]
+    outermost = [header for header in headers if header.part == "float"]
     return sorted({finding for found in each(lambda header: list(_findings(header)), outermost) for finding in found})
 
 
