@@ -16,7 +16,7 @@ SPEC = MINIMAL.replace("reply: echo", "reply: {state: {at: 1, raw: u8}, level: {
 OVERRUN = "message->state = frame->data[1];", "message->state = frame->data[message->level - message->level + 9];"
 OMITTED = "    message->state = frame->data[1];\n", ""
 MISPLACED = "frame->data[1]", "(&frame->dlc)[frame->data[1]]"
-OCTAL = "message->state = frame->data[1];", "message->state = (uint8_t)(frame->data[1] + 017);"
+OCTAL = "message->state = frame->data[1];", "message->state = 017;"
 NULL = "    message->state = frame->data[1];\n", "    message->state = *(uint8_t *)NULL;\n"
 
 
