@@ -6,6 +6,7 @@ and rejects for the same reasons. Programs use the generated bindings.
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -131,13 +132,17 @@ def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
     if linear is None:
         return None
     if type_.encoding is Encoding.FLOAT:
-        code = {32: ("<I", "<f"), 64: ("<Q", "<d")}[type_.width]
-        (number,) = struct.unpack(code[1], struct.pack(code[0], raw))
-        if number != number or number in (float("inf"), float("-inf")):
-            return None
-        return Fraction(number) * linear.scale + linear.offset
-    number = raw * linear.scale
-    return number + linear.offset if linear.offset else number
+        number = float_of(type_.width, raw)
+        return Fraction(number) * linear.scale + linear.offset if math.isfinite(number) else None
+    scaled = raw * linear.scale
+    return scaled + linear.offset if linear.offset else scaled
+
+
+def float_of(width: int, raw: int) -> float:
+    """The IEEE 754 number that has these bits."""
+    bits, number = {32: ("<I", "<f"), 64: ("<Q", "<d")}[width]
+    result: float = struct.unpack(number, struct.pack(bits, raw))[0]
+    return result
 
 
 def linear_of(type_: Type, assignment: Assignment) -> Linear | None:

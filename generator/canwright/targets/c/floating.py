@@ -53,7 +53,9 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
         if linear is None:
             return NO_SCALE
         limits = "" if is_float else "".join(f", {wide.literal(end)}" for end in constant_limits(type_))
-        call = f"canwright_{raw_kind(type_)}_from_{format_.name}(&nearest, value, &linear{limits})"
+        low, high = constant_limits(type_)
+        function = _function(linear, type_, format_, (2 * low - 2, 2 * high + 2))
+        call = f"canwright_{function}_from_{format_.name}(&nearest, value, &linear{limits})"
         return Formula(number=call, ratio=ratio(linear), linear=initializer(linear))
 
     return ConversionView(
@@ -67,7 +69,8 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
 
 
 def _to(linear: Linear, type_: Type, format_: Format) -> Formula:
-    number = f"canwright_{raw_kind(type_)}_to_{format_.name}(raw, &linear)"
+    function = _function(linear, type_, format_, integer(type_).limits)
+    number = f"canwright_{function}_to_{format_.name}(raw, &linear)"
     if type_.encoding is not Encoding.FLOAT and linear.times is None:
         if linear.is_identity:
             return Formula(number=f"({format_.name})raw")
@@ -85,6 +88,18 @@ def _within(kind: Integer, most: int) -> str:
     """The condition for raw integers of at most this magnitude."""
     low = [f"raw >= {kind.literal(-most)}"] if kind.signed else []
     return joined("&&", [*low, f"raw <= {kind.literal(most)}"])
+
+
+def _function(linear: Linear, type_: Type, format_: Format, limits: tuple[int, int]) -> str:
+    """The functions of the runtime for a scale: of raw integers within `limits`, those with 64 bits if they are enough."""
+    factor, addend, divisor = linear.as_quotient
+    is_narrow = (
+        (raw_kind(type_), format_, linear.times) == ("signed", SINGLE, None)
+        and max(abs(factor), divisor) < 1 << 31
+        and abs(addend) < 1 << 37
+        and INT64.holds(*(raw * factor + addend for raw in limits))
+    )
+    return "narrow" if is_narrow else raw_kind(type_)
 
 
 def _expression(linear: Linear, format_: Format) -> str:
