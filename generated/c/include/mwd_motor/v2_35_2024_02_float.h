@@ -951,7 +951,8 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_position_fr
 static inline double mwd_motor_v2_35_2024_02_multi_turn_angle_to_double(int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_double(raw, &linear);
+    return ((raw >= -9007199254740992)
+        && (raw <= 9007199254740992)) ? ((double)raw / 100.0) : canwright_signed_to_double(raw, &linear);
 }
 
 /** The nearest raw value. */

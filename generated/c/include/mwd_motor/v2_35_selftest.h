@@ -297,7 +297,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         {0},
         {-9000},
         {180},
-        {2147483647},
+        {INT32_MAX},
         {INT32_MIN},
         {-1},
         {1},
@@ -312,7 +312,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         {100},
         {10},
         {0},
-        {2147483647},
+        {INT32_MAX},
         {INT32_MIN},
         {-1},
         {1},
@@ -331,7 +331,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         {720u, 4500},
         {500u, 36000},
         {500u, 0},
-        {65535u, 2147483647},
+        {65535u, INT32_MAX},
         {0u, INT32_MIN},
         {1u, -1},
         {258u, 50595078},
@@ -366,7 +366,7 @@ static inline void mwd_motor_v2_35_selftest_message(
     };
     static const mwd_motor_v2_35_move_by_angle_request_t raws_move_by_angle_request[] CANWRIGHT_FLASH = {
         {4500},
-        {2147483647},
+        {INT32_MAX},
         {INT32_MIN},
         {-1},
         {1},
@@ -379,7 +379,7 @@ static inline void mwd_motor_v2_35_selftest_message(
         {720u, -3000},
         {500u, 36000},
         {500u, -36000},
-        {65535u, 2147483647},
+        {65535u, INT32_MAX},
         {0u, INT32_MIN},
         {1u, -1},
         {258u, 50595078},
@@ -394,7 +394,7 @@ static inline void mwd_motor_v2_35_selftest_message(
     };
     static const mwd_motor_v2_35_read_acceleration_reply_t raws_read_acceleration_reply[] CANWRIGHT_FLASH = {
         {3000},
-        {2147483647},
+        {INT32_MAX},
         {INT32_MIN},
         {-1},
         {0},
@@ -403,7 +403,7 @@ static inline void mwd_motor_v2_35_selftest_message(
     };
     static const mwd_motor_v2_35_write_acceleration_ram_t raws_write_acceleration_ram[] CANWRIGHT_FLASH = {
         {3000},
-        {2147483647},
+        {INT32_MAX},
         {INT32_MIN},
         {-1},
         {0},

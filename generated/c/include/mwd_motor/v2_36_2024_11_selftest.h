@@ -356,7 +356,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
     };
     static const mwd_motor_v2_36_2024_11_set_speed_request_t raws_set_speed_request[] CANWRIGHT_FLASH = {
         {100, 36000},
-        {2048, 2147483647},
+        {2048, INT32_MAX},
         {-2048, INT32_MIN},
         {-1, -1},
         {1, 1},
@@ -386,7 +386,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         {10},
         {0},
         {INT32_MIN},
-        {2147483647},
+        {INT32_MAX},
         {-1},
         {1},
         {168496141},
@@ -404,7 +404,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         {720u, 4500},
         {500u, 36000},
         {500u, 0},
-        {65535u, 2147483647},
+        {65535u, INT32_MAX},
         {0u, INT32_MIN},
         {1u, -1},
         {258u, 50595078},
@@ -441,7 +441,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
     static const mwd_motor_v2_36_2024_11_move_by_angle_request_t raws_move_by_angle_request[] CANWRIGHT_FLASH = {
         {4500},
         {INT32_MIN},
-        {2147483647},
+        {INT32_MAX},
         {-1},
         {1},
         {0},
@@ -453,7 +453,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         {720u, -3000},
         {500u, 36000},
         {500u, -36000},
-        {65535u, 2147483647},
+        {65535u, INT32_MAX},
         {0u, INT32_MIN},
         {1u, -1},
         {258u, 50595078},
@@ -480,7 +480,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
     static const mwd_motor_v2_36_2024_11_control_parameters_max_speed_t raws_control_parameters_max_speed[] CANWRIGHT_FLASH = {
         {36000},
         {INT32_MIN},
-        {2147483647},
+        {INT32_MAX},
         {-1},
         {0},
         {1},
@@ -491,7 +491,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
     static const mwd_motor_v2_36_2024_11_control_parameters_max_angle_t raws_control_parameters_max_angle[] CANWRIGHT_FLASH = {
         {36000},
         {INT32_MIN},
-        {2147483647},
+        {INT32_MAX},
         {-1},
         {0},
         {1},
@@ -502,7 +502,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
     static const mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t raws_control_parameters_current_ramp[] CANWRIGHT_FLASH = {
         {36000},
         {INT32_MIN},
-        {2147483647},
+        {INT32_MAX},
         {-1},
         {0},
         {1},
@@ -513,7 +513,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
     static const mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t raws_control_parameters_speed_ramp[] CANWRIGHT_FLASH = {
         {36000},
         {INT32_MIN},
-        {2147483647},
+        {INT32_MAX},
         {-1},
         {0},
         {1},
@@ -580,7 +580,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
     static const mwd_motor_v2_36_2024_11_set_angle_t raws_set_angle[] CANWRIGHT_FLASH = {
         {0},
         {INT32_MIN},
-        {2147483647},
+        {INT32_MAX},
         {-1},
         {1},
         {168496141},

@@ -441,7 +441,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         {0, 9000},
         {0, -9000},
         {0, 180},
-        {2048, 2147483647},
+        {2048, INT32_MAX},
         {-2048, INT32_MIN},
         {-1, -1},
         {0, 0},
@@ -465,7 +465,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         {100},
         {10},
         {0},
-        {2147483647},
+        {INT32_MAX},
         {INT32_MIN},
         {-1},
         {1},
@@ -484,7 +484,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         {720u, 4500},
         {500u, 36000},
         {500u, 0},
-        {65535u, 2147483647},
+        {65535u, INT32_MAX},
         {0u, INT32_MIN},
         {1u, -1},
         {258u, 50595078},
@@ -520,7 +520,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
     };
     static const mwd_motor_v2_36_2025_03_move_by_angle_request_t raws_move_by_angle_request[] CANWRIGHT_FLASH = {
         {4500},
-        {2147483647},
+        {INT32_MAX},
         {INT32_MIN},
         {-1},
         {1},
@@ -533,7 +533,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         {720u, -3000},
         {500u, 36000},
         {500u, -36000},
-        {65535u, 2147483647},
+        {65535u, INT32_MAX},
         {0u, INT32_MIN},
         {1u, -1},
         {258u, 50595078},
@@ -582,7 +582,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         {INT32_MIN},
     };
     static const mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t raws_control_parameters_upper_angle[] CANWRIGHT_FLASH = {
-        {2147483647},
+        {INT32_MAX},
         {INT32_MIN},
         {36000},
         {-1},
@@ -590,7 +590,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
     };
     static const mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t raws_control_parameters_lower_angle[] CANWRIGHT_FLASH = {
         {INT32_MIN},
-        {2147483647},
+        {INT32_MAX},
         {-36000},
         {0},
         {67305985},
@@ -782,7 +782,7 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
     static const mwd_motor_v2_36_2025_03_stored_settings_max_angle_t raws_stored_settings_max_angle[] CANWRIGHT_FLASH = {
         {0},
         {1},
-        {2147483647},
+        {INT32_MAX},
         {16909060},
         {-1},
         {INT32_MIN},

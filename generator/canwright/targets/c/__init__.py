@@ -11,9 +11,9 @@ from jinja2 import Environment
 from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, Output, Specification
-from .bits import operand
 from .cxx import cxx_example, cxx_view
 from .examples import example
+from .expressions import operand
 from .selftest import has_self_test, self_test
 from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import EditionView, edition_view
@@ -25,7 +25,7 @@ SHARED = ("canwright.h", "canwright_exact.h", "canwright_float.h", "canwright_pr
 PARTS = ("", "_float", "_print")
 """The endings of the names of the headers of an edition."""
 
-PACKAGES = ("CMakeLists.txt", "library.json", "library.properties", "README.md")
+PACKAGES = ("CMakeLists.txt", "library.json", "library.properties", "README.md", "MISRA.md")
 FILTERS: dict[str, Callable[..., object]] = {
     "arguments": arguments,
     "comment": comment,

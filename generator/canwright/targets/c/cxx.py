@@ -183,7 +183,7 @@ class _Cxx:
             tags=tuple(map(Enumerator, _distinct(tags, ()), (tag for tag, _ in self._view.fields))),
             structs=tuple(self._struct(layout) for layout in layouts(self._edition) if _members(layout)),
             messages=tuple(map(self._message, self._edition.all_messages())),
-            any=tuple(AnyView(f"any_{d.word}", d) for d in self._view.directions if d.routes),
+            any=tuple(AnyView(f"any_{d.word}", d) for d in self._view.directions if d.decode),
         )
 
     def _stem(self, type_: Type) -> str:

@@ -11,8 +11,9 @@ from typing import NamedTuple
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice, choose
 from .conversions import MISSING_PARAMETER, NO_SCALE, ConversionView, Formula, ratio
+from .expressions import joined, operand
 from .names import Names
-from .numbers import INT64, UINT64, integer
+from .numbers import INT64, UINT64, Integer, integer
 from .validity import Condition, constant_limits, has_constant_limits
 
 
@@ -77,7 +78,16 @@ def _to(linear: Linear, type_: Type, format_: Format) -> Formula:
         largest = max(map(abs, type_.raw_limits)) * abs(factor) + abs(addend)
         if max(largest, divisor) <= format_.exact:
             return Formula(number=_expression(linear, format_))
+        most = (format_.exact - abs(addend)) // abs(factor)
+        if format_ is DOUBLE and divisor <= format_.exact and most > 0:
+            number = f"({_within(integer(type_), most)}) ? ({_expression(linear, format_)}) : {number}"
     return Formula(number=number, ratio=ratio(linear), linear=initializer(linear))
+
+
+def _within(kind: Integer, most: int) -> str:
+    """The condition for raw integers of at most this magnitude."""
+    low = [f"raw >= {kind.literal(-most)}"] if kind.signed else []
+    return joined("&&", [*low, f"raw <= {kind.literal(most)}"])
 
 
 def _function(linear: Linear, type_: Type, format_: Format, limits: tuple[int, int]) -> str:
@@ -97,9 +107,11 @@ def _expression(linear: Linear, format_: Format) -> str:
     factor, addend, divisor = linear.as_quotient
     product = f"({format_.name})raw" + (f" * {format_.literal(abs(factor))}" if abs(factor) != 1 else "")
     if factor < 0:
-        dividend = f"{format_.literal(addend)} - {product}"
+        dividend = f"{format_.literal(addend)} - {operand(product)}"
+    elif addend:
+        dividend = f"{operand(product)} {'+' if addend > 0 else '-'} {format_.literal(abs(addend))}"
     else:
-        dividend = product + (f" {'+' if addend > 0 else '-'} {format_.literal(abs(addend))}" if addend else "")
+        dividend = product
     if divisor == 1:
         return dividend
     return (f"({dividend})" if addend or factor < 0 else dividend) + f" / {format_.literal(divisor)}"

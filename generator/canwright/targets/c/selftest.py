@@ -109,7 +109,7 @@ class _SelfTest:
         return SelfTestView(
             layouts=tuple(self._layout(layout, entries) for layout, entries in self._raws.items()),
             messages=tuple(self._case(message, number) for message, number in self._messages.items()),
-            directions=tuple(d for d in self._view.directions if d.routes),
+            directions=tuple(d for d in self._view.directions if d.decode),
             parameters=tuple(self._known),
             tables=tuple(numbered),
         )
