@@ -95,12 +95,21 @@ def test_every_macro_and_member_has_a_comment(units: Path) -> None:
     """Doxygen with WARN_IF_UNDOCUMENTED says nothing; include guards it knows by itself."""
     for header in sorted((units / "include").rglob("*.h")):
         text = header.read_text("utf-8")
-        declared = re.findall(r"(.*)\n(#define .*)", text)
+        declared = [(_before(text, match), match[0]) for match in re.finditer(r"^#define .*", text, re.M)]
         for struct in re.findall(r"^typedef struct \{(.*?)^\}", text, re.DOTALL | re.MULTILINE):
             declared += re.findall(r"(.*)\n( +(?:\w+ \w+\S*;|union \{))(?=\n)", struct)
         assert declared
         for before, line in declared:
             assert before.endswith("*/") or before.startswith("#ifndef") or "/**<" in line, f"{header.name}: {line}"
+
+
+def _before(text: str, define: re.Match[str]) -> str:
+    """The line before a definition; of alternative definitions of one macro, the line before the first."""
+    name = define[0].split()[1]
+    lines = text[: define.start()].splitlines()
+    while re.match(rf"#(?:if |elif|else|ifndef {name}$|define {name}\b)", lines[-1]):
+        lines.pop()
+    return lines[-1]
 
 
 def test_two_editions_of_a_family_in_one_unit(tmp_path: Path) -> None:
