@@ -276,7 +276,7 @@ class Number(FieldType):
             self._span = self._span_within(always, None)
 
     def _exact_steps(self) -> dict[Any, float]:
-        """The scales that are exact floats, and whose products with raw integers are exact, by the parameter."""
+        """The scales that are exact floats, by the parameter; raw integers are too, so a product is rounded once."""
         largest = max(-self.low, self.high)
         return {
             key: line[0] / line[2]
@@ -284,9 +284,9 @@ class Number(FieldType):
             if line is not None
             and not (self.times and self.times.get(key))
             and line[1] == 0
-            and 0 < line[0] * largest <= 1 << 53
+            and line[0] > 0
             and line[2].bit_count() == 1
-            and line[2] <= 1 << 53
+            and max(line[0], line[2], largest) <= 1 << 53
         }
 
     def _fast_conversions(self) -> dict[Any, Fast]:
