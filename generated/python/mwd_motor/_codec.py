@@ -276,7 +276,7 @@ class Number(FieldType):
             self._span = self._span_within(always, None)
 
     def _exact_steps(self) -> dict[Any, float]:
-        """The scales that are exact floats, and whose products with raw integers are exact, by the parameter."""
+        """The scales that are exact floats, by the parameter; raw integers are too, so a product is rounded once."""
         largest = max(-self.low, self.high)
         return {
             key: line[0] / line[2]
@@ -284,9 +284,9 @@ class Number(FieldType):
             if line is not None
             and not (self.times and self.times.get(key))
             and line[1] == 0
-            and 0 < line[0] * largest <= 1 << 53
+            and line[0] > 0
             and line[2].bit_count() == 1
-            and line[2] <= 1 << 53
+            and max(line[0], line[2], largest) <= 1 << 53
         }
 
     def _fast_conversions(self) -> dict[Any, Fast]:
@@ -485,11 +485,14 @@ class Float(Number):
             raise CodecError(Refusal.NOT_FINITE, f"{field}=raw {raw} is not a finite number", field)
         low, high = self._ends(parameters)
         if low is not None or high is not None:
-            value = self.value(raw, parameters, field)
-            if not ((low is None or value >= low) and (high is None or value <= high)):
+            # the value as a float may have been rounded to an end of the range
+            factor, addend, divisor = self._line_at(parameters, field)
+            number: float = self._number.unpack(self._bits.pack(raw))[0]
+            value = (Fraction(number) * factor + addend) / divisor if math.isfinite(number) else None
+            if value is None or (low is not None and value < low) or (high is not None and value > high):
                 first, last = self.value_range(parameters)
-                text = f"{field}={value!r}{self._suffix} is out of range {first}..{last}"
-                raise CodecError(Refusal.OUT_OF_RANGE, text, field)
+                given = f"{field}={self.value(raw, parameters, field)!r}{self._suffix}"
+                raise CodecError(Refusal.OUT_OF_RANGE, f"{given} is out of range {first}..{last}", field)
         return index(raw)
 
     def value_range(self, parameters: object) -> tuple[float, float]:
@@ -728,9 +731,9 @@ class Message:
 
         Messages from constructors, `from_raw` and `replace` have been checked already; decoded ones have not.
         """
-        always = set(self.TYPES).intersection(*self.VARIANTS)
-        for name, raw in sorted(self.raw().items(), key=lambda field: field[0] not in always):
-            self.TYPES[name].check(raw, self._parameters, name)
+        raws = self.raw()
+        for name in self._in_order_of_checks():
+            self.TYPES[name].check(raws[name], self._parameters, name)
         self._known_node(self._node)
         self._checked = True
 
@@ -745,7 +748,7 @@ class Message:
         self = object.__new__(cls)
         self._node = self._known_node(node)
         self._parameters = cls.DEFAULTS if parameters is None else parameters
-        names = self.fields()
+        names = self._in_order_of_checks()
         if set(raw) != set(names):
             raise TypeError(f"{cls.__name__}.from_raw takes {', '.join(names) or 'no field'}")
         checked = {name: cls.TYPES[name].check(raw[name], self._parameters, name) for name in names}
@@ -791,6 +794,11 @@ class Message:
             return tuple(self.TYPES)
         return self.VARIANTS[self._variant()]
 
+    def _in_order_of_checks(self) -> list[str]:
+        """Names of the fields that exist: first those that always do, so that every language rejects the same field."""
+        always = set(self.TYPES).intersection(*self.VARIANTS)
+        return sorted(self.fields(), key=lambda name: name not in always)
+
     def _variant(self) -> int:
         return self.VARIANT_OF[known(self._parameters, self.VARIANT_BY, type(self).__name__)]
 
@@ -818,9 +826,9 @@ class Message:
                 raise TypeError(f"{type(self).__name__} needs {name} under {self._parameters}")
             if value is not None and name not in places:
                 raise FieldAbsent(f"{type(self).__name__} has no {name} under {self._parameters}")
-        return tuple(
-            None if name is None else self.TYPES[name].raw(values[name], self._parameters, name) for name in places
-        )
+        names = self._in_order_of_checks()
+        raws = {name: self.TYPES[name].raw(values[name], self._parameters, name) for name in names}
+        return tuple(None if name is None else raws[name] for name in places)
 
     def _absent(self, name: str) -> FieldAbsent:
         """The error for a field that does not exist under the parameters."""

@@ -19,8 +19,8 @@ class FieldView:
     """Its position among the raw integers of the message."""
     only: str
     """The set of parameter values under which it exists; empty for a field that always exists."""
-    python: str
-    """The type of its value."""
+    header: code.Code
+    """The first line of the property of its value."""
     raw_python: str
     """The type of its raw integer, or integers."""
     given: str
@@ -55,7 +55,8 @@ def field_view(
     python, raw_python, given = type_.python, "int", f"{type_.enum} | int" if type_.enum else use("Real")
     type_item = f"{name}: {type_.constant}"
     if field.is_array:
-        of_one = types.inline_value(field.type, "one") or f"{type_.constant}.value(one, self._parameters, {name})"
+        inline = types.inline_value(field.type, "one") if not type_.enum else None
+        of_one = inline or code.call(f"{type_.constant}.value", ("one", "self._parameters", name))
         value: code.Code = code.Parts("return tuple", (of_one, f"for one in {raw}"))
         type_item = f"{name}: {use('ArrayType')}({type_.constant}, {len(field.elements)})"
         python, raw_python, given = f"tuple[{python}, ...]", "tuple[int, ...]", f"{use('Iterable')}[{given}]"
@@ -71,7 +72,7 @@ def field_view(
         attribute=attribute,
         place=place,
         only=only,
-        python=python,
+        header=code.Items(f"def {attribute}(", ("self",), f") -> {python}:"),
         raw_python=raw_python,
         given=given,
         value=value,
