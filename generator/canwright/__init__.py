@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -75,6 +74,8 @@ def load(file: str | os.PathLike[str]) -> Specification:
 
     Raises SpecError with all findings when one of them is an error, and OSError.
     """
+    from pathlib import Path
+
     from .project.loader import specification
 
     return specification(Path(file))

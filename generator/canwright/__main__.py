@@ -6,17 +6,17 @@ import errno
 import os
 import sys
 
+from .cli import HELP
+
 CANNOT_PRINT = 2
 
 
 def run() -> None:
     """Runs the command line; a standard output that cannot be written to is an error line, not a traceback."""
-    from .cli import main
-
     status = 0
     try:
         try:
-            main()
+            _run(sys.argv[1:])
         except SystemExit as ended:
             status = ended.code if isinstance(ended.code, int) else 0
         sys.stdout.flush()
@@ -26,6 +26,27 @@ def run() -> None:
             sys.stderr.write(f"canwright: cannot print: {error.strerror or error}\n")
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the interpreter flushes once more at exit
     sys.exit(status)
+
+
+def _run(arguments: list[str]) -> None:
+    """Prints the overview or the result of a run with nothing to do at once, without importing the command line."""
+    if arguments in (["-h"], ["--help"]):
+        sys.stdout.write(HELP)
+        return
+    from .cli.run_record import RunRecord
+
+    record = RunRecord(arguments)
+    printed = record.printed()
+    if printed is None:
+        from .cli import main
+
+        main(obj=record)
+        return
+    if printed.error:
+        import click  # removes colours where there is no terminal
+
+        click.echo(printed.error, nl=False, err=True)
+    sys.stdout.write(printed.out)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from canwright.targets.base import Specification
 from canwright.targets.registry import target_names
 from hypothesis import given, strategies as st
 
-from ..benchmarks.generate_speed import multiplied
+from ..bench.generate import multiplied
 
 P = ParamSpec("P")
 

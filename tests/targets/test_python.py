@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import re
 import subprocess
 import sys
 from fractions import Fraction
@@ -17,7 +16,7 @@ from canwright.targets import python as target
 from canwright.targets.python.text import class_name
 
 from ..conformance.adapters.python import load
-from ..spec_texts import MINIMAL, ROOT, SPECS, called
+from ..spec_texts import MINIMAL, ROOT, SPECS
 
 SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
 
@@ -300,27 +299,6 @@ def test_messages_and_errors_go_from_process_to_process(tmp_path: Path) -> None:
     folder = write(tmp_path, SPEC)
     result = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
-
-
-@pytest.mark.parametrize("spec", SPECS, ids=called)
-def test_the_programs_of_the_readme(spec: Path, tmp_path: Path) -> None:
-    """The first runs and prints what a golden frame has; both are typed."""
-    folder, item = write(tmp_path, spec), specification(spec)
-    blocks = re.findall(r"```python\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
-    assert item.frames is not None and len(blocks) == 2
-    command = [sys.executable, "-c", blocks[0]]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    sent = done.stdout.splitlines()[0].strip()
-    requests = [frame for frame in item.frames.frames if frame.request]
-    ids = [f"{frame.id:08X}" if frame.extended else f"{frame.id:03X}" for frame in requests]
-    assert sent in {f"{id_} {f.data.hex(' ').upper()}".strip() for id_, f in zip(ids, requests, strict=True)}
-    assert "_raw=" not in done.stdout
-    if spec == SPEC:
-        (folder / "use.py").write_text("".join(blocks), "utf-8")
-        mypy = [sys.executable, "-m", "mypy", "--strict", "--no-incremental", "use.py"]
-        result = subprocess.run(mypy, cwd=folder, capture_output=True, text=True, check=False)
-        assert result.returncode == 0, result.stdout + result.stderr
 
 
 def test_facts_for_tools_stand_on_every_class(v2_35: ModuleType) -> None:

@@ -47,6 +47,7 @@ from canwright.targets.python.runtime._codec import (
 )
 from canwright.targets.python.runtime._dispatch import (
     Answer,
+    DataByte,
     Dispatcher,
     Node as DispatchNode,
     Route,
@@ -499,6 +500,15 @@ def test_messages_of_one_code_differ_by_length_further_selectors_or_bits_of_the_
     assert Router("request", (by_bits,), UNKNOWN).find(0x501, False, False) == (by_bits, 1)
     assert by_bits.message(0x101, bytes(3)) is DimRequest
     assert "the bits 0x400," in rejected(Refusal.UNKNOWN_ID, by_bits.message, 0x501, bytes(3))
+
+
+def test_a_key_beyond_short_data_is_0() -> None:
+    second = Select(DataByte(1), {0: SyncRequest, 7: DimRequest}, Refusal.UNKNOWN_CODE)
+    either = Select(data_length, {1: second, 3: second}, Refusal.WRONG_LENGTH)
+    router: Router[Parameters, Message] = Router("request", [Route(0x100, 1, NODES, either)], UNKNOWN)
+    assert type(router.decode(0x101, b"\x01")) is SyncRequest
+    assert type(router.decode(0x101, b"\x10\x07\x00")) is DimRequest
+    rejected(Refusal.UNKNOWN_CODE, router.decode, 0x101, b"\x10\x08\x00")
 
 
 # Nodes and python-can

@@ -76,6 +76,7 @@ __all__ = [
     "MoveToAngleRequest",
     "Parameters",
     "PidGains",
+    "REPLY_WITHIN_MS",
     "ReadAccelerationReply",
     "ReadAccelerationRequest",
     "ReadEncoderReply",
@@ -2529,6 +2530,9 @@ class ReadStatus3Reply(Reply):
         """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
         return _PACK_13(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
+
+REPLY_WITHIN_MS = 0.25
+"""The longest time from a request to its reply, in ms; None where the specification gives no time."""
 
 AnyRequest: TypeAlias = Union[
     MotorOffRequest,

@@ -80,6 +80,7 @@ __all__ = [
     "MoveToAngleRequest",
     "Parameters",
     "PidGains",
+    "REPLY_WITHIN_MS",
     "ReadControlParameterAnglePidReply",
     "ReadControlParameterAnglePidRequest",
     "ReadControlParameterCurrentPidReply",
@@ -3256,6 +3257,9 @@ class ReadStatus3Reply(Reply):
         """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
         return _PACK_16(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
+
+REPLY_WITHIN_MS = 0.25
+"""The longest time from a request to its reply, in ms; None where the specification gives no time."""
 
 AnyRequest: TypeAlias = Union[
     MotorOffRequest,

@@ -87,6 +87,7 @@ __all__ = [
     "MoveToAngleRequest",
     "Parameters",
     "PidGains",
+    "REPLY_WITHIN_MS",
     "ReadControlParameterAnglePidReply",
     "ReadControlParameterAnglePidRequest",
     "ReadControlParameterCurrentPidReply",
@@ -5040,6 +5041,9 @@ class SaveStoredSettingsReply(Reply):
         """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
         return _PACK_16(0x44, 0x5, self._raws[0])
 
+
+REPLY_WITHIN_MS = 0.25
+"""The longest time from a request to its reply, in ms; None where the specification gives no time."""
 
 AnyRequest: TypeAlias = Union[
     MotorOffRequest,

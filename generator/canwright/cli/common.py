@@ -12,11 +12,12 @@ import click
 
 from ..diagnostics.diagnostic import Diagnostic, SpecError, near
 from ..model.formatting import counted
-from ..project.loader import Loaded, all_loaded, spec_files
+from ..project.loader import Loaded, all_loaded, frames_file, spec_files
 from ..targets.base import Specification
 from ..targets.registry import target_names
 from . import COULD_NOT_RUN
 from .printers import PRINTERS
+from .run_record import Printed, RunRecord
 
 SPEC_FOLDER = Path("spec")
 OUT_FOLDER = Path("generated")
@@ -78,6 +79,12 @@ format_option = click.option(
     show_default=True,
     help="The format of findings.",
 )
+cache_option = click.option(
+    "--no-cache",
+    is_flag=True,
+    help="Generate everything, even if the cache folder of the user records that nothing changed.",
+)
+record_argument = click.make_pass_decorator(RunRecord, ensure=True)
 set_option = click.option(
     "--set",
     "settings",
@@ -92,11 +99,13 @@ def read(specs: Sequence[Path], printer: str = "text") -> list[Specification]:
     return [one.specification for one in load(specs, printer)]
 
 
-def load(specs: Sequence[Path], printer: str = "text") -> list[Loaded]:
+def load(specs: Sequence[Path], printer: str = "text", record: RunRecord | None = None) -> list[Loaded]:
     """The given specs, or all specs, with their warnings and documents. Errors are printed and exit the command."""
     files = list({file.resolve(): file for file in specs}.values()) or spec_files(SPEC_FOLDER)
     if not files:
         stop(f"no spec found in {SPEC_FOLDER}/; change to its parent folder, or give a spec as --spec my.yaml")
+    if record:
+        record.watch([file for spec in specs or files for file in (spec, frames_file(spec))])
     try:
         return all_loaded(files)
     except SpecError as error:
@@ -108,13 +117,23 @@ def load(specs: Sequence[Path], printer: str = "text") -> list[Loaded]:
 
 def show_findings(findings: Sequence[Diagnostic], printer: str) -> None:
     """Prints findings: as text on standard error with their count, in any other format on standard output."""
+    show(findings_text(findings, printer))
+
+
+def findings_text(findings: Sequence[Diagnostic], printer: str) -> Printed:
+    """What `show_findings` prints."""
+    listed = PRINTERS[printer](findings) + "\n"
     if printer != "text":
-        click.echo(PRINTERS[printer](findings))
-        return
-    click.echo(PRINTERS[printer](findings), err=True)
+        return Printed(listed)
     counts = Counter(finding.severity.value for finding in findings)
     total = " and ".join(counted(count, kind) for kind, count in sorted(counts.items()))
-    click.echo(f"{total}; `canwright explain RULE` explains a rule", err=True)
+    return Printed("", f"{listed}{total}; `canwright explain RULE` explains a rule\n")
+
+
+def show(printed: Printed) -> None:
+    """Prints on standard error, then on standard output; in colour on a terminal."""
+    click.echo(printed.error, nl=False, err=True)
+    click.echo(printed.out, nl=False)
 
 
 def stop(message: str) -> NoReturn:

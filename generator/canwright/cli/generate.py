@@ -10,7 +10,7 @@ import click
 
 from ..diagnostics.diagnostic import Diagnostic, Position, Severity
 from ..output.paths import OutputError
-from ..output.writer import difference, write
+from ..output.writer import Content, FileChanges, difference, write
 from ..project.pipeline import generate as make
 from ..targets.registry import target_names
 from .common import (
@@ -18,15 +18,19 @@ from .common import (
     OUT_FOLDER,
     FilePath,
     OfSpecs,
+    cache_option,
+    findings_text,
     format_option,
     load,
-    read,
+    record_argument,
     set_option,
+    show,
     show_findings,
     spec_option,
     stop,
     target_option,
 )
+from .run_record import Printed, RunRecord
 from .settings import assignment
 
 
@@ -45,15 +49,24 @@ from .settings import assignment
 @click.option(
     "--force", is_flag=True, help="Overwrite files edited by hand, and remove editions that are not in this run."
 )
+@cache_option
+@record_argument
 def generate(
-    specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], printer: str, out: Path, force: bool
+    record: RunRecord,
+    specs: Sequence[Path],
+    targets: Sequence[str],
+    settings: Sequence[str],
+    printer: str,
+    out: Path,
+    force: bool,
+    no_cache: bool,
 ) -> None:
     """Write the bindings and documents of the specs.
 
     Nothing is written if a spec has errors. Files of an earlier run that are no longer generated are removed;
     files that canwright did not generate are never changed.
     """
-    specifications = read(specs, printer)
+    specifications = [one.specification for one in load(specs, printer, record)]
     set_parameters = assignment(specifications, settings)
     try:
         content = make(specifications, targets or target_names(), set_parameters)
@@ -62,9 +75,15 @@ def generate(
         stop(str(error))
     for path in changes.removed:
         click.echo(f"removed {out.as_posix()}/{path}")
-    click.echo(
+    show(_summary(content, changes, out))
+    if not no_cache:
+        record.save(out, content, _summary(content, FileChanges((), (), len(content.files)), out))
+
+
+def _summary(content: Content, changes: FileChanges, out: Path) -> Printed:
+    return Printed(
         f"{', '.join(content.editions)}: {len(changes.written)} files written, {changes.unchanged} unchanged, "
-        f"{len(changes.removed)} removed in {out.as_posix()}/"
+        f"{len(changes.removed)} removed in {out.as_posix()}/\n"
     )
 
 
@@ -77,28 +96,43 @@ def generate(
     "--out", type=FilePath(file_okay=False, readable=False), help="Folder to compare with.  [default: generated]"
 )
 @click.option("--strict", is_flag=True, help="Exit 1 if there are warnings.")
+@cache_option
+@record_argument
 def check(
-    specs: Sequence[Path], targets: Sequence[str], settings: Sequence[str], printer: str, out: Path | None, strict: bool
+    record: RunRecord,
+    specs: Sequence[Path],
+    targets: Sequence[str],
+    settings: Sequence[str],
+    printer: str,
+    out: Path | None,
+    strict: bool,
+    no_cache: bool,
 ) -> None:
     """Check the specs, and compare the output with them.
 
     Prints a unified diff and exits 1 if the output differs. With --spec but without --out, only the spec is checked.
     """
-    loaded = load(specs, printer)
+    loaded = load(specs, printer, record)
     specifications = [one.specification for one in loaded]
     warnings = [warning for one in loaded for warning in one.warnings]
     names = ", ".join(f"{d.edition.family} {d.edition.name}" for d in specifications)
     set_parameters = assignment(specifications, settings)
     if specs and out is None:
-        _report(warnings, f"{names}: OK", printer, strict)
-        return
+        show(_report(warnings, f"{names}: OK", printer))
+        sys.exit(FINDINGS if warnings and strict else 0)
     out = out or OUT_FOLDER
     try:
-        found = list(difference(out, make(specifications, targets or target_names(), set_parameters)))
+        content = make(specifications, targets or target_names(), set_parameters)
+        found = list(difference(out, content))
     except OutputError as error:
         stop(str(error))
     if not found:
-        _report(warnings, f"{names}: OK, and {out.as_posix()}/ is up to date", printer, strict)
+        report = _report(warnings, f"{names}: OK, and {out.as_posix()}/ is up to date", printer)
+        show(report)
+        if warnings and strict:
+            sys.exit(FINDINGS)
+        if not no_cache:
+            record.save(out, content, report)
         return
     if printer == "text":
         for text in found:
@@ -110,10 +144,7 @@ def check(
     sys.exit(FINDINGS)
 
 
-def _report(warnings: Sequence[Diagnostic], message: str, printer: str, strict: bool) -> None:
-    if warnings or printer != "text":
-        show_findings(warnings, printer)
-    if printer == "text":
-        click.echo(message)
-    if warnings and strict:
-        sys.exit(FINDINGS)
+def _report(warnings: Sequence[Diagnostic], message: str, printer: str) -> Printed:
+    if printer != "text":
+        return findings_text(warnings, printer)
+    return Printed(f"{message}\n", findings_text(warnings, printer).error if warnings else "")

@@ -4,10 +4,22 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
-from .paths import MANIFEST, STAGING, OutputError, is_safe, refuse_obstacles
+from .paths import (
+    LOCK,
+    MANIFEST,
+    STAGING,
+    OutputError,
+    content_of,
+    digest,
+    digest_of_regular,
+    is_safe,
+    refuse_obstacles,
+    regular_files,
+)
 
 _MAX_SIZE = 64 * 1024 * 1024
 """Bytes; about a hundred times the largest known manifest."""
@@ -15,15 +27,14 @@ _MAX_SIZE = 64 * 1024 * 1024
 _DIGEST = re.compile("[0-9a-f]{64}")
 
 
-@dataclass(frozen=True)
-class Manifest:
+class Manifest(NamedTuple):
     """Editions by target, and digests by path."""
 
-    editions: dict[str, list[str]] = field(default_factory=dict)
-    files: dict[str, str] = field(default_factory=dict)
+    editions: Mapping[str, Sequence[str]] = {}
+    files: Mapping[str, str] = {}
 
     def json_bytes(self) -> bytes:
-        return json.dumps(asdict(self), indent=1, ensure_ascii=False).encode() + b"\n"
+        return json.dumps(self._asdict(), indent=1, ensure_ascii=False).encode() + b"\n"
 
 
 def damaged(out: Path, path: str, reason: object) -> OutputError:
@@ -46,6 +57,25 @@ def read_manifest(out: Path, path: str = MANIFEST) -> Manifest:
         return _validated(json.loads(file.read_bytes()))
     except (ValueError, RecursionError) as error:
         raise damaged(out, path, error) from None
+
+
+def is_intact(out: Path, expected: str, targets: Sequence[str]) -> bool:
+    """Whether a folder has the manifest with this digest and the files of `targets` as that lists them.
+
+    False also while a run is writing or was interrupted, and where a link or a folder is in the place of a file.
+    """
+    try:
+        content = content_of(out / MANIFEST)
+        if content is None or digest(content) != expected or (out / LOCK).exists() or (out / STAGING).exists():
+            return False
+        refuse_obstacles(out, MANIFEST)
+        files = _validated(json.loads(content)).files
+        files = {path: value for path, value in files.items() if path.partition("/")[0] in targets}
+        folders = [target for target in targets if not (out / target).is_symlink()]
+        present = {path for target in folders for path in regular_files(out, target)}
+        return files.keys() <= present and all(digest_of_regular(f"{out}/{path}") == files[path] for path in files)
+    except (OSError, ValueError, RecursionError, OutputError):
+        return False
 
 
 def _validated(content: object) -> Manifest:

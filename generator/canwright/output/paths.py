@@ -56,6 +56,22 @@ def digest_of(file: Path) -> str | None:
     return None if data is None else digest(data)
 
 
+def regular_files(out: Path, folder: str) -> Iterator[str]:
+    """The regular files in a folder below `out` and in its folders; links are not followed. Raises OSError."""
+    with os.scandir(f"{out}/{folder}") as entries:
+        for entry in entries:
+            if entry.is_dir(follow_symlinks=False):
+                yield from regular_files(out, f"{folder}/{entry.name}")
+            elif entry.is_file(follow_symlinks=False):
+                yield f"{folder}/{entry.name}"
+
+
+def digest_of_regular(file: str) -> str:
+    """The digest of a regular file, for many files: making a Path of each takes longer than reading it. Raises OSError."""
+    with open(file, "rb", buffering=0) as stream:  # noqa: PTH123
+        return digest(stream.read())
+
+
 def refuse_obstacles(out: Path, *paths: str) -> None:
     """Raises OutputError if a path below `out` leads through a link, or belongs to something other than a file."""
     folders = {folder for path in paths for folder in accumulate(path.split("/")[:-1], "{}/{}".format)}
@@ -66,18 +82,19 @@ def refuse_obstacles(out: Path, *paths: str) -> None:
 
 
 def _refuse_other_than(is_wanted: Callable[[int], bool], wanted: str, out: Path, path: str) -> None:
-    file = out / path
     try:
-        mode = file.lstat().st_mode
+        mode = os.lstat(f"{out}/{path}" if path else out).st_mode  # a Path of each path takes longer
     except (FileNotFoundError, NotADirectoryError):
         return
+    if is_wanted(mode):
+        return
+    file = out / path
     if stat.S_ISLNK(mode):
         remedy = "remove it, files are not written through links"
         if file == out:
             remedy = "name the folder that it leads to with --out"
         raise OutputError(f"{file.as_posix()} is a symbolic link; {remedy}")
-    if not is_wanted(mode):
-        raise OutputError(f"{file.as_posix()} is not a {wanted}; move it away, a {wanted} of that name is generated")
+    raise OutputError(f"{file.as_posix()} is not a {wanted}; move it away, a {wanted} of that name is generated")
 
 
 def conflict(out: Path, path: str, *, generated: bool) -> OutputError:

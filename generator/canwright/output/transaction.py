@@ -29,7 +29,7 @@ def stage(out: Path, files: Mapping[str, bytes], manifest: Manifest) -> None:
     """Decides to write `files` and to remove those that are not in the new manifest. `complete` carries it out."""
     try:
         for path, data in files.items():
-            _save(out / _NEW / path, data)
+            _save(out / f"{_NEW}/{path}", data)
         journal = out / JOURNAL
         unfinished = journal.with_suffix(".tmp")
         _save(unfinished, manifest.json_bytes())
@@ -57,10 +57,10 @@ def complete(out: Path, *, force: bool) -> None:
                 raise conflict(out, path, generated=True)
         try:
             for path in written:
-                _keep(out / path, out / _OLD / path)
-                _move(out / _NEW / path, out / path)
+                _keep(out / path, out / f"{_OLD}/{path}")
+                _move(out / f"{_NEW}/{path}", out / path)
             for path in removed:
-                _move(out / path, out / _OLD / path)
+                _move(out / path, out / f"{_OLD}/{path}")
                 _remove_empty(out, (out / path).parent)
             (out / JOURNAL).replace(out / MANIFEST)
         except OSError:
@@ -72,7 +72,7 @@ def complete(out: Path, *, force: bool) -> None:
 
 def _is_pending(out: Path, path: str, old: Manifest, new: Manifest, *, force: bool) -> bool:
     """Whether a staged file has not been moved to its path yet."""
-    staged = digest_of(out / _NEW / path)
+    staged = digest_of(out / f"{_NEW}/{path}")
     before, after = old.files.get(path), new.files[path]
     if staged is None and before == after:
         return False
@@ -87,7 +87,7 @@ def _is_pending(out: Path, path: str, old: Manifest, new: Manifest, *, force: bo
 def _undo(out: Path, old: Manifest, new: Manifest) -> None:
     """Moves the old files back, since there may be no space to copy. The journal can be completed at any moment."""
     for path in {**old.files, **new.files}:
-        file, new_file, old_file = out / path, out / _NEW / path, out / _OLD / path
+        file, new_file, old_file = out / path, out / f"{_NEW}/{path}", out / f"{_OLD}/{path}"
         if old_file.is_file() or old.files.get(path) != new.files.get(path):
             if path in new.files and not new_file.exists():
                 _move(file, new_file)

@@ -18,7 +18,7 @@ from ..model.layout import Field, Segment, Space
 from ..model.message import Message
 from ..model.refusal import Refusal
 from ..model.types import Bound, Encoding, Range, Type
-from .decoder import Rejection, linear_of, value_of
+from .decoder import Rejection, is_finite, linear_of, value_of
 from .frame import CanFrame, Raw
 
 Number = int | float | Decimal | Fraction
@@ -122,6 +122,8 @@ class Encoder:
         if isinstance(raw, list):
             each = (self.rejects_raw(field, one) for one in raw)
             return _wrong_count(field, len(raw)) or next(filter(None, each), None)
+        if field.type.encoding is Encoding.FLOAT and not is_finite(field.type, raw):
+            return Rejection(Refusal.NOT_FINITE, f"raw {raw} is no finite number in `{field.name}`", field.name)
         if field.type not in self._allows:
             self._allows[field.type] = self._allowed(field.type)
         if self._allows[field.type](raw):

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-_PACKAGE = Path(__file__).resolve().parent.parent
-_INSTALLED = _PACKAGE / "data"
-_ROOT = _INSTALLED if _INSTALLED.is_dir() else _PACKAGE.parent.parent
+PACKAGE = Path(__file__).resolve().parent.parent
+_INSTALLED = PACKAGE / "data"
+_ROOT = _INSTALLED if _INSTALLED.is_dir() else PACKAGE.parent.parent
 
 TEMPLATES = _ROOT / "templates"
 UNITS = _ROOT / "spec" / "units.yaml"
 SCHEMA = _ROOT / "spec" / "canwright.schema.json"
 
-EXAMPLES = _PACKAGE / "rules" / "examples"
+EXAMPLES = PACKAGE / "rules" / "examples"
 """A folder for each rule, with an invalid spec, a valid one, and the expected findings."""
 
-CHANGE_EXAMPLES = _PACKAGE / "compare" / "examples"
+CHANGE_EXAMPLES = PACKAGE / "compare" / "examples"
 """A folder for each kind of change, with an edition before and after it."""

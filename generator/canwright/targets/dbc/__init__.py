@@ -13,17 +13,16 @@ from ...templating.environment import environment
 from ..base import Output, Specification
 from .files import files, traffics
 from .guide import Made, guide
-from .text import text
+from .printer import printed
 
 
 def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
     """The files of every edition, and a README.md with instructions."""
-    env = environment("dbc", {"text": text})
-    template = env.get_template("file.dbc.j2")
     made = [_made(one, set_parameters) for one in specifications]
     for one in made:
         for file in one.files:
-            yield Output(f"{file.name}.dbc", template.render(file=file))
+            yield Output(f"{file.name}.dbc", printed(file))
+    env = environment("dbc", {})
     yield Output("README.md", env.get_template("README.md.j2").render(guide=guide(made)))
 
 

@@ -1,4 +1,4 @@
-"""Variables of the templates: the parts of one DBC file, with all numbers as text."""
+"""The parts of a DBC file, with all numbers as text."""
 
 from __future__ import annotations
 

@@ -14,7 +14,10 @@ from .messages import MessageViews
 from .parameters import choice_view, parameter_view
 from .types import type_views
 
-CONSTANTS = ("AnyReply", "AnyRequest", "EDITION", "FAMILY", "SPEC_HASH", "UNKNOWN", "Parameters")
+CONSTANTS = (
+    *("EDITION", "FAMILY", "REPLY_WITHIN_MS", "SPEC_HASH", "UNKNOWN"),
+    *("AnyReply", "AnyRequest", "Parameters"),
+)
 FUNCTIONS = ("check_reply", "decode_answer", "decode_reply", "decode_request", "ids_of", "node_of")
 
 
@@ -62,6 +65,7 @@ def module_view(edition: Edition) -> dict[str, object]:
         "request_routes": list(routes.route_views(edition, Direction.REQUEST, readers)),
         "reply_routes": list(routes.route_views(edition, Direction.REPLY, readers)),
         "answers": list(routes.answer_views(edition, readers)),
+        "reply_within_ms": None if edition.bus.reply_within_ms is None else float(edition.bus.reply_within_ms),
         "request_classes": routes.decoded_classes(edition, Direction.REQUEST),
         "reply_classes": routes.decoded_classes(edition, Direction.REPLY),
         "readers": readers,

@@ -477,9 +477,11 @@ class Float(Number):
         return self.check(bits, parameters, field)
 
     def check(self, raw: int, parameters: object, field: str) -> int:
-        """The bit pattern itself. Raises CodecError when its value is out of range."""
+        """The bit pattern itself. Raises CodecError when its value is out of range or not finite."""
         if not 0 <= integer(raw, field) <= self.high:
             raise CodecError(Refusal.OUT_OF_RANGE, f"{field}=raw {raw} is out of range 0..{self.high}", field)
+        if not math.isfinite(self._number.unpack(self._bits.pack(raw))[0]):
+            raise CodecError(Refusal.NOT_FINITE, f"{field}=raw {raw} is not a finite number", field)
         low, high = self._ends(parameters)
         if low is not None or high is not None:
             # the value as a float may have been rounded to an end of the range
