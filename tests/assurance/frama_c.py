@@ -3,7 +3,8 @@
     python -m tests.assurance.frama_c [SPEC...]
 
 Eva calls every function with all frames, messages, parameters and raw integers, and must find no alarm. The headers of
-floating point are not covered: their wide integers take Eva too long. Assertions state that a function that returns CANWRIGHT_OK has written all of its outputs.
+floating point are not covered: their wide integers take Eva too long. Assertions state that a function that returns
+CANWRIGHT_OK has written all of its outputs.
 On Debian: apt-get install frama-c-base
 """
 
