@@ -125,9 +125,19 @@ class CAdapter(Adapter):
         answer = self._ask("filter", f"{address}_{direction.value}_filter", *self._known({}), str(node))
         return answer if isinstance(answer, Refused) else (int(answer[0], 16), int(answer[1], 16))
 
+    def check(self, direction: Direction, frame: CanFrame, parameters: Parameters) -> Refused | None:
+        """Why a frame is not decoded, or why its fields are invalid, with the field; None for a valid frame."""
+        answer = self._ask("check", f"any_{direction.value}", *self._known(parameters), *_frame(frame))
+        return answer if isinstance(answer, Refused) else None
+
     def milli(self, type_name: str, direction: str, number: int, parameters: Parameters) -> int | Refused:
         """`to` thousandths of the unit, or `from` them."""
         answer = self._ask("milli", type_name, *self._known(parameters), direction, str(number))
+        return answer if isinstance(answer, Refused) else int(answer[0])
+
+    def single(self, type_name: str, direction: str, number: int, parameters: Parameters) -> int | Refused:
+        """`to` the bits of a float, or `from` them."""
+        answer = self._ask("single", type_name, *self._known(parameters), direction, str(number))
         return answer if isinstance(answer, Refused) else int(answer[0])
 
     def wrong_facts(self) -> list[str]:

@@ -264,6 +264,68 @@ static inline canwright_status_t canwright_unsigned_from_float(
     return canwright_unsigned_from_term(nearest, &term, linear, lowest, highest);
 }
 
+/**
+ * The value of an integer with a scale for which 64 bits are enough: the magnitudes of `factor` and `divisor` are less
+ * than 2^31, that of `addend` is less than 2^37, the dividend of every raw integer fits in 64 bits, and there is no ratio.
+ */
+CANWRIGHT_NONNULL
+static inline float canwright_narrow_to_float(int64_t raw, const canwright_linear_t *linear)
+{
+    const int64_t dividend = raw * linear->factor + linear->addend;
+    uint64_t size = canwright_magnitude(dividend);
+    const uint64_t divisor = (uint64_t)linear->divisor;
+    uint32_t exponent = 127u;
+    float value;
+    if (size == 0u) {
+        return 0.0f;
+    }
+    for (; (size >> 61) == 0u; size <<= 1) {
+        exponent--;
+    }
+    /* The quotient has at least 31 bits; the lowest one stands for the remainder. */
+    value = (float)(size / divisor | (size % divisor != 0u ? 1u : 0u)) * canwright_float_of_bits(exponent << 23);
+    return dividend < 0 ? -value : value;
+}
+
+/**
+ * The raw integer nearest to a value, ties away from zero, with such a scale; the dividends of twice the limits and of
+ * the integers beside them fit in 64 bits.
+ */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t canwright_narrow_from_float(
+    int64_t *nearest, float value, const canwright_linear_t *linear, int64_t lowest, int64_t highest)
+{
+    const uint32_t bits = canwright_bits_of_float(value);
+    const uint32_t biased = (bits >> 23) & 0xFFu;
+    const int shift = 150 - (biased == 0u ? 1 : (int)biased); /* value = size * 2^-shift */
+    const int kept = shift < 0 ? 0 : shift > 24 ? 24 : shift;
+    uint64_t size = (uint64_t)(biased == 0u ? bits & 0x7FFFFFu : (bits & 0x7FFFFFu) | 0x800000u);
+    int64_t dividend;
+    int64_t divisor = linear->factor * (INT64_C(1) << kept);
+    if (!canwright_is_finite32(bits)) {
+        return CANWRIGHT_NOT_FINITE;
+    }
+    size *= (uint64_t)linear->divisor;
+    if (shift < 0) {
+        if (shift < -62 || size > UINT64_C(0x3FFFFFFFFFFFFFFF) >> -shift) {
+            return CANWRIGHT_OUT_OF_RANGE;
+        }
+        size <<= -shift;
+    } else if (shift - kept > 55) { /* all bits of a product of 55 bits are too low; one of them stands for the rest */
+        size = size != 0u ? 1u : 0u;
+    } else if (shift > kept) {
+        const uint64_t low = size & ((UINT64_C(1) << (shift - kept)) - 1u);
+        size = size >> (shift - kept) | (low != 0u ? 1u : 0u);
+    }
+    dividend = ((bits >> 31) != 0u ? -(int64_t)size : (int64_t)size) - linear->addend * (INT64_C(1) << kept);
+    if (divisor < 0) {
+        divisor = -divisor;
+        dividend = -dividend;
+    }
+    *nearest = canwright_divide64(dividend, divisor);
+    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+}
+
 /** The value of the 32-bit number that has these bits. */
 CANWRIGHT_NONNULL
 static inline float canwright_bits32_to_float(uint32_t bits, const canwright_linear_t *linear)

@@ -43,7 +43,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_temperature_from_float(
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -128, 127);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -64,7 +64,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_voltage_from_float(int1
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -85,7 +85,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_bus_current_from_float(
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -106,7 +106,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_power_i16_from_float(in
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -850, 850);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -127,7 +127,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_output_power_from_float
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -1000, 1000);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -1000, 1000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -169,13 +169,13 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_torque_current_from_flo
     case MWD_MOTOR_V2_35_2024_02_SERIES_MF:
         {
             static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -2048, 2048);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -2048, 2048);
             break;
         }
     case MWD_MOTOR_V2_35_2024_02_SERIES_MG:
         {
             static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -2048, 2048);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -2048, 2048);
             break;
         }
     default:
@@ -222,13 +222,13 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_measured_torque_current
     case MWD_MOTOR_V2_35_2024_02_SERIES_MF:
         {
             static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
             break;
         }
     case MWD_MOTOR_V2_35_2024_02_SERIES_MG:
         {
             static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
             break;
         }
     default:
@@ -275,13 +275,13 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_phase_current_from_floa
     case MWD_MOTOR_V2_35_2024_02_SERIES_MF:
         {
             static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
             break;
         }
     case MWD_MOTOR_V2_35_2024_02_SERIES_MG:
         {
             static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
             break;
         }
     default:
@@ -307,7 +307,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_i16_from_float(in
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -319,7 +319,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_i16_from_float(in
 static inline float mwd_motor_v2_35_2024_02_speed_setpoint_to_float(int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -329,7 +329,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_setpoint_from_flo
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -350,7 +350,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_limit_u16_from_fl
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -362,7 +362,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_speed_limit_u16_from_fl
 static inline float mwd_motor_v2_35_2024_02_angle_i32_to_float(int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -372,7 +372,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_angle_i32_from_float(in
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -384,7 +384,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_angle_i32_from_float(in
 static inline float mwd_motor_v2_35_2024_02_single_turn_angle_to_float(uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -394,7 +394,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_angle_from_
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -406,7 +406,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_angle_from_
 static inline float mwd_motor_v2_35_2024_02_single_turn_position_to_float(uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -417,7 +417,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_position_fr
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -432,7 +432,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_position_fr
 static inline float mwd_motor_v2_35_2024_02_multi_turn_angle_to_float(int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -442,7 +442,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_multi_turn_angle_from_f
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -481,19 +481,19 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_encoder_position_from_f
     case MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_14:
         {
             static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
             break;
         }
     case MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_15:
         {
             static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
             break;
         }
     case MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_16:
         {
             static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
             break;
         }
     default:
@@ -522,7 +522,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_i16_from_float(int16_t 
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -543,7 +543,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_i32_from_float(int32_t 
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -951,7 +951,8 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_single_turn_position_fr
 static inline double mwd_motor_v2_35_2024_02_multi_turn_angle_to_double(int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_double(raw, &linear);
+    return ((raw >= -9007199254740992)
+        && (raw <= 9007199254740992)) ? ((double)raw / 100.0) : canwright_signed_to_double(raw, &linear);
 }
 
 /** The nearest raw value. */

@@ -43,7 +43,7 @@ static inline canwright_status_t mwd_motor_v2_35_temperature_from_float(int8_t *
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -128, 127);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -64,7 +64,7 @@ static inline canwright_status_t mwd_motor_v2_35_voltage_from_float(uint16_t *ra
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 10, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -85,7 +85,7 @@ static inline canwright_status_t mwd_motor_v2_35_power_from_float(int16_t *raw, 
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -850, 850);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -127,13 +127,13 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_float(
     case MWD_MOTOR_V2_35_SERIES_MF:
         {
             static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -2048, 2048);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -2048, 2048);
             break;
         }
     case MWD_MOTOR_V2_35_SERIES_MG:
         {
             static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -2048, 2048);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -2048, 2048);
             break;
         }
     default:
@@ -159,7 +159,7 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_float(in
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {2, 0, 125, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2000, 2000);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -2000, 2000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -180,7 +180,7 @@ static inline canwright_status_t mwd_motor_v2_35_phase_current_from_float(int16_
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 64, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -201,7 +201,7 @@ static inline canwright_status_t mwd_motor_v2_35_speed_i16_from_float(int16_t *r
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -213,7 +213,7 @@ static inline canwright_status_t mwd_motor_v2_35_speed_i16_from_float(int16_t *r
 static inline float mwd_motor_v2_35_speed_setpoint_to_float(int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -223,7 +223,7 @@ static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_float(int32
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -244,7 +244,7 @@ static inline canwright_status_t mwd_motor_v2_35_speed_limit_from_float(uint16_t
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -265,7 +265,7 @@ static inline canwright_status_t mwd_motor_v2_35_acceleration_from_float(int32_t
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -277,7 +277,7 @@ static inline canwright_status_t mwd_motor_v2_35_acceleration_from_float(int32_t
 static inline float mwd_motor_v2_35_angle_i32_to_float(int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -287,7 +287,7 @@ static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_float(int32_t *r
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -299,7 +299,7 @@ static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_float(int32_t *r
 static inline float mwd_motor_v2_35_single_turn_angle_to_float(uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -309,7 +309,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_float(ui
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -321,7 +321,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_float(ui
 static inline float mwd_motor_v2_35_single_turn_position_to_float(uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -332,7 +332,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_float
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -347,7 +347,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_float
 static inline float mwd_motor_v2_35_multi_turn_angle_to_float(int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -357,7 +357,7 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_float(int
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -396,19 +396,19 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_float(
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
         {
             static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
             break;
         }
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
         {
             static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
             break;
         }
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
         {
             static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
             break;
         }
     default:
@@ -437,7 +437,7 @@ static inline canwright_status_t mwd_motor_v2_35_gain_from_float(uint8_t *raw, f
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 255);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 255);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -760,7 +760,8 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_doubl
 static inline double mwd_motor_v2_35_multi_turn_angle_to_double(int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_double(raw, &linear);
+    return ((raw >= -9007199254740992)
+        && (raw <= 9007199254740992)) ? ((double)raw / 100.0) : canwright_signed_to_double(raw, &linear);
 }
 
 /** The nearest raw value. */

@@ -43,7 +43,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_temperature_from_float(
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -128, 127);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -64,7 +64,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_voltage_from_float(int1
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -85,7 +85,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_float(
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -106,7 +106,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_power_i16_from_float(in
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -850, 850);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -127,7 +127,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_output_power_from_float
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -1000, 1000);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -1000, 1000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -169,13 +169,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_flo
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
         {
             static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -2048, 2048);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -2048, 2048);
             break;
         }
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
         {
             static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -2048, 2048);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -2048, 2048);
             break;
         }
     default:
@@ -222,13 +222,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
         {
             static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
             break;
         }
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
         {
             static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
             break;
         }
     default:
@@ -275,13 +275,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_floa
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
         {
             static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
             break;
         }
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
         {
             static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+            status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
             break;
         }
     default:
@@ -307,7 +307,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_i16_from_float(in
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -319,7 +319,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_i16_from_float(in
 static inline float mwd_motor_v2_36_2025_03_speed_setpoint_to_float(int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -329,7 +329,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_setpoint_from_flo
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -350,7 +350,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_limit_from_float(
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -362,7 +362,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_limit_from_float(
 static inline float mwd_motor_v2_36_2025_03_angle_i32_to_float(int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -372,7 +372,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_i32_from_float(in
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -384,7 +384,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_i32_from_float(in
 static inline float mwd_motor_v2_36_2025_03_single_turn_angle_to_float(uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -394,7 +394,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -406,7 +406,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_
 static inline float mwd_motor_v2_36_2025_03_single_turn_position_to_float(uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -417,7 +417,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -432,7 +432,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
 static inline float mwd_motor_v2_36_2025_03_multi_turn_angle_to_float(int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return canwright_narrow_to_float(raw, &linear);
 }
 
 /** The nearest raw value. */
@@ -442,7 +442,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_f
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -481,19 +481,19 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_f
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
         {
             static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
             break;
         }
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
         {
             static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
             break;
         }
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
         {
             static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
             break;
         }
     default:
@@ -522,7 +522,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_gain_from_float(uint16_
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 2000);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 2000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -544,7 +544,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_output_limit_from_float
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -568,7 +568,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_bound_from_float(
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 600000);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 600000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -589,7 +589,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_bound_from_float(
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -610,7 +610,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_max_angle_from_float(in
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 2147483647);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -631,7 +631,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_current_ramp_from_float
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 30000);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 30000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -652,7 +652,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_ramp_from_float(i
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 600000);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 600000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -673,7 +673,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_align_ratio_from_float(
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -694,7 +694,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_driver_id_from_float(ui
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 32);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 32);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -715,7 +715,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_u32_from_float(uint32_t
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -736,7 +736,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_u8_from_float(uint8_t *
     int64_t nearest;
     canwright_status_t status;
     static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 255);
+    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 255);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1144,7 +1144,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
 static inline double mwd_motor_v2_36_2025_03_multi_turn_angle_to_double(int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_double(raw, &linear);
+    return ((raw >= -9007199254740992)
+        && (raw <= 9007199254740992)) ? ((double)raw / 100.0) : canwright_signed_to_double(raw, &linear);
 }
 
 /** The nearest raw value. */

@@ -11,8 +11,9 @@ from typing import NamedTuple
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice, choose
 from .conversions import MISSING_PARAMETER, NO_SCALE, ConversionView, Formula, ratio
+from .expressions import joined, operand
 from .names import Names
-from .numbers import INT64, UINT64, integer
+from .numbers import INT64, UINT64, Integer, integer
 from .validity import Condition, constant_limits, has_constant_limits
 
 
@@ -52,7 +53,9 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
         if linear is None:
             return NO_SCALE
         limits = "" if is_float else "".join(f", {wide.literal(end)}" for end in constant_limits(type_))
-        call = f"canwright_{raw_kind(type_)}_from_{format_.name}(&nearest, value, &linear{limits})"
+        low, high = constant_limits(type_)
+        function = _function(linear, type_, format_, (2 * low - 2, 2 * high + 2))
+        call = f"canwright_{function}_from_{format_.name}(&nearest, value, &linear{limits})"
         return Formula(number=call, ratio=ratio(linear), linear=initializer(linear))
 
     return ConversionView(
@@ -66,7 +69,8 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
 
 
 def _to(linear: Linear, type_: Type, format_: Format) -> Formula:
-    number = f"canwright_{raw_kind(type_)}_to_{format_.name}(raw, &linear)"
+    function = _function(linear, type_, format_, integer(type_).limits)
+    number = f"canwright_{function}_to_{format_.name}(raw, &linear)"
     if type_.encoding is not Encoding.FLOAT and linear.times is None:
         if linear.is_identity:
             return Formula(number=f"({format_.name})raw")
@@ -74,7 +78,28 @@ def _to(linear: Linear, type_: Type, format_: Format) -> Formula:
         largest = max(map(abs, type_.raw_limits)) * abs(factor) + abs(addend)
         if max(largest, divisor) <= format_.exact:
             return Formula(number=_expression(linear, format_))
+        most = (format_.exact - abs(addend)) // abs(factor)
+        if format_ is DOUBLE and divisor <= format_.exact and most > 0:
+            number = f"({_within(integer(type_), most)}) ? ({_expression(linear, format_)}) : {number}"
     return Formula(number=number, ratio=ratio(linear), linear=initializer(linear))
+
+
+def _within(kind: Integer, most: int) -> str:
+    """The condition for raw integers of at most this magnitude."""
+    low = [f"raw >= {kind.literal(-most)}"] if kind.signed else []
+    return joined("&&", [*low, f"raw <= {kind.literal(most)}"])
+
+
+def _function(linear: Linear, type_: Type, format_: Format, limits: tuple[int, int]) -> str:
+    """The functions of the runtime for a scale: of raw integers within `limits`, those with 64 bits if they are enough."""
+    factor, addend, divisor = linear.as_quotient
+    is_narrow = (
+        (raw_kind(type_), format_, linear.times) == ("signed", SINGLE, None)
+        and max(abs(factor), divisor) < 1 << 31
+        and abs(addend) < 1 << 37
+        and INT64.holds(*(raw * factor + addend for raw in limits))
+    )
+    return "narrow" if is_narrow else raw_kind(type_)
 
 
 def _expression(linear: Linear, format_: Format) -> str:
@@ -82,9 +107,11 @@ def _expression(linear: Linear, format_: Format) -> str:
     factor, addend, divisor = linear.as_quotient
     product = f"({format_.name})raw" + (f" * {format_.literal(abs(factor))}" if abs(factor) != 1 else "")
     if factor < 0:
-        dividend = f"{format_.literal(addend)} - {product}"
+        dividend = f"{format_.literal(addend)} - {operand(product)}"
+    elif addend:
+        dividend = f"{operand(product)} {'+' if addend > 0 else '-'} {format_.literal(abs(addend))}"
     else:
-        dividend = product + (f" {'+' if addend > 0 else '-'} {format_.literal(abs(addend))}" if addend else "")
+        dividend = product
     if divisor == 1:
         return dividend
     return (f"({dividend})" if addend or factor < 0 else dividend) + f" / {format_.literal(divisor)}"
