@@ -40,10 +40,9 @@ static inline float mwd_motor_v2_35_temperature_to_float(int8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_temperature_from_float(int8_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -128, 127);
+    status = canwright_signed32_from_float(&nearest, value, value, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -61,10 +60,9 @@ static inline float mwd_motor_v2_35_voltage_to_float(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_voltage_from_float(uint16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 10, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_float(&nearest, value, value * 10.0f, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -82,10 +80,9 @@ static inline float mwd_motor_v2_35_power_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_power_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -850, 850);
+    status = canwright_signed32_from_float(&nearest, value, value, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -118,24 +115,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_torque_current_from_float(
     int16_t *raw, float value, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_SERIES_MS:
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -2048, 2048);
+        break;
     case MWD_MOTOR_V2_35_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -2048, 2048);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -156,10 +147,9 @@ static inline float mwd_motor_v2_35_broadcast_current_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {2, 0, 125, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2000, 2000);
+    status = canwright_signed32_from_float(&nearest, value, value * 125.0f / 2.0f, -2000, 2000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -177,10 +167,9 @@ static inline float mwd_motor_v2_35_phase_current_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_phase_current_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 64, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value * 64.0f, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -198,10 +187,9 @@ static inline float mwd_motor_v2_35_speed_i16_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_i16_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -212,22 +200,20 @@ static inline canwright_status_t mwd_motor_v2_35_speed_i16_from_float(int16_t *r
 /** speed_setpoint: Target speed, deg/s. */
 static inline float mwd_motor_v2_35_speed_setpoint_to_float(int32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -241,10 +227,9 @@ static inline float mwd_motor_v2_35_speed_limit_to_float(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_limit_from_float(uint16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -262,44 +247,40 @@ static inline float mwd_motor_v2_35_acceleration_to_float(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_acceleration_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
 /** angle_i32: Angle, deg. */
 static inline float mwd_motor_v2_35_angle_i32_to_float(int32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
 /** single_turn_angle: Single-turn angle, deg. */
 static inline float mwd_motor_v2_35_single_turn_angle_to_float(uint32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -308,8 +289,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_float(ui
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -320,8 +300,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_float(ui
 /** single_turn_position: Single-turn angle of the output, deg. */
 static inline float mwd_motor_v2_35_single_turn_position_to_float(uint32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -331,8 +310,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_float
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -346,8 +324,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_float
 /** multi_turn_angle: Multi-turn angle, deg. */
 static inline float mwd_motor_v2_35_multi_turn_angle_to_float(int64_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -356,8 +333,7 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_float(int
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -390,27 +366,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_float(
     uint16_t *raw, float value, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
-        {
-            static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 45.0f, 0, 65535);
+        break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
-        {
-            static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 45.0f, 0, 65535);
+        break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
-        {
-            static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 8192.0f / 45.0f, 0, 65535);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -434,10 +401,9 @@ static inline float mwd_motor_v2_35_gain_to_float(uint8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_gain_from_float(uint8_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 255);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 255);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -457,10 +423,9 @@ static inline double mwd_motor_v2_35_temperature_to_double(int8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_temperature_from_double(int8_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -128, 127);
+    status = canwright_signed32_from_double(&nearest, value, value, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -478,10 +443,9 @@ static inline double mwd_motor_v2_35_voltage_to_double(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_voltage_from_double(uint16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 10, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_double(&nearest, value, value * 10.0, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -499,10 +463,9 @@ static inline double mwd_motor_v2_35_power_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_power_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -850, 850);
+    status = canwright_signed32_from_double(&nearest, value, value, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -535,24 +498,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_SERIES_MS:
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -2048, 2048);
+        break;
     case MWD_MOTOR_V2_35_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -2048, 2048);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -573,10 +530,9 @@ static inline double mwd_motor_v2_35_broadcast_current_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {2, 0, 125, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2000, 2000);
+    status = canwright_signed32_from_double(&nearest, value, value * 125.0 / 2.0, -2000, 2000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -594,10 +550,9 @@ static inline double mwd_motor_v2_35_phase_current_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_phase_current_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 64, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value * 64.0, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -615,10 +570,9 @@ static inline double mwd_motor_v2_35_speed_i16_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_i16_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -636,14 +590,13 @@ static inline double mwd_motor_v2_35_speed_setpoint_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -657,10 +610,9 @@ static inline double mwd_motor_v2_35_speed_limit_to_double(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_limit_from_double(uint16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -678,14 +630,13 @@ static inline double mwd_motor_v2_35_acceleration_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_acceleration_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -699,14 +650,13 @@ static inline double mwd_motor_v2_35_angle_i32_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -722,8 +672,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_double(u
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_double(&nearest, value, value * 100.0, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -744,8 +693,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_doubl
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_double(&nearest, value, value * 100.0, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -759,8 +707,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_doubl
 /** multi_turn_angle: Multi-turn angle, deg. */
 static inline double mwd_motor_v2_35_multi_turn_angle_to_double(int64_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_double(raw, &linear);
+    return canwright_quotient_signed(raw, UINT64_C(100));
 }
 
 /** The nearest raw value. */
@@ -769,8 +716,8 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_double(in
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_corrected_signed_from_double(&nearest, value, value * 100.0, UINT64_C(100), UINT64_C(0),
+        UINT64_C(1), -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -803,27 +750,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_double(
     uint16_t *raw, double value, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
-        {
-            static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 45.0, 0, 65535);
+        break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
-        {
-            static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 45.0, 0, 65535);
+        break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
-        {
-            static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 8192.0 / 45.0, 0, 65535);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -847,10 +785,9 @@ static inline double mwd_motor_v2_35_gain_to_double(uint8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_gain_from_double(uint8_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 255);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 255);
     if (status != CANWRIGHT_OK) {
         return status;
     }

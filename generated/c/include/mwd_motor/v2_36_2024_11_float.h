@@ -40,10 +40,9 @@ static inline float mwd_motor_v2_36_2024_11_temperature_to_float(int8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_temperature_from_float(int8_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -128, 127);
+    status = canwright_signed32_from_float(&nearest, value, value, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -61,10 +60,9 @@ static inline float mwd_motor_v2_36_2024_11_voltage_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_voltage_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -82,10 +80,9 @@ static inline float mwd_motor_v2_36_2024_11_bus_current_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_bus_current_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -103,10 +100,9 @@ static inline float mwd_motor_v2_36_2024_11_power_i16_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_power_i16_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -850, 850);
+    status = canwright_signed32_from_float(&nearest, value, value, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -124,10 +120,9 @@ static inline float mwd_motor_v2_36_2024_11_output_power_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_output_power_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -1000, 1000);
+    status = canwright_signed32_from_float(&nearest, value, value, -1000, 1000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -160,24 +155,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_torque_current_from_float(
     int16_t *raw, float value, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -2048, 2048);
+        break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -2048, 2048);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -213,24 +202,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_measured_torque_current_from_float(
     int16_t *raw, float value, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -32768, 32767);
+        break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -32768, 32767);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -266,24 +249,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_phase_current_from_float(
     int16_t *raw, float value, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -32768, 32767);
+        break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -32768, 32767);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -304,10 +281,9 @@ static inline float mwd_motor_v2_36_2024_11_speed_i16_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_speed_i16_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -318,22 +294,20 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_speed_i16_from_float(in
 /** speed_setpoint: Target speed, deg/s. */
 static inline float mwd_motor_v2_36_2024_11_speed_setpoint_to_float(int32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_speed_setpoint_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -347,10 +321,9 @@ static inline float mwd_motor_v2_36_2024_11_speed_limit_to_float(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_speed_limit_from_float(uint16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -361,30 +334,27 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_speed_limit_from_float(
 /** angle_i32: Angle, deg. */
 static inline float mwd_motor_v2_36_2024_11_angle_i32_to_float(int32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_angle_i32_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
 /** single_turn_angle: Single-turn angle, deg. */
 static inline float mwd_motor_v2_36_2024_11_single_turn_angle_to_float(uint32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -393,8 +363,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_angle_from_
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -405,8 +374,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_angle_from_
 /** single_turn_position: Single-turn angle of the output, deg. */
 static inline float mwd_motor_v2_36_2024_11_single_turn_position_to_float(uint32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -416,8 +384,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_position_fr
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -431,8 +398,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_position_fr
 /** multi_turn_angle: Multi-turn angle, deg. */
 static inline float mwd_motor_v2_36_2024_11_multi_turn_angle_to_float(int64_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -441,8 +407,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_multi_turn_angle_from_f
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -475,27 +440,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_encoder_position_from_float(
     uint16_t *raw, float value, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_14:
-        {
-            static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 45.0f, 0, 65535);
+        break;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_15:
-        {
-            static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 45.0f, 0, 65535);
+        break;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_16:
-        {
-            static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 8192.0f / 45.0f, 0, 65535);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -519,10 +475,9 @@ static inline float mwd_motor_v2_36_2024_11_gain_to_float(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_gain_from_float(uint16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -540,10 +495,9 @@ static inline float mwd_motor_v2_36_2024_11_i16_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_i16_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -561,14 +515,13 @@ static inline float mwd_motor_v2_36_2024_11_i32_to_float(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_i32_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -584,10 +537,9 @@ static inline double mwd_motor_v2_36_2024_11_temperature_to_double(int8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_temperature_from_double(int8_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -128, 127);
+    status = canwright_signed32_from_double(&nearest, value, value, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -605,10 +557,9 @@ static inline double mwd_motor_v2_36_2024_11_voltage_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_voltage_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -626,10 +577,9 @@ static inline double mwd_motor_v2_36_2024_11_bus_current_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_bus_current_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -647,10 +597,9 @@ static inline double mwd_motor_v2_36_2024_11_power_i16_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_power_i16_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -850, 850);
+    status = canwright_signed32_from_double(&nearest, value, value, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -668,10 +617,9 @@ static inline double mwd_motor_v2_36_2024_11_output_power_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_output_power_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -1000, 1000);
+    status = canwright_signed32_from_double(&nearest, value, value, -1000, 1000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -704,24 +652,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -2048, 2048);
+        break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -2048, 2048);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -757,24 +699,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_measured_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -32768, 32767);
+        break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -32768, 32767);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -810,24 +746,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_phase_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -32768, 32767);
+        break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -32768, 32767);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -848,10 +778,9 @@ static inline double mwd_motor_v2_36_2024_11_speed_i16_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_speed_i16_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -869,14 +798,13 @@ static inline double mwd_motor_v2_36_2024_11_speed_setpoint_to_double(int32_t ra
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_speed_setpoint_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -890,10 +818,9 @@ static inline double mwd_motor_v2_36_2024_11_speed_limit_to_double(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_speed_limit_from_double(uint16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -911,14 +838,13 @@ static inline double mwd_motor_v2_36_2024_11_angle_i32_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_angle_i32_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -934,8 +860,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_angle_from_
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_double(&nearest, value, value * 100.0, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -956,8 +881,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_position_fr
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_double(&nearest, value, value * 100.0, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -971,8 +895,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_position_fr
 /** multi_turn_angle: Multi-turn angle, deg. */
 static inline double mwd_motor_v2_36_2024_11_multi_turn_angle_to_double(int64_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_double(raw, &linear);
+    return canwright_quotient_signed(raw, UINT64_C(100));
 }
 
 /** The nearest raw value. */
@@ -981,8 +904,8 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_multi_turn_angle_from_d
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_corrected_signed_from_double(&nearest, value, value * 100.0, UINT64_C(100), UINT64_C(0),
+        UINT64_C(1), -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1015,27 +938,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_encoder_position_from_double(
     uint16_t *raw, double value, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_14:
-        {
-            static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 45.0, 0, 65535);
+        break;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_15:
-        {
-            static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 45.0, 0, 65535);
+        break;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_16:
-        {
-            static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 8192.0 / 45.0, 0, 65535);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -1059,10 +973,9 @@ static inline double mwd_motor_v2_36_2024_11_gain_to_double(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_gain_from_double(uint16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1080,10 +993,9 @@ static inline double mwd_motor_v2_36_2024_11_i16_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_i16_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1101,14 +1013,13 @@ static inline double mwd_motor_v2_36_2024_11_i32_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_i32_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 

@@ -40,10 +40,9 @@ static inline float mwd_motor_v2_36_2025_03_temperature_to_float(int8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_temperature_from_float(int8_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -128, 127);
+    status = canwright_signed32_from_float(&nearest, value, value, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -61,10 +60,9 @@ static inline float mwd_motor_v2_36_2025_03_voltage_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_voltage_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -82,10 +80,9 @@ static inline float mwd_motor_v2_36_2025_03_bus_current_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -103,10 +100,9 @@ static inline float mwd_motor_v2_36_2025_03_power_i16_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_power_i16_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -850, 850);
+    status = canwright_signed32_from_float(&nearest, value, value, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -124,10 +120,9 @@ static inline float mwd_motor_v2_36_2025_03_output_power_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_output_power_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -1000, 1000);
+    status = canwright_signed32_from_float(&nearest, value, value, -1000, 1000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -160,24 +155,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_float(
     int16_t *raw, float value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -2048, 2048);
+        break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -2048, 2048);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -213,24 +202,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current_from_float(
     int16_t *raw, float value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -32768, 32767);
+        break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -32768, 32767);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -266,24 +249,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_float(
     int16_t *raw, float value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -32768, 32767);
+        break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -32768, 32767);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -304,10 +281,9 @@ static inline float mwd_motor_v2_36_2025_03_speed_i16_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_i16_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -318,22 +294,20 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_i16_from_float(in
 /** speed_setpoint: Target speed, deg/s. */
 static inline float mwd_motor_v2_36_2025_03_speed_setpoint_to_float(int32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_setpoint_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -347,10 +321,9 @@ static inline float mwd_motor_v2_36_2025_03_speed_limit_to_float(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_limit_from_float(uint16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -361,30 +334,27 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_limit_from_float(
 /** angle_i32: Angle, deg. */
 static inline float mwd_motor_v2_36_2025_03_angle_i32_to_float(int32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_i32_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
 /** single_turn_angle: Single-turn angle, deg. */
 static inline float mwd_motor_v2_36_2025_03_single_turn_angle_to_float(uint32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -393,8 +363,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -405,8 +374,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_
 /** single_turn_position: Single-turn angle of the output, deg. */
 static inline float mwd_motor_v2_36_2025_03_single_turn_position_to_float(uint32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -416,8 +384,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -431,8 +398,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
 /** multi_turn_angle: Multi-turn angle, deg. */
 static inline float mwd_motor_v2_36_2025_03_multi_turn_angle_to_float(int64_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -441,8 +407,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_f
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -475,27 +440,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_float(
     uint16_t *raw, float value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
-        {
-            static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 45.0f, 0, 65535);
+        break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
-        {
-            static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 45.0f, 0, 65535);
+        break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
-        {
-            static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, value * 8192.0f / 45.0f, 0, 65535);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -519,10 +475,9 @@ static inline float mwd_motor_v2_36_2025_03_gain_to_float(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_gain_from_float(uint16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 2000);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 2000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -541,10 +496,9 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_output_limit_from_float(
     int16_t *raw, float value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -565,14 +519,13 @@ static inline float mwd_motor_v2_36_2025_03_speed_bound_to_float(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_bound_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 600000);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 600000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -586,14 +539,13 @@ static inline float mwd_motor_v2_36_2025_03_angle_bound_to_float(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_bound_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -607,14 +559,13 @@ static inline float mwd_motor_v2_36_2025_03_max_angle_to_float(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_max_angle_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -628,10 +579,9 @@ static inline float mwd_motor_v2_36_2025_03_current_ramp_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_current_ramp_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 30000);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 30000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -649,14 +599,13 @@ static inline float mwd_motor_v2_36_2025_03_speed_ramp_to_float(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_ramp_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 600000);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 600000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -670,10 +619,9 @@ static inline float mwd_motor_v2_36_2025_03_align_ratio_to_float(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_align_ratio_from_float(uint16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -691,10 +639,9 @@ static inline float mwd_motor_v2_36_2025_03_driver_id_to_float(uint8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_driver_id_from_float(uint8_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 32);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 32);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -714,8 +661,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_u32_from_float(uint32_t
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_float(&nearest, value, value, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -733,10 +679,9 @@ static inline float mwd_motor_v2_36_2025_03_u8_to_float(uint8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_u8_from_float(uint8_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_float(&nearest, value, &linear, 0, 255);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 255);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -756,10 +701,9 @@ static inline double mwd_motor_v2_36_2025_03_temperature_to_double(int8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_temperature_from_double(int8_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -128, 127);
+    status = canwright_signed32_from_double(&nearest, value, value, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -777,10 +721,9 @@ static inline double mwd_motor_v2_36_2025_03_voltage_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_voltage_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -798,10 +741,9 @@ static inline double mwd_motor_v2_36_2025_03_bus_current_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -819,10 +761,9 @@ static inline double mwd_motor_v2_36_2025_03_power_i16_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_power_i16_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -850, 850);
+    status = canwright_signed32_from_double(&nearest, value, value, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -840,10 +781,9 @@ static inline double mwd_motor_v2_36_2025_03_output_power_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_output_power_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -1000, 1000);
+    status = canwright_signed32_from_double(&nearest, value, value, -1000, 1000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -876,24 +816,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -2048, 2048);
+        break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -2048, 2048);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -929,24 +863,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -32768, 32767);
+        break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -32768, 32767);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -982,24 +910,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -32768, 32767);
+        break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -32768, 32767);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -1020,10 +942,9 @@ static inline double mwd_motor_v2_36_2025_03_speed_i16_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_i16_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1041,14 +962,13 @@ static inline double mwd_motor_v2_36_2025_03_speed_setpoint_to_double(int32_t ra
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_setpoint_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -1062,10 +982,9 @@ static inline double mwd_motor_v2_36_2025_03_speed_limit_to_double(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_limit_from_double(uint16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1083,14 +1002,13 @@ static inline double mwd_motor_v2_36_2025_03_angle_i32_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_i32_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -1106,8 +1024,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_double(&nearest, value, value * 100.0, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1128,8 +1045,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_double(&nearest, value, value * 100.0, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1143,8 +1059,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
 /** multi_turn_angle: Multi-turn angle, deg. */
 static inline double mwd_motor_v2_36_2025_03_multi_turn_angle_to_double(int64_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_signed_to_double(raw, &linear);
+    return canwright_quotient_signed(raw, UINT64_C(100));
 }
 
 /** The nearest raw value. */
@@ -1153,8 +1068,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_d
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_corrected_signed_from_double(&nearest, value, value * 100.0, UINT64_C(100), UINT64_C(0),
+        UINT64_C(1), -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1187,27 +1102,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_double(
     uint16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
-        {
-            static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 45.0, 0, 65535);
+        break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
-        {
-            static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 45.0, 0, 65535);
+        break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
-        {
-            static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, value * 8192.0 / 45.0, 0, 65535);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -1231,10 +1137,9 @@ static inline double mwd_motor_v2_36_2025_03_gain_to_double(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_gain_from_double(uint16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 2000);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 2000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1253,10 +1158,9 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_output_limit_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1277,14 +1181,13 @@ static inline double mwd_motor_v2_36_2025_03_speed_bound_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_bound_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 600000);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 600000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -1298,14 +1201,13 @@ static inline double mwd_motor_v2_36_2025_03_angle_bound_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_bound_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value, INT32_MIN, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -1319,14 +1221,13 @@ static inline double mwd_motor_v2_36_2025_03_max_angle_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_max_angle_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 2147483647);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -1340,10 +1241,9 @@ static inline double mwd_motor_v2_36_2025_03_current_ramp_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_current_ramp_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 30000);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 30000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1361,14 +1261,13 @@ static inline double mwd_motor_v2_36_2025_03_speed_ramp_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_ramp_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 600000);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 600000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -1382,10 +1281,9 @@ static inline double mwd_motor_v2_36_2025_03_align_ratio_to_double(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_align_ratio_from_double(uint16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1403,10 +1301,9 @@ static inline double mwd_motor_v2_36_2025_03_driver_id_to_double(uint8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_driver_id_from_double(uint8_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 32);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 32);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1426,8 +1323,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_u32_from_double(uint32_
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_double(&nearest, value, value, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1445,10 +1341,9 @@ static inline double mwd_motor_v2_36_2025_03_u8_to_double(uint8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_u8_from_double(uint8_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 255);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 255);
     if (status != CANWRIGHT_OK) {
         return status;
     }
