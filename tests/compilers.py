@@ -49,8 +49,8 @@ class Compiler:
 _TARGET = ("-target", "native-linux-gnu") if sys.platform == "linux" else ()
 """Makes zig use its own C library: by default it asks the C compiler of the machine, if there is one, for another."""
 
-_ZIG = (sys.executable, "-m", "ziglang")
-ZIG = Compiler("zig", (*_ZIG, "cc", *_TARGET), (*_ZIG, "c++", *_TARGET))
+ZIG_COMMAND = (sys.executable, "-m", "ziglang")
+ZIG = Compiler("zig", (*ZIG_COMMAND, "cc", *_TARGET), (*ZIG_COMMAND, "c++", *_TARGET))
 
 _PAIRS = (("gcc", "g++"), ("clang", "clang++"))
 OF_MACHINE = [Compiler(c, (c,), (cxx,)) for c, cxx in _PAIRS if shutil.which(c) and shutil.which(cxx)]

@@ -50,6 +50,16 @@ int main(void)
         case 'M':
             status = canwright_unsigned_from_float(&number, as_float, &linear, 0u, UINT64_MAX);
             break;
+        case 'v':
+            number = canwright_bits_of_float(canwright_narrow_to_float(as_signed, &linear));
+            break;
+        case 'w': {
+            const int64_t factor = (int64_t)canwright_magnitude(linear.factor);
+            const int64_t limit = ((INT64_C(1) << 62) - (INT64_C(1) << 37) - factor) / factor;
+            status = canwright_narrow_from_float(&nearest, as_float, &linear, -limit, limit);
+            number = (uint64_t)nearest;
+            break;
+        }
         case 'a':
             number = canwright_bits_of_double(canwright_bits32_to_double((uint32_t)number, &linear));
             break;

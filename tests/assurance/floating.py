@@ -79,33 +79,48 @@ def _expected(case: Case) -> str:
     operation, linear, number = case
     precision = SINGLE if operation.isupper() else DOUBLE
     match operation.lower():
+        case "v":
+            return _ok(bits_of(linear.value(Fraction(number)), SINGLE))
+        case "w":
+            nearest = nearest_integer(linear.raw(number_of(number, SINGLE)))
+            return _ok(nearest & (1 << 64) - 1) if abs(nearest) <= _narrow_limit(linear) else "out_of_range 0"
         case "s" | "u":
-            return _ok(_bits(linear.value(Fraction(number)), precision))
+            return _ok(bits_of(linear.value(Fraction(number)), precision))
         case "a" | "b":
             source = SINGLE if operation.lower() == "a" else DOUBLE
-            return _ok(_bits(linear.value(_number(number, source)), precision))
+            return _ok(bits_of(linear.value(number_of(number, source)), precision))
         case "n" | "m":
-            steps = linear.raw(_number(number, precision))
-            nearest = math.floor(abs(steps) + Fraction(1, 2)) * (1 if steps > 0 else -1)
+            nearest = nearest_integer(linear.raw(number_of(number, precision)))
             low, high = (-(1 << 63), (1 << 63) - 1) if operation.lower() == "n" else (0, (1 << 64) - 1)
             return _ok(nearest & (1 << 64) - 1) if low <= nearest <= high else "out_of_range 0"
         case _:
             bits = number
             if operation.lower() == "d" or linear != (1, 0, 1, 1, 1):
-                bits = _bits(linear.raw(_number(number, precision)), DOUBLE)
+                bits = bits_of(linear.raw(number_of(number, precision)), DOUBLE)
                 precision = DOUBLE
             if operation.lower() == "c" and precision != SINGLE:
                 if not _is_finite(bits, DOUBLE):
                     return "out_of_range 0"
-                bits, precision = _bits(_number(bits, DOUBLE), SINGLE) | bits >> 63 << 31, SINGLE
+                bits, precision = bits_of(number_of(bits, DOUBLE), SINGLE) | bits >> 63 << 31, SINGLE
             return _ok(bits) if _is_finite(bits, precision) else "out_of_range 0"
+
+
+def nearest_integer(number: Fraction) -> int:
+    """The nearest integer, ties away from zero."""
+    return math.floor(abs(number) + Fraction(1, 2)) * (1 if number > 0 else -1)
+
+
+def _narrow_limit(linear: Linear) -> int:
+    """The greatest raw integer of a scale that fits in 64 bits."""
+    return ((1 << 62) - (1 << 37) - abs(linear.factor)) // abs(linear.factor)
 
 
 def _ok(number: int) -> str:
     return f"ok {number:X}"
 
 
-def _number(bits: int, precision: int) -> Fraction:
+def number_of(bits: int, precision: int) -> Fraction:
+    """The finite number with these bits."""
     code = ("<I", "<f") if precision == SINGLE else ("<Q", "<d")
     return Fraction(struct.unpack(code[1], struct.pack(code[0], bits))[0])
 
@@ -115,7 +130,7 @@ def _is_finite(bits: int, precision: int) -> bool:
     return bits & infinity != infinity
 
 
-def _bits(value: Fraction, precision: int) -> int:
+def bits_of(value: Fraction, precision: int) -> int:
     """The bits of the nearest number, ties to even."""
     lowest, width = (-149, 32) if precision == SINGLE else (-1074, 64)
     infinity = 0x7F800000 if precision == SINGLE else 0x7FF0000000000000
@@ -142,11 +157,27 @@ def _cases(count: int, chance: random.Random) -> Iterator[Case]:
     for _ in range(count):
         operation = chance.choice("susunmnmabcd")
         operation = chance.choice((operation, operation.upper()))
-        if operation in "nNbBdD" and chance.random() < 0.1:
+        if chance.random() < 0.2:
+            yield _narrow(chance)
+        elif operation in "nNbBdD" and chance.random() < 0.1:
             yield _beside_tie(operation, chance)
         else:
             linear = _linear(chance)
             yield Case(operation, linear, _operand(operation, linear, chance))
+
+
+def _narrow(chance: random.Random) -> Case:
+    """A case of the functions for scales that fit in 64 bits."""
+    factor, divisor = _any(chance, 31) or 1, abs(_any(chance, 31)) or 1
+    linear = Linear(factor, chance.choice((0, _any(chance, 37))), divisor, 1, 1)
+    raw = Fraction(_any(chance, 62) * 2 + chance.choice((0, 1)), 2)
+    raw %= _narrow_limit(linear) + chance.choice((0, 1)) or 1
+    if chance.random() < 0.5:
+        return Case("v", linear, min(int(raw), _narrow_limit(linear)) * chance.choice((1, -1)))
+    value = linear.value(raw * chance.choice((1, -1)))
+    bits = chance.choice((bits_of(value, SINGLE), chance.randrange(0x7F800000)))
+    beside = max((bits & 0x7FFFFFFF) + chance.choice((-1, 0, 0, 1)), 0) | bits & _sign(SINGLE)
+    return Case("w", linear, beside)
 
 
 def _beside_tie(operation: str, chance: random.Random) -> Case:
@@ -197,7 +228,7 @@ def _operand(operation: str, linear: Linear, chance: random.Random) -> int:
     else:
         near = chance.choice((0, 0, 0, 1 << 63, 1 << 64)) * chance.choice((1, -1))
         raw = near + Fraction(_any(chance, chance.choice((8, 16, 32, 64))) * 2 + chance.choice((0, 1, 1)), 2)
-        bits = _bits(linear.value(raw), precision)
+        bits = bits_of(linear.value(raw), precision)
         bits = max((bits & ~_sign(precision)) + chance.choice((-1, 0, 0, 1)), 0) | bits & _sign(precision)
         if not _is_finite(bits, precision):
             bits = infinity - 1

@@ -3,50 +3,68 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
+import random
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.project.loader import specification
+from canwright.targets.base import Specification
 
-from ..semantics.random_frames import random_frames
+from ..assurance.differential import compare
 from ..spec_texts import ROOT, SPECS, called
 from .adapter import Adapter, CanFrame, Decoded, Parameters, Refused
 from .adapters import ADAPTERS
+from .adapters.c import CAdapter
 from .adapters.reference import ReferenceAdapter
+from .questions import Questions
 from .runner import Runner
 from .summary import REPORTS
 
-RANDOM_FRAMES = 400
+RANDOM = {"c": 4000, "python": 4000, "dbc": 60}
+"""So many random questions are asked of each target; `python -m tests.assurance.differential` asks a million."""
+
+Adapters = Callable[[Path, str], tuple[Specification, Adapter]]
+
+
+@pytest.fixture(scope="module")
+def adapters(tmp_path_factory: pytest.TempPathFactory) -> Adapters:
+    """The edition of a spec and the adapter of a target, created once."""
+
+    @functools.cache
+    def create(spec: Path, target: str) -> tuple[Specification, Adapter]:
+        item = specification(spec)
+        return item, ADAPTERS[target].create(item, tmp_path_factory.mktemp(target))
+
+    return create
 
 
 @pytest.mark.parametrize("target", ADAPTERS)
 @pytest.mark.parametrize("spec", SPECS, ids=called)
-def test_golden_frames(spec: Path, target: str, tmp_path: Path) -> None:
-    item = specification(spec)
+def test_golden_frames(spec: Path, target: str, adapters: Adapters) -> None:
+    item, adapter = adapters(spec, target)
     assert item.frames is not None, f"{spec.name} has no golden frames beside it"
-    adapter = ADAPTERS[target].create(item, tmp_path)
     report = Runner(item.edition, item.frames, adapter).run()
     REPORTS.append(report)
     assert not report.failures, f"{len(report.failures)} failures\n" + "\n".join(report.failures[:40])
-    if target in ("c", "python"):
-        _compare_random_frames(item.edition, adapter)
 
 
-def _compare_random_frames(edition: Edition, adapter: Adapter) -> None:
-    """Every frame is the same message with the same fields as for the reference decoder, or rejected for the same reason."""
-    reference = ReferenceAdapter(edition)
-    known = {parameter.name: parameter.values[0].name for parameter in edition.parameters if parameter.is_choice}
-    for frame in random_frames(edition, RANDOM_FRAMES):
-        for direction in Direction:
-            wanted, found = (one.decode(direction, frame, known, None) for one in (reference, adapter))
-            if isinstance(wanted, Decoded) and isinstance(found, Decoded):
-                there = (wanted.command, wanted.node, wanted.raw)
-                assert (found.command, found.node, found.raw) == there, (direction, frame)
-            else:
-                assert isinstance(wanted, Refused) and isinstance(found, Refused), (direction, frame, wanted, found)
-                assert found.says is wanted.says, (direction, frame)
+@pytest.mark.parametrize("target", RANDOM)
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_random_questions(spec: Path, target: str, adapters: Adapters) -> None:
+    item, adapter = adapters(spec, target)
+    every = list(Questions(item.edition).round())
+    (comparison,) = compare(item, [adapter], random.Random(1).sample(every, min(len(every), RANDOM[target])))
+    assert not comparison.disagreements, "\n".join(comparison.disagreements[:10])
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_facts_of_headers(spec: Path, adapters: Adapters) -> None:
+    _, adapter = adapters(spec, "c")
+    assert isinstance(adapter, CAdapter)
+    assert adapter.wrong_facts() == []
 
 
 class _OtherMessages(ReferenceAdapter):

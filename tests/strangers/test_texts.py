@@ -74,7 +74,15 @@ def test_a_text_is_only_text(text: str, harmless: Files, shown: str, tmp_path: P
 
 def _same_file(path: str, hostile: str, harmless: str) -> bool:
     """Whether a file that is no page says the same to those that it is for."""
-    same = {"h": _same_c, "c": _same_c, "py": _same_python, "dbc": _same_dbc, "md": _any_page}
+    same = {
+        "h": _same_c,
+        "hpp": _same_c,
+        "c": _same_c,
+        "ino": _same_c,
+        "py": _same_python,
+        "dbc": _same_dbc,
+        "md": _any_page,
+    }
     return same.get(path.rsplit(".", 1)[-1], _equal)(hostile, harmless)
 
 

@@ -15,9 +15,12 @@ from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Type
 from canwright.project.loader import specification
 from canwright.semantics.decoder import linear_of
+from canwright.targets.c.numbers import integer
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Raw, Refused
 from ..conformance.adapters.c import CAdapter
+from ..conformance.adapters.reference import ReferenceAdapter
+from ..semantics.random_frames import random_frames
 from ..spec_texts import SMALL, called
 from .test_c_compiles import SPECS
 
@@ -87,6 +90,54 @@ def test_a_raw_integer_beyond_its_range_is_refused_by_name(made: tuple[Edition, 
                     value: Raw = [beyond] * len(field.elements) if field.is_array else beyond
                     answer = target.encode_raw(direction, command.name, node, {**raw, field.name: value}, parameters)
                     assert answer == Refused(Refusal.OUT_OF_RANGE, field.name), (message.name, field.name, beyond)
+
+
+def test_the_reason_for_a_rejection_is_that_of_the_reference(made: tuple[Edition, CAdapter]) -> None:
+    """The node comes first, then a missing parameter, then the fields in their order."""
+    edition, target = made
+    reference = ReferenceAdapter(edition)
+    chance = random.Random(5)
+    seen = set()
+    for command, direction, message in _messages(edition):
+        nodes = None if message.id.nodes is None else [*message.id.nodes, message.id.nodes[-1] + 1]
+        for parameters in [*_assignments(edition), {}]:
+            variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
+            fields = [f for f in variant.fields if f.fixed is None] if variant else []
+            for _ in range(ROUNDS):
+                node = chance.choice([nodes[0], nodes[-1]]) if nodes else None
+                raw = {f.name: _raw(f, chance, parameters) for f in fields}
+                for field in chance.sample(fields, chance.randint(0, len(fields))):
+                    bits = [_any_bits(field.type, chance) for _ in field.elements]
+                    raw[field.name] = bits if field.is_array else bits[0]
+                found = target.encode_raw(direction, command.name, node, raw, parameters)
+                wanted = reference.encode_raw(direction, command.name, node, raw, parameters)
+                if isinstance(wanted, Refused):
+                    seen.add(wanted.says)
+                    wanted = Refused(wanted.says, None if wanted.says is Refusal.UNKNOWN_NODE else wanted.field)
+                assert found == wanted, (message.name, node, raw, parameters)
+    assert Refusal.UNKNOWN_NODE in seen
+
+
+def test_the_check_of_any_frame_is_that_of_the_reference(made: tuple[Edition, CAdapter]) -> None:
+    edition, target = made
+    reference = ReferenceAdapter(edition)
+    results = set()
+    for frame in random_frames(edition, 400):
+        for direction in Direction:
+            for parameters in [*_assignments(edition)[:2], {}]:
+                if not edition.messages(direction):
+                    continue
+                wanted: Decoded | Encoded | Refused = reference.decode(direction, frame, parameters, None)
+                decoded = isinstance(wanted, Decoded)
+                if isinstance(wanted, Decoded):
+                    wanted = reference.encode_raw(direction, wanted.command, wanted.node, wanted.raw, parameters)
+                found = target.check(direction, frame, parameters)
+                results.add((decoded, found is None))
+                if not isinstance(wanted, Refused):
+                    assert found is None, (frame, direction, parameters)
+                else:
+                    assert found == (wanted if decoded else Refused(wanted.says)), (frame, direction, parameters)
+    assert (True, True) in results
 
 
 def test_thousandths_are_the_nearest(made: tuple[Edition, CAdapter]) -> None:
@@ -168,6 +219,14 @@ def _one(type_: Type, chance: random.Random, parameters: Parameters) -> int:
         return chance.choice([0, 1 << (type_.width - 1), 0x3F800000 << (type_.width - 32), 1])
     low, high = _limits(type_, parameters)
     return chance.choice([low, high, chance.randint(low, high)])
+
+
+def _any_bits(type_: Type, chance: random.Random) -> int:
+    """Any number that fits the member of the struct; infinity for a float."""
+    if type_.encoding is Encoding.FLOAT:
+        return {32: 0x7F800000, 64: 0x7FF << 52}[type_.width]
+    kind = integer(type_)
+    return chance.randint(*kind.limits)
 
 
 def _beyond(type_: Type, parameters: Parameters) -> list[int]:

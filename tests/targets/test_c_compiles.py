@@ -95,12 +95,21 @@ def test_every_macro_and_member_has_a_comment(units: Path) -> None:
     """Doxygen with WARN_IF_UNDOCUMENTED says nothing; include guards it knows by itself."""
     for header in sorted((units / "include").rglob("*.h")):
         text = header.read_text("utf-8")
-        declared = re.findall(r"(.*)\n(#define .*)", text)
+        declared = [(_before(text, match), match[0]) for match in re.finditer(r"^#define .*", text, re.M)]
         for struct in re.findall(r"^typedef struct \{(.*?)^\}", text, re.DOTALL | re.MULTILINE):
             declared += re.findall(r"(.*)\n( +(?:\w+ \w+\S*;|union \{))(?=\n)", struct)
         assert declared
         for before, line in declared:
             assert before.endswith("*/") or before.startswith("#ifndef") or "/**<" in line, f"{header.name}: {line}"
+
+
+def _before(text: str, define: re.Match[str]) -> str:
+    """The line before a definition; of alternative definitions of one macro, the line before the first."""
+    name = define[0].split()[1]
+    lines = text[: define.start()].splitlines()
+    while re.match(rf"#(?:if |elif|else|ifndef {name}$|define {name}\b)", lines[-1]):
+        lines.pop()
+    return lines[-1]
 
 
 def test_two_editions_of_a_family_in_one_unit(tmp_path: Path) -> None:
@@ -153,11 +162,11 @@ def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
 def test_example_builds_and_runs(tmp_path: Path) -> None:
     folder = write([specification(MAIN)], tmp_path / "c")
     build, prefix, examples = tmp_path / "build", tmp_path / "prefix", tmp_path / "examples"
-    _cmake("-S", folder, "-B", build, f"-DCMAKE_INSTALL_PREFIX={prefix}")
-    _cmake("--build", build)
-    _cmake("--install", build)
-    _cmake("-S", folder / "examples", "-B", examples, f"-DCMAKE_PREFIX_PATH={prefix}")
-    _cmake("--build", examples)
+    cmake("-S", folder, "-B", build, f"-DCMAKE_INSTALL_PREFIX={prefix}")
+    cmake("--build", build)
+    cmake("--install", build)
+    cmake("-S", folder / "examples", "-B", examples, f"-DCMAKE_PREFIX_PATH={prefix}")
+    cmake("--build", examples)
     programs = [f for f in sorted(examples.iterdir()) if f.is_file() and f.stat().st_mode & 0o111 and not f.suffix]
     assert programs
     for program in programs:
@@ -179,8 +188,8 @@ def test_without_an_exchange_to_show_nothing_is_said_of_examples(tmp_path: Path)
     assert "examples" not in (folder / "README.md").read_text("utf-8")
 
 
-def _cmake(*arguments: str | Path) -> None:
-    """CMake of PyPI, with the Ninja and the compilers of PyPI where it configures."""
+def cmake(*arguments: str | Path) -> str:
+    """The output of the CMake of PyPI, with the Ninja and the compilers of PyPI where it configures."""
     command = [sys.executable, "-c", "import cmake; cmake.cmake()", *map(str, arguments)]
     if arguments[0] == "-S":
         find = (sys.executable, "-c", "import ninja; print(ninja.BIN_DIR)")
@@ -190,25 +199,29 @@ def _cmake(*arguments: str | Path) -> None:
         command += ["-G", "Ninja", f"-DCMAKE_MAKE_PROGRAM={ninja}/ninja", *compilers]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
 
 
 @pytest.mark.parametrize("spec", WHOLE, ids=called)
 def test_the_programs_of_the_readme_compile(spec: Path, tmp_path: Path) -> None:
     folder = write([specification(spec)], tmp_path)
-    blocks = re.findall(r"```c\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
+    has_examples = bool(list(folder.glob("examples/*.c")))
     has_flags = any("_first_flag(" in header.read_text("utf-8") for header in folder.glob("include/*/v*.h"))
-    assert len(blocks) == (2 if list(folder.glob("examples/*.c")) else 0) + 1 + has_flags
-    for number, block in enumerate(blocks):
-        unit = tmp_path / f"{number}.c"
-        unit.write_text(block, "utf-8")
-        ZIG.run("c99", *WARNINGS, f"-I{folder / 'include'}", "-c", unit, "-o", tmp_path / "unit.o")
+    expected = {"c": 3 * has_examples + 3 + has_flags, "cpp": has_examples + 1}
+    for language, standard, include in (("c", "c99", "include"), ("cpp", "c++17", "src")):
+        blocks = re.findall(rf"```{language}\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
+        assert len(blocks) == expected[language]
+        for number, block in enumerate(blocks):
+            unit = tmp_path / f"{number}.{language}"
+            unit.write_text(block, "utf-8")
+            ZIG.run(standard, *WARNINGS, f"-I{folder / include}", "-c", unit, "-o", tmp_path / "unit.o")
 
 
 def test_cmake_serves_a_project_in_cxx_alone_and_keeps_editions_apart(tmp_path: Path) -> None:
     folder = write([specification(MAIN), specification(MAIN.with_name("v2.36-2025-03.yaml"))], tmp_path / "c")
     prefix = tmp_path / "prefix"
-    _cmake("-S", folder, "-B", tmp_path / "build", f"-DCMAKE_INSTALL_PREFIX={prefix}")
-    _cmake("--install", tmp_path / "build")
+    cmake("-S", folder, "-B", tmp_path / "build", f"-DCMAKE_INSTALL_PREFIX={prefix}")
+    cmake("--install", tmp_path / "build")
     use = """
 #include <mwd_motor/v2_35.h>
 #include <mwd_motor/v2_36_2025_03.h>
@@ -235,9 +248,9 @@ int main(void)
             "target_link_libraries(use PRIVATE mwd_motor::mwd_motor)",
         )
         (project / "CMakeLists.txt").write_text("\n".join(lines), "utf-8")
-        _cmake("-S", project, "-B", project / "build", f"-DCMAKE_PREFIX_PATH={prefix}")
+        cmake("-S", project, "-B", project / "build", f"-DCMAKE_PREFIX_PATH={prefix}")
         if compiles:
-            _cmake("--build", project / "build")
+            cmake("--build", project / "build")
         else:
             with pytest.raises(AssertionError, match="incompatible pointer type"):
-                _cmake("--build", project / "build")
+                cmake("--build", project / "build")

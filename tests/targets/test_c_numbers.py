@@ -14,6 +14,7 @@ from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Type
 from canwright.project.loader import specification
 
+from ..assurance.floating import SINGLE, bits_of, number_of
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Refused
 from ..conformance.adapters.c import CAdapter
 
@@ -23,6 +24,7 @@ TYPES = {
     "fine": "{raw: u8, scale: 0.0001}",
     "nothing": "{raw: u8, scale: 0.0001, raw_range: 3..4}",
     "coarse": "{raw: i8, scale: 1000000}",
+    "middle": "{raw: u25, scale: 7/3}",
     "wide": "{raw: i64, scale: 0.01}",
     "wider": "{raw: u64, scale: 1/3}",
     "seven": "{raw: i56, scale: 33/2048}",
@@ -145,6 +147,24 @@ def test_thousandths(name: str, made: tuple[Edition, CAdapter]) -> None:
             back = _round((Fraction(near, 1000) - linear.offset) / linear.scale)
             wanted = back if _within(type_, back, "big") else Refused(Refusal.OUT_OF_RANGE)
             assert target.milli(name, "from", near, known) == wanted, (name, near)
+
+
+@pytest.mark.parametrize("name", [n for n, written in TYPES.items() if "raw: f" not in written])
+@pytest.mark.parametrize("size", SIZES[:2])
+def test_single_precision(name: str, size: str, made: tuple[Edition, CAdapter]) -> None:
+    edition, target = made
+    type_ = _type(edition, name)
+    linear = type_.linear.at({"size": size})
+    assert linear is not None
+    known: Parameters = {"size": size, "ratio": "7/2"}
+    for raw in _raws(type_, random.Random(name)):
+        value = raw * linear.scale + linear.offset
+        assert target.single(name, "to", raw, known) == bits_of(value, SINGLE), (name, raw)
+        for steps in (Fraction(raw), raw + Fraction(1, 2)):
+            bits = bits_of(steps * linear.scale + linear.offset, SINGLE)
+            back = _round((number_of(bits, SINGLE) - linear.offset) / linear.scale)
+            wanted = back if _within(type_, back, size) else Refused(Refusal.OUT_OF_RANGE)
+            assert target.single(name, "from", bits, known) == wanted, (name, raw)
 
 
 def _headers(edition: Edition) -> list[str]:

@@ -27,6 +27,8 @@ HOSTILE = [
     "中文 ° µ",
 ]
 
+CODE = (".c", ".h", ".hpp", ".ino")
+
 SPEC = """\
 canwright: 1
 family: lamp
@@ -68,7 +70,7 @@ def _code(folder: Path, text: str) -> tuple[dict[str, str], dict[str, list[str]]
     file = folder / "spec.yaml"
     file.write_text(SPEC.format(text=_quoted(text)), "utf-8")
     made = {output.path: output.text for output in c.generate([specification(file)], {})}
-    return made, {path: _bare(source) for path, source in made.items() if path.endswith((".c", ".h"))}
+    return made, {path: _bare(source) for path, source in made.items() if path.endswith(CODE)}
 
 
 @pytest.mark.parametrize("text", HOSTILE, ids=range(len(HOSTILE)))
@@ -79,7 +81,7 @@ def test_a_text_stays_in_its_comment(text: str, tmp_path: Path) -> None:
     for path, source in made.items():
         unseen = [c for c in source if c != "\n" and not c.isprintable()]
         assert not unseen, (path, unseen)
-        if path.endswith((".c", ".h")):
+        if path.endswith(CODE):
             assert "??" not in source, path
             assert not re.search(r"\\$", re.sub(r"(?m)^#define .*(\n.*\\$)*", "", source), flags=re.M), path
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import re
 import subprocess
 import sys
 from fractions import Fraction
@@ -17,7 +16,7 @@ from canwright.targets import python as target
 from canwright.targets.python.text import class_name
 
 from ..conformance.adapters.python import load
-from ..spec_texts import MINIMAL, ROOT, SPECS, called
+from ..spec_texts import MINIMAL, ROOT, SPECS
 
 SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
 
@@ -295,27 +294,6 @@ def test_messages_and_errors_go_from_process_to_process(tmp_path: Path) -> None:
     assert result.returncode == 0, result.stderr
 
 
-@pytest.mark.parametrize("spec", SPECS, ids=called)
-def test_the_programs_of_the_readme(spec: Path, tmp_path: Path) -> None:
-    """The first runs and prints what a golden frame has; both are typed."""
-    folder, item = write(tmp_path, spec), specification(spec)
-    blocks = re.findall(r"```python\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
-    assert item.frames is not None and len(blocks) == 2
-    command = [sys.executable, "-c", blocks[0]]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    sent = done.stdout.splitlines()[0].strip()
-    requests = [frame for frame in item.frames.frames if frame.request]
-    ids = [f"{frame.id:08X}" if frame.extended else f"{frame.id:03X}" for frame in requests]
-    assert sent in {f"{id_} {f.data.hex(' ').upper()}".strip() for id_, f in zip(ids, requests, strict=True)}
-    assert "_raw=" not in done.stdout
-    if spec == SPEC:
-        (folder / "use.py").write_text("".join(blocks), "utf-8")
-        mypy = [sys.executable, "-m", "mypy", "--strict", "--no-incremental", "use.py"]
-        result = subprocess.run(mypy, cwd=folder, capture_output=True, text=True, check=False)
-        assert result.returncode == 0, result.stdout + result.stderr
-
-
 def test_facts_for_tools_stand_on_every_class(v2_35: ModuleType) -> None:
     assert v2_35.SetTorqueRequest.ONLY == {"series": (v2_35.Series.MF, v2_35.Series.MH, v2_35.Series.MG)}
     assert v2_35.SetTorqueRequest.EFFECTS == ("moves",)
@@ -364,7 +342,7 @@ def test_parameters_may_be_named_like_words_of_python(tmp_path: Path) -> None:
     new = lamp.Parameters(type=lamp.Type.NEW, float_=4, class_=8)
     read = lamp.decode_request(0x100, bytes.fromhex("10 00 05 00 00 00 00 00"), new)
     assert (read.fields(), read.glow) == (("glow", "limit"), 20.0)
-    with pytest.raises(lamp.CodecError, match=r"limit=17 is out of range 0\.0\.\.16\.0"):
+    with pytest.raises(lamp.CodecError, match=r"limit=17 is out of range 0\.\.16"):
         lamp.DimRequest(glow=20, limit=17, parameters=new)
     with pytest.raises(lamp.CodecError, match=r"pass Parameters\(type=\.\.\.\)"):
         lamp.decode_request(0x100, bytes.fromhex("10 00 05 00 00 00 00 00"))

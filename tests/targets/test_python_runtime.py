@@ -47,6 +47,7 @@ from canwright.targets.python.runtime._codec import (
 )
 from canwright.targets.python.runtime._dispatch import (
     Answer,
+    DataByte,
     Dispatcher,
     Node as DispatchNode,
     Route,
@@ -370,7 +371,7 @@ def test_a_message_is_immutable_and_copied() -> None:
     assert request == DimRequest(node=2, level=12.3)
     rejected(Refusal.OUT_OF_RANGE, request.replace, level=101)
     rejected(Refusal.UNKNOWN_NODE, request.replace, node=5)
-    with pytest.raises(TypeError, match="DimRequest has no label here; it has level"):
+    with pytest.raises(TypeError, match="DimRequest has no label; it has level"):
         request.replace(label=1)
 
 
@@ -390,11 +391,30 @@ def test_what_is_out_of_range_is_decoded_and_written_back_but_not_encoded() -> N
 
 def test_optional_fields_are_required_or_absent() -> None:
     request = DimRequest(node=2, level=1)
-    request._require(level=1)
+    assert request._raws_of(level=1.5) == (15,)
     with pytest.raises(TypeError, match="DimRequest needs level"):
-        request._require(level=None)
+        request._raws_of(level=None)
     with pytest.raises(FieldAbsent, match="DimRequest has no power"):
-        request._require(power=1)
+        request._raws_of(level=1, power=1)
+
+
+class Variants(DimRequest):
+    """Level, and power or light at the same place."""
+
+    __slots__ = ()
+    TYPES: ClassVar[Any] = {"level": LEVEL, "power": LEVEL, "light": LEVEL}
+    VARIANTS = (("level", "power"), ("level", "light"), ("level", None))
+    VARIANT_BY = "size"
+    VARIANT_OF: ClassVar[Any] = {1: 0, 2: 1, 3: 2}
+
+
+def test_fields_of_different_variants_are_different() -> None:
+    first, second = (Variants.from_raw(node=1, level=1, parameters=Parameters(size=1), power=7) for _ in range(2))
+    third = Variants.from_raw(node=1, level=1, parameters=Parameters(size=2), light=7)
+    assert (first.raw(), third.raw()) == ({"level": 1, "power": 7}, {"level": 1, "light": 7})
+    assert (first == second, first == third, hash(first) == hash(second)) == (True, False, True)
+    assert Variants.from_raw(node=1, level=1, parameters=Parameters(size=3)).fields() == ("level",)
+    rejected(Refusal.MISSING_PARAMETER, Variants.from_raw, node=1, level=1)
 
 
 # Dispatch
@@ -480,6 +500,15 @@ def test_messages_of_one_code_differ_by_length_further_selectors_or_bits_of_the_
     assert Router("request", (by_bits,), UNKNOWN).find(0x501, False, False) == (by_bits, 1)
     assert by_bits.message(0x101, bytes(3)) is DimRequest
     assert "the bits 0x400," in rejected(Refusal.UNKNOWN_ID, by_bits.message, 0x501, bytes(3))
+
+
+def test_a_key_beyond_short_data_is_0() -> None:
+    second = Select(DataByte(1), {0: SyncRequest, 7: DimRequest}, Refusal.UNKNOWN_CODE)
+    either = Select(data_length, {1: second, 3: second}, Refusal.WRONG_LENGTH)
+    router: Router[Parameters, Message] = Router("request", [Route(0x100, 1, NODES, either)], UNKNOWN)
+    assert type(router.decode(0x101, b"\x01")) is SyncRequest
+    assert type(router.decode(0x101, b"\x10\x07\x00")) is DimRequest
+    rejected(Refusal.UNKNOWN_CODE, router.decode, 0x101, b"\x10\x08\x00")
 
 
 # Nodes and python-can

@@ -5,10 +5,7 @@
  *
  * The host encodes a request, the node decodes it and answers, the host checks and decodes the answer.
  *
- * On Linux, the members of a frame are those of SocketCAN's `can_frame`, with the same id:
- *
- *     struct can_frame raw = {.can_id = frame.id, .can_dlc = frame.dlc};
- *     memcpy(raw.data, frame.data, sizeof raw.data);
+ * On Linux, a frame has the layout of SocketCAN's `can_frame`: `write(can_socket, &frame, sizeof frame)` sends it.
  */
 #include <stdio.h>
 
@@ -49,7 +46,11 @@ static void show_name(const char *field, const char *name)
 static canwright_status_t answer(canwright_frame_t *reply, const canwright_frame_t *request)
 {
     mwd_motor_v2_36_2024_11_any_request_t received;
-    const canwright_status_t status = mwd_motor_v2_36_2024_11_decode_request(&received, request);
+    mwd_motor_v2_36_2024_11_field_t rejected;
+    canwright_status_t status = mwd_motor_v2_36_2024_11_decode_request(&received, request);
+    if (status == CANWRIGHT_OK) {
+        status = mwd_motor_v2_36_2024_11_any_request_check(&rejected, &received);
+    }
     if (status != CANWRIGHT_OK) {
         return status;
     }

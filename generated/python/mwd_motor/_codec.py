@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from enum import Enum, IntEnum, IntFlag
 from fractions import Fraction
@@ -214,9 +214,9 @@ COARSE = 1 << 51
 """From here on, a quotient of floats is too coarse for the nearest integer, and the exact quotient is used."""
 
 
-def steps_of(scale: Scale | None) -> Steps:
+def steps_of(scale: Scale) -> Steps:
     """The floats of a scale."""
-    numerator, denominator, offset = scale or (1, 1, 0)
+    numerator, denominator, offset = scale
     return rounded(offset), rounded(denominator), rounded(numerator)
 
 
@@ -238,10 +238,11 @@ class Number(FieldType):
     """
 
     __slots__ = (
+        "_exact",
         "_fast",
         "_lines",
+        "_scales",
         "_span",
-        "_steps",
         "high",
         "limits",
         "limits_by",
@@ -271,13 +272,28 @@ class Number(FieldType):
         self.limits_by = limits_by
         scales = scale if isinstance(scale, Mapping) else {None: scale}
         self._lines: dict[Any, Line | None] = {key: line_of(one) for key, one in scales.items()}
-        self._steps: dict[Any, Steps] = {key: steps_of(one) for key, one in scales.items()}
+        self._scales: dict[Any, Steps] = {key: steps_of(one) for key, one in scales.items() if one is not None}
+        self._exact = self._exact_steps() if scale_by else {}
         self._span: tuple[int, int] | None = None
         always = None if limits_by else self._limits_at(None)
         if not limits_by and not any(bound.parameter for bound in always or ()):
             self._span = self._span_within(always, None)
         span = None if times else self._span
         self._fast = span and (max(span[0], 1 - COARSE), min(span[1], COARSE - 1))
+
+    def _exact_steps(self) -> dict[Any, float]:
+        """The scales that are exact floats, by the parameter; raw integers are too, so a product is rounded once."""
+        largest = max(-self.low, self.high)
+        return {
+            key: line[0] / line[2]
+            for key, line in self._lines.items()
+            if line is not None
+            and not (self.times and self.times.get(key))
+            and line[1] == 0
+            and line[0] > 0
+            and line[2].bit_count() == 1
+            and max(line[0], line[2], largest) <= 1 << 53
+        }
 
     def _line_at(self, parameters: object, field: str) -> Line:
         """The line under these parameters. Raises CodecError (missing_parameter, no_scale, out_of_range)."""
@@ -294,10 +310,10 @@ class Number(FieldType):
 
     def value(self, raw: int, parameters: object, field: str) -> float:
         """The value of a raw integer, rounded to the nearest float. Raises CodecError when it has none."""
-        line = self._lines.get(getattr(parameters, self.scale_by)) if self.scale_by else None
-        if line is None or self.times:
-            line = self._line_at(parameters, field)
-        factor, addend, divisor = line
+        step = self._exact.get(getattr(parameters, self.scale_by)) if self.scale_by else None
+        if step is not None:
+            return raw * step
+        factor, addend, divisor = self._line_at(parameters, field)
         try:
             return (raw * factor + addend) / divisor
         except OverflowError:
@@ -311,7 +327,7 @@ class Number(FieldType):
         is 2, as it looks, although the float 0.15 is less than that; from 2**51 on, it is exact as well.
         """
         if self._fast is not None and type(value) is float:
-            steps = self._steps.get(getattr(parameters, self.scale_by) if self.scale_by else None)
+            steps = self._scales.get(getattr(parameters, self.scale_by) if self.scale_by else None)
             if steps is not None:
                 offset, denominator, numerator = steps
                 quotient = (value - offset) * denominator / numerator
@@ -346,7 +362,7 @@ class Number(FieldType):
         if times:
             above, below = above_zero(parameters, times, field)
             value = value * rounded(below) / rounded(above)
-        offset, denominator, numerator = self._steps[key]
+        offset, denominator, numerator = self._scales[key]
         return (value - offset) * denominator / numerator
 
     def check(self, raw: int, parameters: object, field: str) -> int:
@@ -401,6 +417,22 @@ def shown(value: object) -> str:
         return f"a very large {type(value).__name__}"
 
 
+class Integer(Number):
+    """A number whose value is its raw integer."""
+
+    __slots__ = ()
+
+    def value(self, raw: int, parameters: object, field: str) -> int:
+        """The raw integer itself."""
+        return raw
+
+    def raw(self, value: Real, parameters: object, field: str) -> int:
+        """The integer nearest to a value, ties away from zero. Raises CodecError when the value is rejected."""
+        if type(value) is int and self._span is not None and self._span[0] <= value <= self._span[1]:
+            return value
+        return super().raw(value, parameters, field)
+
+
 class Float(Number):
     """An IEEE float. Its raw integer is its bit pattern; scale and limits apply to the float."""
 
@@ -424,7 +456,7 @@ class Float(Number):
         """The scaled float with this bit pattern; each operation is rounded."""
         self._line_at(parameters, field)
         number: float = self._number.unpack(self._bits.pack(raw))[0]
-        offset, denominator, numerator = self._steps[getattr(parameters, self.scale_by) if self.scale_by else None]
+        offset, denominator, numerator = self._scales[getattr(parameters, self.scale_by) if self.scale_by else None]
         scaled = number * numerator / denominator
         return scaled + offset if offset else scaled
 
@@ -443,16 +475,21 @@ class Float(Number):
         return self.check(bits, parameters, field)
 
     def check(self, raw: int, parameters: object, field: str) -> int:
-        """The bit pattern itself. Raises CodecError when its value is out of range."""
+        """The bit pattern itself. Raises CodecError when its value is out of range or not finite."""
         if not 0 <= integer(raw, field) <= self.high:
             raise CodecError(Refusal.OUT_OF_RANGE, f"{field}=raw {raw} is out of range 0..{self.high}", field)
+        if not math.isfinite(self._number.unpack(self._bits.pack(raw))[0]):
+            raise CodecError(Refusal.NOT_FINITE, f"{field}=raw {raw} is not a finite number", field)
         low, high = self._ends(parameters)
         if low is not None or high is not None:
-            value = self.value(raw, parameters, field)
-            if not ((low is None or value >= low) and (high is None or value <= high)):
+            # the value as a float may have been rounded to an end of the range
+            factor, addend, divisor = self._line_at(parameters, field)
+            number: float = self._number.unpack(self._bits.pack(raw))[0]
+            value = (Fraction(number) * factor + addend) / divisor if math.isfinite(number) else None
+            if value is None or (low is not None and value < low) or (high is not None and value > high):
                 first, last = self.value_range(parameters)
-                text = f"{field}={value!r}{self._suffix} is out of range {first}..{last}"
-                raise CodecError(Refusal.OUT_OF_RANGE, text, field)
+                given = f"{field}={self.value(raw, parameters, field)!r}{self._suffix}"
+                raise CodecError(Refusal.OUT_OF_RANGE, f"{given} is out of range {first}..{last}", field)
         return index(raw)
 
     def value_range(self, parameters: object) -> tuple[float, float]:
@@ -636,27 +673,26 @@ class Message:
     """True for a remote frame."""
     TYPES: ClassVar[Mapping[str, FieldType]] = {}
     """The type of each field by name, in the order of the specification: its unit, range and conversions."""
-    VARIANTS: ClassVar[tuple[tuple[str, ...], ...]] = ()
-    """The fields that exist together, where that depends on a parameter; empty where all of them always exist."""
+    VARIANTS: ClassVar[tuple[tuple[str | None, ...], ...]] = ()
+    """The field of each raw integer in each variant, where that depends on a parameter; None where there is none."""
     VARIANT_BY: ClassVar[str] = ""
     """The parameter that decides on the variant."""
     VARIANT_OF: ClassVar[Mapping[Any, int]] = {}
     """The index of the variant by the value of that parameter."""
 
-    _first_node: ClassVar[int] = 0
-    _last_node: ClassVar[int] = -1
+    _nodes: ClassVar[range] = range(0)
     _checked: bool
     """Whether the raw integers and the node are known to be valid."""
     _node: Any
     _parameters: Any
     _raws: Any
-    """A raw integer for each of `TYPES`, a tuple of them for an array, None for a field that does not exist."""
+    """The raw integer of each field, a tuple of them for an array. Fields that never exist together share a place."""
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         immutable(cls)
         if "NODES" in vars(cls):
-            cls._first_node, cls._last_node = cls.NODES
+            cls._nodes = range(cls.NODES[0], cls.NODES[1] + 1)
 
     @property
     def node(self) -> Any:
@@ -692,10 +728,9 @@ class Message:
 
         Messages from constructors, `from_raw` and `replace` have been checked already; decoded ones have not.
         """
-        fields = [(name, raw) for name, raw in zip(self.TYPES, self._raws, strict=True) if raw is not None]
-        always = set(self.TYPES).intersection(*self.VARIANTS)
-        for name, raw in sorted(fields, key=lambda field: field[0] not in always):
-            self.TYPES[name].check(raw, self._parameters, name)
+        raws = self.raw()
+        for name in self._in_order_of_checks():
+            self.TYPES[name].check(raws[name], self._parameters, name)
         self._known_node(self._node)
         self._checked = True
 
@@ -707,14 +742,14 @@ class Message:
     @classmethod
     def from_raw(cls, *, node: int | None = None, parameters: Any = None, **raw: Any) -> Self:
         """The message with these raw integers, by field. Raises CodecError where one is out of range."""
-        self = cls.__new__(cls)
-        self._node = cls._known_node(node)
+        self = object.__new__(cls)
+        self._node = self._known_node(node)
         self._parameters = cls.DEFAULTS if parameters is None else parameters
-        names = cls._names(self._parameters)
+        names = self._in_order_of_checks()
         if set(raw) != set(names):
             raise TypeError(f"{cls.__name__}.from_raw takes {', '.join(names) or 'no field'}")
         checked = {name: cls.TYPES[name].check(raw[name], self._parameters, name) for name in names}
-        self._raws = tuple(checked.get(name) for name in cls.TYPES)
+        self._raws = tuple(None if name is None else checked[name] for name in self._places())
         self._checked = True
         return self
 
@@ -725,21 +760,20 @@ class Message:
         """
         parameters = values.pop("parameters", self._parameters)
         node = values.pop("node", self._node)
-        names = self._names(parameters)
-        raws = {name: raw for name, raw in self.raw().items() if name in names}
+        raws = self.raw()
         for name, value in values.items():
-            if name not in names:
-                raise TypeError(f"{type(self).__name__} has no {name} here; it has {', '.join(names) or 'no field'}")
+            if name not in self.TYPES:
+                raise TypeError(f"{type(self).__name__} has no {name}; it has {', '.join(self.TYPES) or 'no field'}")
             raws[name] = self.TYPES[name].raw(value, parameters, name)
         return self.from_raw(node=node, parameters=parameters, **raws)
 
     def fields(self) -> tuple[str, ...]:
         """Names of the fields that exist under the parameters."""
-        return tuple(name for name, raw in zip(self.TYPES, self._raws, strict=True) if raw is not None)
+        return tuple(name for name in self._places() if name is not None)
 
     def raw(self) -> dict[str, Any]:
         """The raw integer, or integers, of every field that exists under the parameters."""
-        return {name: raw for name, raw in zip(self.TYPES, self._raws, strict=True) if raw is not None}
+        return {name: raw for name, raw in zip(self._places(), self._raws, strict=True) if name is not None}
 
     def values(self) -> dict[str, Any]:
         """The value of every field that exists under the parameters; None where it has no scale or a parameter is unknown."""
@@ -751,38 +785,47 @@ class Message:
                 found[name] = None
         return found
 
-    @classmethod
-    def _names(cls, parameters: object) -> Collection[str]:
-        """Names of the fields that exist under parameters. Raises CodecError (missing_parameter)."""
-        if not cls.VARIANT_BY:
-            return cls.TYPES
-        return cls.VARIANTS[cls.VARIANT_OF[known(parameters, cls.VARIANT_BY, cls.__name__)]]
+    def _places(self) -> tuple[str | None, ...]:
+        """The field of each raw integer under the parameters. Raises CodecError (missing_parameter)."""
+        if not self.VARIANT_BY:
+            return tuple(self.TYPES)
+        return self.VARIANTS[self._variant()]
 
-    @classmethod
-    def _known_node(cls, node: int | None) -> int | None:
+    def _in_order_of_checks(self) -> list[str]:
+        """Names of the fields that exist: first those that always do, so that every language rejects the same field."""
+        always = set(self.TYPES).intersection(*self.VARIANTS)
+        return sorted(self.fields(), key=lambda name: name not in always)
+
+    def _variant(self) -> int:
+        return self.VARIANT_OF[known(self._parameters, self.VARIANT_BY, type(self).__name__)]
+
+    def _known_node(self, node: int | None) -> int | None:
         """The node itself. Raises CodecError (unknown_node), and TypeError where the id has no node."""
-        if type(node) is int and cls._first_node <= node <= cls._last_node:
+        if type(node) is int and node in self._nodes:
             return node
-        if not cls.COMMAND:
-            raise TypeError(f"{cls.__name__} is only a base class; use the class of a request or a reply")
-        if hasattr(cls, "NODES"):
-            return node_in(node, *cls.NODES)
+        name = type(self).__name__
+        if not self.COMMAND:
+            raise TypeError(f"{name} is only a base class; use the class of a request or a reply")
+        if self._nodes:
+            return node_in(node, *self.NODES)
         if node is not None:
-            raise TypeError(f"{cls.__name__} has no node, its id is fixed")
+            raise TypeError(f"{name} has no node, its id is fixed")
         return None
 
-    def _require(self, **optional: object) -> None:
-        """Checks the optional fields. Raises CodecError, TypeError (field missing), FieldAbsent (field superfluous)."""
-        names = self._names(self._parameters)
-        for name, value in optional.items():
-            if value is None and name in names:
-                raise TypeError(f"{type(self).__name__} needs {name} under {self._parameters}")
-            if value is not None and name not in names:
-                raise FieldAbsent(f"{type(self).__name__} has no {name} under {self._parameters}")
+    def _raws_of(self, **values: Any) -> tuple[Any, ...]:
+        """The raw integers of the values of all fields, where None stands for a field that does not exist.
 
-    def _optional(self, type_: FieldType, value: object, field: str) -> Any:
-        """The raw integer of an optional field; None without one."""
-        return None if value is None else type_.raw(value, self._parameters, field)
+        Raises CodecError, TypeError (a field is missing), FieldAbsent (a field does not exist).
+        """
+        places = self._places()
+        for name, value in values.items():
+            if value is None and name in places:
+                raise TypeError(f"{type(self).__name__} needs {name} under {self._parameters}")
+            if value is not None and name not in places:
+                raise FieldAbsent(f"{type(self).__name__} has no {name} under {self._parameters}")
+        names = self._in_order_of_checks()
+        raws = {name: self.TYPES[name].raw(values[name], self._parameters, name) for name in names}
+        return tuple(None if name is None else raws[name] for name in places)
 
     def _absent(self, name: str) -> FieldAbsent:
         """The error for a field that does not exist under the parameters."""
@@ -801,7 +844,9 @@ class Message:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Message) or type(self) is not type(other):
             return NotImplemented
-        return bool(self._raws == other._raws and self._node == other._node)
+        if self._raws != other._raws or self._node != other._node:
+            return False
+        return not self.VARIANT_BY or self._parameters is other._parameters or self._variant() == other._variant()
 
     def __hash__(self) -> int:
         return hash((type(self), self._node, self._raws))
@@ -836,7 +881,7 @@ class Bare(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Any) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = cls.__new__(cls)
+        self = object.__new__(cls)
         self._node = node
         self._parameters = parameters
         self._raws = ()

@@ -21,6 +21,7 @@ from ._codec import (
     EnumType,
     FieldAbsent,
     FlagsType,
+    Integer,
     Message,
     Number,
     Real,
@@ -75,6 +76,7 @@ __all__ = [
     "MoveToAngleRequest",
     "Parameters",
     "PidGains",
+    "REPLY_WITHIN_MS",
     "ReadAccelerationReply",
     "ReadAccelerationRequest",
     "ReadEncoderReply",
@@ -191,9 +193,9 @@ class ErrorFlags(IntFlag):
     """Over-temperature protection"""
 
 
-TEMPERATURE = Number(-128, 127, "degC")
+TEMPERATURE = Integer(-128, 127, "degC")
 VOLTAGE = Number(0, 65535, "V", scale=(1, 10, 0))
-POWER = Number(-32768, 32767, limits=(Bound(-850), Bound(850)))
+POWER = Integer(-32768, 32767, limits=(Bound(-850), Bound(850)))
 TORQUE_CURRENT = Number(
     -32768,
     32767,
@@ -204,10 +206,10 @@ TORQUE_CURRENT = Number(
 )
 BROADCAST_CURRENT = Number(-32768, 32767, "A", scale=(2, 125, 0), limits=(Bound(-2000), Bound(2000)))
 PHASE_CURRENT = Number(-32768, 32767, "A", scale=(1, 64, 0))
-SPEED = Number(-32768, 32767, "deg/s")
+SPEED = Integer(-32768, 32767, "deg/s")
 SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0))
-SPEED_LIMIT = Number(0, 65535, "deg/s")
-ACCELERATION = Number(-2147483648, 2147483647, "deg/s^2")
+SPEED_LIMIT = Integer(0, 65535, "deg/s")
+ACCELERATION = Integer(-2147483648, 2147483647, "deg/s^2")
 ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0))
 SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0))
 SINGLE_TURN_POSITION = Number(
@@ -227,9 +229,11 @@ ENCODER_POSITION = Number(
     limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 18: (Bound(0), Bound(65535))},
     limits_by="encoder_bits",
 )
-GAIN = Number(0, 255)
+GAIN = Integer(0, 255)
 _SpinDirection = EnumType(SpinDirection)
 _ErrorFlags = FlagsType(ErrorFlags, 0x9)
+_ONLY_1 = {Series.MS}
+_ONLY_2 = {Series.MF, Series.MH, Series.MG}
 _UNPACK_1 = Struct("<2xBBBBBB").unpack
 _UNPACK_2 = Struct("<4xi").unpack
 _UNPACK_3 = Struct("<6xH").unpack
@@ -267,14 +271,7 @@ class PidGains(Message):
     __slots__ = ()
 
     __match_args__ = ("angle_kp", "angle_ki", "speed_kp", "speed_ki", "iq_kp", "iq_ki")
-    TYPES = {
-        "angle_kp": GAIN,
-        "angle_ki": GAIN,
-        "speed_kp": GAIN,
-        "speed_ki": GAIN,
-        "iq_kp": GAIN,
-        "iq_ki": GAIN,
-    }
+    TYPES = {"angle_kp": GAIN, "angle_ki": GAIN, "speed_kp": GAIN, "speed_ki": GAIN, "iq_kp": GAIN, "iq_ki": GAIN}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int, int, int, int]
@@ -388,9 +385,7 @@ class WriteAccelerationRam(Message):
     __slots__ = ()
 
     __match_args__ = ("acceleration",)
-    TYPES = {
-        "acceleration": ACCELERATION,
-    }
+    TYPES = {"acceleration": ACCELERATION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -442,9 +437,7 @@ class WriteEncoderOffsetRom(Message):
     __slots__ = ()
 
     __match_args__ = ("encoder_offset",)
-    TYPES = {
-        "encoder_offset": ENCODER_POSITION,
-    }
+    TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -521,7 +514,7 @@ class MotionFeedback(Message):
         Series.MG: 1,
     }
 
-    _raws: tuple[int, Any, Any, int, int]
+    _raws: tuple[int, Any, int, int]
 
     def __init__(
         self,
@@ -536,14 +529,7 @@ class MotionFeedback(Message):
     ) -> None:
         self._node = self._known_node(node)
         self._parameters = parameters
-        self._require(power=power, iq=iq)
-        self._raws = (
-            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
-            self._optional(POWER, power, "power"),
-            self._optional(TORQUE_CURRENT, iq, "iq"),
-            SPEED.raw(speed, self._parameters, "speed"),
-            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
-        )
+        self._raws = self._raws_of(temperature=temperature, power=power, iq=iq, speed=speed, encoder=encoder)
         self._checked = True
 
     @classmethod
@@ -553,15 +539,9 @@ class MotionFeedback(Message):
         self._node = node
         self._parameters = parameters
         self._checked = False
-        variant = cls.VARIANT_OF.get(parameters.series)
-        if variant == 0:
-            found = _UNPACK_4(data)
-            self._raws = (found[0], found[1], None, found[2], found[3])
-        elif variant == 1:
-            found = _UNPACK_4(data)
-            self._raws = (found[0], None, found[1], found[2], found[3])
-        else:
+        if parameters.series is None:
             raise missing("series", cls.__name__)
+        self._raws = _UNPACK_4(data)
         return self
 
     @property
@@ -583,16 +563,16 @@ class MotionFeedback(Message):
         Raw -850..850. A plain number without a unit in the manual. The corresponding current and torque
         differ between motors. Exists under MS only.
         """
-        raw: int | None = self._raws[1]
-        if raw is None:
+        if self._parameters.series not in _ONLY_1:
             raise self._absent("power")
+        raw: int = self._raws[1]
         return raw
 
     @property
     def power_raw(self) -> int:
-        raw: int | None = self._raws[1]
-        if raw is None:
+        if self._parameters.series not in _ONLY_1:
             raise self._absent("power")
+        raw: int = self._raws[1]
         return raw
 
     @property
@@ -602,16 +582,16 @@ class MotionFeedback(Message):
         In A; resolution (1 LSB) not given (MS, MH), 16.5/2048 A (MF), 33/2048 A (MG); raw -2048..2048. Exists
         under MF, MH, MG only.
         """
-        raw: int | None = self._raws[2]
-        if raw is None:
+        if self._parameters.series not in _ONLY_2:
             raise self._absent("iq")
+        raw: int = self._raws[1]
         return TORQUE_CURRENT.value(raw, self._parameters, "iq")
 
     @property
     def iq_raw(self) -> int:
-        raw: int | None = self._raws[2]
-        if raw is None:
+        if self._parameters.series not in _ONLY_2:
             raise self._absent("iq")
+        raw: int = self._raws[1]
         return raw
 
     @property
@@ -620,11 +600,11 @@ class MotionFeedback(Message):
 
         In °/s.
         """
-        return self._raws[3]
+        return self._raws[2]
 
     @property
     def speed_raw(self) -> int:
-        return self._raws[3]
+        return self._raws[2]
 
     @property
     def encoder(self) -> float:
@@ -633,18 +613,15 @@ class MotionFeedback(Message):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (18); raw 0..16383 (14),
         0..32767 (15), 0..65535 (18).
         """
-        return ENCODER_POSITION.value(self._raws[4], self._parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[3], self._parameters, "encoder")
 
     @property
     def encoder_raw(self) -> int:
-        return self._raws[4]
+        return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
-        variant = self.VARIANT_OF[self._parameters.series]
-        if variant == 0:
-            return _PACK_4(self.CODE, self._raws[0], self._raws[1], self._raws[3], self._raws[4])
-        return _PACK_4(self.CODE, self._raws[0], self._raws[2], self._raws[3], self._raws[4])
+        return _PACK_4(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
 class Status1(Message):
@@ -656,11 +633,7 @@ class Status1(Message):
     __slots__ = ()
 
     __match_args__ = ("temperature", "voltage", "errors")
-    TYPES = {
-        "temperature": TEMPERATURE,
-        "voltage": VOLTAGE,
-        "errors": _ErrorFlags,
-    }
+    TYPES = {"temperature": TEMPERATURE, "voltage": VOLTAGE, "errors": _ErrorFlags}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -818,9 +791,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     ONLY = {"series": (Series.MS,)}
 
     __match_args__ = ("power",)
-    TYPES = {
-        "power": POWER,
-    }
+    TYPES = {"power": POWER}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -886,9 +857,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
     __match_args__ = ("iq",)
-    TYPES = {
-        "iq": TORQUE_CURRENT,
-    }
+    TYPES = {"iq": TORQUE_CURRENT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -953,9 +922,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("speed",)
-    TYPES = {
-        "speed": SPEED_SETPOINT,
-    }
+    TYPES = {"speed": SPEED_SETPOINT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1020,9 +987,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     LIMITED_BY = ("max_angle", "max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": ANGLE,
-    }
+    TYPES = {"angle": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1086,10 +1051,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     LIMITED_BY = ("max_angle", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("max_speed", "angle")
-    TYPES = {
-        "max_speed": SPEED_LIMIT,
-        "angle": ANGLE,
-    }
+    TYPES = {"max_speed": SPEED_LIMIT, "angle": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -1169,10 +1131,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("spin_direction", "angle")
-    TYPES = {
-        "spin_direction": _SpinDirection,
-        "angle": SINGLE_TURN_ANGLE,
-    }
+    TYPES = {"spin_direction": _SpinDirection, "angle": SINGLE_TURN_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -1249,11 +1208,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("spin_direction", "max_speed", "angle")
-    TYPES = {
-        "spin_direction": _SpinDirection,
-        "max_speed": SPEED_LIMIT,
-        "angle": SINGLE_TURN_ANGLE,
-    }
+    TYPES = {"spin_direction": _SpinDirection, "max_speed": SPEED_LIMIT, "angle": SINGLE_TURN_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -1344,9 +1299,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("increment",)
-    TYPES = {
-        "increment": ANGLE,
-    }
+    TYPES = {"increment": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1411,10 +1364,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("max_speed", "increment")
-    TYPES = {
-        "max_speed": SPEED_LIMIT,
-        "increment": ANGLE,
-    }
+    TYPES = {"max_speed": SPEED_LIMIT, "increment": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -1787,9 +1737,7 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
     EFFECTS = ("moves",)
 
     __match_args__ = ("iq",)
-    TYPES = {
-        "iq": ArrayType(BROADCAST_CURRENT, 4),
-    }
+    TYPES = {"iq": ArrayType(BROADCAST_CURRENT, 4)}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[tuple[int, ...]]
@@ -2076,9 +2024,7 @@ class ReadAccelerationReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("acceleration",)
-    TYPES = {
-        "acceleration": ACCELERATION,
-    }
+    TYPES = {"acceleration": ACCELERATION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -2151,11 +2097,7 @@ class ReadEncoderReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("encoder", "encoder_measured", "encoder_offset")
-    TYPES = {
-        "encoder": ENCODER_POSITION,
-        "encoder_measured": ENCODER_POSITION,
-        "encoder_offset": ENCODER_POSITION,
-    }
+    TYPES = {"encoder": ENCODER_POSITION, "encoder_measured": ENCODER_POSITION, "encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -2262,9 +2204,7 @@ class WritePositionAsZeroRomReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("encoder_offset",)
-    TYPES = {
-        "encoder_offset": ENCODER_POSITION,
-    }
+    TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -2324,9 +2264,7 @@ class ReadMultiTurnAngleReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": MULTI_TURN_ANGLE,
-    }
+    TYPES = {"angle": MULTI_TURN_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -2385,9 +2323,7 @@ class ReadSingleTurnAngleReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": SINGLE_TURN_POSITION,
-    }
+    TYPES = {"angle": SINGLE_TURN_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -2508,12 +2444,7 @@ class ReadStatus3Reply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("temperature", "phase_a", "phase_b", "phase_c")
-    TYPES = {
-        "temperature": TEMPERATURE,
-        "phase_a": PHASE_CURRENT,
-        "phase_b": PHASE_CURRENT,
-        "phase_c": PHASE_CURRENT,
-    }
+    TYPES = {"temperature": TEMPERATURE, "phase_a": PHASE_CURRENT, "phase_b": PHASE_CURRENT, "phase_c": PHASE_CURRENT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int, int]
@@ -2599,6 +2530,9 @@ class ReadStatus3Reply(Reply):
         """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
         return _PACK_13(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
+
+REPLY_WITHIN_MS = 0.25
+"""The longest time from a request to its reply, in ms; None where the specification gives no time."""
 
 AnyRequest: TypeAlias = Union[
     MotorOffRequest,
@@ -2773,179 +2707,123 @@ _dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     answers={
         MotorOffRequest: Answer(
             MotorOffReply,
-            (
-                (_data_0, (0x80,)),
-            ),
+            ((_data_0, (0x80,)),),
             echo=True,
         ),
         MotorOnRequest: Answer(
             MotorOnReply,
-            (
-                (_data_0, (0x88,)),
-            ),
+            ((_data_0, (0x88,)),),
             echo=True,
         ),
         MotorStopRequest: Answer(
             MotorStopReply,
-            (
-                (_data_0, (0x81,)),
-            ),
+            ((_data_0, (0x81,)),),
             echo=True,
         ),
         SetPowerRequest: Answer(
             SetPowerReply,
-            (
-                (_data_0, (0xA0,)),
-            ),
+            ((_data_0, (0xA0,)),),
         ),
         SetTorqueRequest: Answer(
             SetTorqueReply,
-            (
-                (_data_0, (0xA1,)),
-            ),
+            ((_data_0, (0xA1,)),),
         ),
         SetSpeedRequest: Answer(
             SetSpeedReply,
-            (
-                (_data_0, (0xA2,)),
-            ),
+            ((_data_0, (0xA2,)),),
         ),
         MoveToAngleRequest: Answer(
             MoveToAngleReply,
-            (
-                (_data_0, (0xA3,)),
-            ),
+            ((_data_0, (0xA3,)),),
         ),
         MoveToAngleAtSpeedRequest: Answer(
             MoveToAngleAtSpeedReply,
-            (
-                (_data_0, (0xA4,)),
-            ),
+            ((_data_0, (0xA4,)),),
         ),
         TurnToAngleRequest: Answer(
             TurnToAngleReply,
-            (
-                (_data_0, (0xA5,)),
-            ),
+            ((_data_0, (0xA5,)),),
         ),
         TurnToAngleAtSpeedRequest: Answer(
             TurnToAngleAtSpeedReply,
-            (
-                (_data_0, (0xA6,)),
-            ),
+            ((_data_0, (0xA6,)),),
         ),
         MoveByAngleRequest: Answer(
             MoveByAngleReply,
-            (
-                (_data_0, (0xA7,)),
-            ),
+            ((_data_0, (0xA7,)),),
         ),
         MoveByAngleAtSpeedRequest: Answer(
             MoveByAngleAtSpeedReply,
-            (
-                (_data_0, (0xA8,)),
-            ),
+            ((_data_0, (0xA8,)),),
         ),
         ReadPidRequest: Answer(
             ReadPidReply,
-            (
-                (_data_0, (0x30,)),
-            ),
+            ((_data_0, (0x30,)),),
         ),
         WritePidRamRequest: Answer(
             WritePidRamReply,
-            (
-                (_data_0, (0x31,)),
-            ),
+            ((_data_0, (0x31,)),),
             echo=True,
         ),
         WritePidRomRequest: Answer(
             WritePidRomReply,
-            (
-                (_data_0, (0x32,)),
-            ),
+            ((_data_0, (0x32,)),),
             echo=True,
         ),
         ReadAccelerationRequest: Answer(
             ReadAccelerationReply,
-            (
-                (_data_0, (0x33,)),
-            ),
+            ((_data_0, (0x33,)),),
         ),
         WriteAccelerationRamRequest: Answer(
             WriteAccelerationRamReply,
-            (
-                (_data_0, (0x34,)),
-            ),
+            ((_data_0, (0x34,)),),
             echo=True,
         ),
         ReadEncoderRequest: Answer(
             ReadEncoderReply,
-            (
-                (_data_0, (0x90,)),
-            ),
+            ((_data_0, (0x90,)),),
         ),
         WriteEncoderOffsetRomRequest: Answer(
             WriteEncoderOffsetRomReply,
-            (
-                (_data_0, (0x91,)),
-            ),
+            ((_data_0, (0x91,)),),
             echo=True,
         ),
         WritePositionAsZeroRomRequest: Answer(
             WritePositionAsZeroRomReply,
-            (
-                (_data_0, (0x19,)),
-            ),
+            ((_data_0, (0x19,)),),
         ),
         ReadMultiTurnAngleRequest: Answer(
             ReadMultiTurnAngleReply,
-            (
-                (_data_0, (0x92,)),
-            ),
+            ((_data_0, (0x92,)),),
         ),
         ReadSingleTurnAngleRequest: Answer(
             ReadSingleTurnAngleReply,
-            (
-                (_data_0, (0x94,)),
-            ),
+            ((_data_0, (0x94,)),),
         ),
         ClearAngleRequest: Answer(
             ClearAngleReply,
-            (
-                (_data_0, (0x95,)),
-            ),
+            ((_data_0, (0x95,)),),
             echo=True,
         ),
         ReadStatus1Request: Answer(
             ReadStatus1Reply,
-            (
-                (_data_0, (0x9A,)),
-            ),
+            ((_data_0, (0x9A,)),),
         ),
         ClearErrorsRequest: Answer(
             ClearErrorsReply,
-            (
-                (_data_0, (0x9A, 0x9B)),
-            ),
+            ((_data_0, (0x9A, 0x9B)),),
         ),
         ReadStatus2Request: Answer(
             ReadStatus2Reply,
-            (
-                (_data_0, (0x9C,)),
-            ),
+            ((_data_0, (0x9C,)),),
         ),
         ReadStatus3Request: Answer(
             ReadStatus3Reply,
-            (
-                (_data_0, (0x9D,)),
-            ),
+            ((_data_0, (0x9D,)),),
         ),
         BroadcastTorqueRequest: Answer(
             SetTorqueReply,
-            (
-                (_data_0, (0xA1,)),
-            ),
+            ((_data_0, (0xA1,)),),
             nodes=(1, 2, 3, 4),
         ),
     },

@@ -18,6 +18,7 @@ from ._codec import (
     EnumType,
     FieldAbsent,
     FlagsType,
+    Integer,
     Message,
     Number,
     Real,
@@ -79,6 +80,7 @@ __all__ = [
     "MoveToAngleRequest",
     "Parameters",
     "PidGains",
+    "REPLY_WITHIN_MS",
     "ReadControlParameterAnglePidReply",
     "ReadControlParameterAnglePidRequest",
     "ReadControlParameterCurrentPidReply",
@@ -255,11 +257,11 @@ class ErrorFlags(IntFlag):
     """Input signal missing"""
 
 
-TEMPERATURE = Number(-128, 127, "degC")
+TEMPERATURE = Integer(-128, 127, "degC")
 VOLTAGE = Number(-32768, 32767, "V", scale=(1, 100, 0))
 BUS_CURRENT = Number(-32768, 32767, "A", scale=(1, 100, 0))
-POWER = Number(-32768, 32767, limits=(Bound(-850), Bound(850)))
-OUTPUT_POWER = Number(-32768, 32767, limits=(Bound(-1000), Bound(1000)))
+POWER = Integer(-32768, 32767, limits=(Bound(-850), Bound(850)))
+OUTPUT_POWER = Integer(-32768, 32767, limits=(Bound(-1000), Bound(1000)))
 TORQUE_CURRENT = Number(
     -32768,
     32767,
@@ -282,9 +284,9 @@ PHASE_CURRENT = Number(
     scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
     scale_by="series",
 )
-SPEED = Number(-32768, 32767, "deg/s")
+SPEED = Integer(-32768, 32767, "deg/s")
 SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0))
-SPEED_LIMIT = Number(0, 65535, "deg/s")
+SPEED_LIMIT = Integer(0, 65535, "deg/s")
 ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0))
 SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0))
 SINGLE_TURN_POSITION = Number(
@@ -304,14 +306,16 @@ ENCODER_POSITION = Number(
     limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))},
     limits_by="encoder_bits",
 )
-GAIN = Number(0, 65535)
+GAIN = Integer(0, 65535)
 _SpinDirection = EnumType(SpinDirection)
 _BrakeAction = EnumType(BrakeAction)
 _BrakeState = EnumType(BrakeState)
 _MotorState = EnumType(MotorState)
 _ErrorFlags = FlagsType(ErrorFlags, 0xFF)
-I16 = Number(-32768, 32767)
-I32 = Number(-2147483648, 2147483647)
+I16 = Integer(-32768, 32767)
+I32 = Integer(-2147483648, 2147483647)
+_ONLY_1 = {Series.MS}
+_ONLY_2 = {Series.MF, Series.MH, Series.MG}
 _UNPACK_1 = Struct("<2xHHH").unpack
 _UNPACK_2 = Struct("<4xh2x").unpack
 _UNPACK_3 = Struct("<4xi").unpack
@@ -352,11 +356,7 @@ class PidGains(Message):
     __slots__ = ()
 
     __match_args__ = ("kp", "ki", "kd")
-    TYPES = {
-        "kp": GAIN,
-        "ki": GAIN,
-        "kd": GAIN,
-    }
+    TYPES = {"kp": GAIN, "ki": GAIN, "kd": GAIN}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -425,9 +425,7 @@ class ControlParametersMaxTorqueCurrent(Message):
     __slots__ = ()
 
     __match_args__ = ("max_torque_current",)
-    TYPES = {
-        "max_torque_current": I16,
-    }
+    TYPES = {"max_torque_current": I16}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -472,9 +470,7 @@ class ControlParametersMaxSpeed(Message):
     __slots__ = ()
 
     __match_args__ = ("max_speed",)
-    TYPES = {
-        "max_speed": I32,
-    }
+    TYPES = {"max_speed": I32}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -519,9 +515,7 @@ class ControlParametersMaxAngle(Message):
     __slots__ = ()
 
     __match_args__ = ("max_angle",)
-    TYPES = {
-        "max_angle": I32,
-    }
+    TYPES = {"max_angle": I32}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -566,9 +560,7 @@ class ControlParametersCurrentRamp(Message):
     __slots__ = ()
 
     __match_args__ = ("current_ramp",)
-    TYPES = {
-        "current_ramp": I32,
-    }
+    TYPES = {"current_ramp": I32}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -613,9 +605,7 @@ class ControlParametersSpeedRamp(Message):
     __slots__ = ()
 
     __match_args__ = ("speed_ramp",)
-    TYPES = {
-        "speed_ramp": I32,
-    }
+    TYPES = {"speed_ramp": I32}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -660,9 +650,7 @@ class SetAngle(Message):
     __slots__ = ()
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": ANGLE,
-    }
+    TYPES = {"angle": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -737,7 +725,7 @@ class MotionFeedback(Message):
         Series.MG: 1,
     }
 
-    _raws: tuple[int, Any, Any, int, int]
+    _raws: tuple[int, Any, int, int]
 
     def __init__(
         self,
@@ -752,14 +740,7 @@ class MotionFeedback(Message):
     ) -> None:
         self._node = self._known_node(node)
         self._parameters = parameters
-        self._require(power=power, iq=iq)
-        self._raws = (
-            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
-            self._optional(OUTPUT_POWER, power, "power"),
-            self._optional(MEASURED_TORQUE_CURRENT, iq, "iq"),
-            SPEED.raw(speed, self._parameters, "speed"),
-            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
-        )
+        self._raws = self._raws_of(temperature=temperature, power=power, iq=iq, speed=speed, encoder=encoder)
         self._checked = True
 
     @classmethod
@@ -769,15 +750,9 @@ class MotionFeedback(Message):
         self._node = node
         self._parameters = parameters
         self._checked = False
-        variant = cls.VARIANT_OF.get(parameters.series)
-        if variant == 0:
-            found = _UNPACK_4(data)
-            self._raws = (found[0], found[1], None, found[2], found[3])
-        elif variant == 1:
-            found = _UNPACK_4(data)
-            self._raws = (found[0], None, found[1], found[2], found[3])
-        else:
+        if parameters.series is None:
             raise missing("series", cls.__name__)
+        self._raws = _UNPACK_4(data)
         return self
 
     @property
@@ -798,16 +773,16 @@ class MotionFeedback(Message):
 
         Raw -1000..1000. A plain number without a unit in the manual. Exists under MS only.
         """
-        raw: int | None = self._raws[1]
-        if raw is None:
+        if self._parameters.series not in _ONLY_1:
             raise self._absent("power")
+        raw: int = self._raws[1]
         return raw
 
     @property
     def power_raw(self) -> int:
-        raw: int | None = self._raws[1]
-        if raw is None:
+        if self._parameters.series not in _ONLY_1:
             raise self._absent("power")
+        raw: int = self._raws[1]
         return raw
 
     @property
@@ -817,16 +792,16 @@ class MotionFeedback(Message):
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). Exists under MF, MH, MG
         only.
         """
-        raw: int | None = self._raws[2]
-        if raw is None:
+        if self._parameters.series not in _ONLY_2:
             raise self._absent("iq")
+        raw: int = self._raws[1]
         return MEASURED_TORQUE_CURRENT.value(raw, self._parameters, "iq")
 
     @property
     def iq_raw(self) -> int:
-        raw: int | None = self._raws[2]
-        if raw is None:
+        if self._parameters.series not in _ONLY_2:
             raise self._absent("iq")
+        raw: int = self._raws[1]
         return raw
 
     @property
@@ -835,11 +810,11 @@ class MotionFeedback(Message):
 
         In °/s.
         """
-        return self._raws[3]
+        return self._raws[2]
 
     @property
     def speed_raw(self) -> int:
-        return self._raws[3]
+        return self._raws[2]
 
     @property
     def encoder(self) -> float:
@@ -848,18 +823,15 @@ class MotionFeedback(Message):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self._raws[4], self._parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[3], self._parameters, "encoder")
 
     @property
     def encoder_raw(self) -> int:
-        return self._raws[4]
+        return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
-        variant = self.VARIANT_OF[self._parameters.series]
-        if variant == 0:
-            return _PACK_2(self.CODE, self._raws[0], self._raws[1], self._raws[3], self._raws[4])
-        return _PACK_2(self.CODE, self._raws[0], self._raws[2], self._raws[3], self._raws[4])
+        return _PACK_2(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
 class Status1(Message):
@@ -1059,9 +1031,7 @@ class BrakeRequest(Request["BrakeReply"]):
     EFFECTS = ("switches_brake",)
 
     __match_args__ = ("action",)
-    TYPES = {
-        "action": _BrakeAction,
-    }
+    TYPES = {"action": _BrakeAction}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1122,9 +1092,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     ONLY = {"series": (Series.MS,)}
 
     __match_args__ = ("power",)
-    TYPES = {
-        "power": POWER,
-    }
+    TYPES = {"power": POWER}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1190,9 +1158,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
     __match_args__ = ("iq",)
-    TYPES = {
-        "iq": TORQUE_CURRENT,
-    }
+    TYPES = {"iq": TORQUE_CURRENT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1257,10 +1223,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     LIMITED_BY = ("max_speed", "max_acceleration")
 
     __match_args__ = ("iq_limit", "speed")
-    TYPES = {
-        "iq_limit": TORQUE_CURRENT,
-        "speed": SPEED_SETPOINT,
-    }
+    TYPES = {"iq_limit": TORQUE_CURRENT, "speed": SPEED_SETPOINT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -1342,9 +1305,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     LIMITED_BY = ("max_angle", "max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": ANGLE,
-    }
+    TYPES = {"angle": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1408,10 +1369,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     LIMITED_BY = ("max_angle", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("max_speed", "angle")
-    TYPES = {
-        "max_speed": SPEED_LIMIT,
-        "angle": ANGLE,
-    }
+    TYPES = {"max_speed": SPEED_LIMIT, "angle": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -1491,10 +1449,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("spin_direction", "angle")
-    TYPES = {
-        "spin_direction": _SpinDirection,
-        "angle": SINGLE_TURN_ANGLE,
-    }
+    TYPES = {"spin_direction": _SpinDirection, "angle": SINGLE_TURN_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -1571,11 +1526,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("spin_direction", "max_speed", "angle")
-    TYPES = {
-        "spin_direction": _SpinDirection,
-        "max_speed": SPEED_LIMIT,
-        "angle": SINGLE_TURN_ANGLE,
-    }
+    TYPES = {"spin_direction": _SpinDirection, "max_speed": SPEED_LIMIT, "angle": SINGLE_TURN_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -1666,9 +1617,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("increment",)
-    TYPES = {
-        "increment": ANGLE,
-    }
+    TYPES = {"increment": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1733,10 +1682,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("max_speed", "increment")
-    TYPES = {
-        "max_speed": SPEED_LIMIT,
-        "increment": ANGLE,
-    }
+    TYPES = {"max_speed": SPEED_LIMIT, "increment": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -2399,9 +2345,7 @@ class BrakeReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("state",)
-    TYPES = {
-        "state": _BrakeState,
-    }
+    TYPES = {"state": _BrakeState}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -2895,11 +2839,7 @@ class ReadEncoderReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("encoder", "encoder_measured", "encoder_offset")
-    TYPES = {
-        "encoder": ENCODER_POSITION,
-        "encoder_measured": ENCODER_POSITION,
-        "encoder_offset": ENCODER_POSITION,
-    }
+    TYPES = {"encoder": ENCODER_POSITION, "encoder_measured": ENCODER_POSITION, "encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -2991,9 +2931,7 @@ class WritePositionAsZeroRomReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("encoder_offset",)
-    TYPES = {
-        "encoder_offset": ENCODER_POSITION,
-    }
+    TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -3053,9 +2991,7 @@ class ReadMultiTurnAngleReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": MULTI_TURN_ANGLE,
-    }
+    TYPES = {"angle": MULTI_TURN_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -3114,9 +3050,7 @@ class ReadSingleTurnAngleReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": SINGLE_TURN_POSITION,
-    }
+    TYPES = {"angle": SINGLE_TURN_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -3236,12 +3170,7 @@ class ReadStatus3Reply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("temperature", "phase_a", "phase_b", "phase_c")
-    TYPES = {
-        "temperature": TEMPERATURE,
-        "phase_a": PHASE_CURRENT,
-        "phase_b": PHASE_CURRENT,
-        "phase_c": PHASE_CURRENT,
-    }
+    TYPES = {"temperature": TEMPERATURE, "phase_a": PHASE_CURRENT, "phase_b": PHASE_CURRENT, "phase_c": PHASE_CURRENT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int, int]
@@ -3328,6 +3257,9 @@ class ReadStatus3Reply(Reply):
         """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
         return _PACK_16(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
+
+REPLY_WITHIN_MS = 0.25
+"""The longest time from a request to its reply, in ms; None where the specification gives no time."""
 
 AnyRequest: TypeAlias = Union[
     MotorOffRequest,
@@ -3558,84 +3490,58 @@ _dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     answers={
         MotorOffRequest: Answer(
             MotorOffReply,
-            (
-                (_data_0, (0x80,)),
-            ),
+            ((_data_0, (0x80,)),),
             echo=True,
         ),
         MotorOnRequest: Answer(
             MotorOnReply,
-            (
-                (_data_0, (0x88,)),
-            ),
+            ((_data_0, (0x88,)),),
             echo=True,
         ),
         MotorStopRequest: Answer(
             MotorStopReply,
-            (
-                (_data_0, (0x81,)),
-            ),
+            ((_data_0, (0x81,)),),
             echo=True,
         ),
         BrakeRequest: Answer(
             BrakeReply,
-            (
-                (_data_0, (0x8C,)),
-            ),
+            ((_data_0, (0x8C,)),),
         ),
         SetPowerRequest: Answer(
             SetPowerReply,
-            (
-                (_data_0, (0xA0,)),
-            ),
+            ((_data_0, (0xA0,)),),
         ),
         SetTorqueRequest: Answer(
             SetTorqueReply,
-            (
-                (_data_0, (0xA1,)),
-            ),
+            ((_data_0, (0xA1,)),),
         ),
         SetSpeedRequest: Answer(
             SetSpeedReply,
-            (
-                (_data_0, (0xA2,)),
-            ),
+            ((_data_0, (0xA2,)),),
         ),
         MoveToAngleRequest: Answer(
             MoveToAngleReply,
-            (
-                (_data_0, (0xA3,)),
-            ),
+            ((_data_0, (0xA3,)),),
         ),
         MoveToAngleAtSpeedRequest: Answer(
             MoveToAngleAtSpeedReply,
-            (
-                (_data_0, (0xA4,)),
-            ),
+            ((_data_0, (0xA4,)),),
         ),
         TurnToAngleRequest: Answer(
             TurnToAngleReply,
-            (
-                (_data_0, (0xA5,)),
-            ),
+            ((_data_0, (0xA5,)),),
         ),
         TurnToAngleAtSpeedRequest: Answer(
             TurnToAngleAtSpeedReply,
-            (
-                (_data_0, (0xA6,)),
-            ),
+            ((_data_0, (0xA6,)),),
         ),
         MoveByAngleRequest: Answer(
             MoveByAngleReply,
-            (
-                (_data_0, (0xA7,)),
-            ),
+            ((_data_0, (0xA7,)),),
         ),
         MoveByAngleAtSpeedRequest: Answer(
             MoveByAngleAtSpeedReply,
-            (
-                (_data_0, (0xA8,)),
-            ),
+            ((_data_0, (0xA8,)),),
         ),
         ReadControlParameterAnglePidRequest: Answer(
             ReadControlParameterAnglePidReply,
@@ -3751,58 +3657,40 @@ _dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
         ),
         ReadEncoderRequest: Answer(
             ReadEncoderReply,
-            (
-                (_data_0, (0x90,)),
-            ),
+            ((_data_0, (0x90,)),),
         ),
         WritePositionAsZeroRomRequest: Answer(
             WritePositionAsZeroRomReply,
-            (
-                (_data_0, (0x19,)),
-            ),
+            ((_data_0, (0x19,)),),
         ),
         ReadMultiTurnAngleRequest: Answer(
             ReadMultiTurnAngleReply,
-            (
-                (_data_0, (0x92,)),
-            ),
+            ((_data_0, (0x92,)),),
         ),
         ReadSingleTurnAngleRequest: Answer(
             ReadSingleTurnAngleReply,
-            (
-                (_data_0, (0x94,)),
-            ),
+            ((_data_0, (0x94,)),),
         ),
         SetAngleRequest: Answer(
             SetAngleReply,
-            (
-                (_data_0, (0x95,)),
-            ),
+            ((_data_0, (0x95,)),),
             echo=True,
         ),
         ReadStatus1Request: Answer(
             ReadStatus1Reply,
-            (
-                (_data_0, (0x9A,)),
-            ),
+            ((_data_0, (0x9A,)),),
         ),
         ClearErrorsRequest: Answer(
             ClearErrorsReply,
-            (
-                (_data_0, (0x9B,)),
-            ),
+            ((_data_0, (0x9B,)),),
         ),
         ReadStatus2Request: Answer(
             ReadStatus2Reply,
-            (
-                (_data_0, (0x9C,)),
-            ),
+            ((_data_0, (0x9C,)),),
         ),
         ReadStatus3Request: Answer(
             ReadStatus3Reply,
-            (
-                (_data_0, (0x9D,)),
-            ),
+            ((_data_0, (0x9D,)),),
         ),
     },
     unknown=UNKNOWN,

@@ -19,6 +19,7 @@ from ._codec import (
     EnumType,
     FieldAbsent,
     FlagsType,
+    Integer,
     Message,
     Number,
     Real,
@@ -86,6 +87,7 @@ __all__ = [
     "MoveToAngleRequest",
     "Parameters",
     "PidGains",
+    "REPLY_WITHIN_MS",
     "ReadControlParameterAnglePidReply",
     "ReadControlParameterAnglePidRequest",
     "ReadControlParameterCurrentPidReply",
@@ -393,11 +395,11 @@ class SaveResult(IntEnum):
     """Settings saved to ROM"""
 
 
-TEMPERATURE = Number(-128, 127, "degC")
+TEMPERATURE = Integer(-128, 127, "degC")
 VOLTAGE = Number(-32768, 32767, "V", scale=(1, 100, 0))
 BUS_CURRENT = Number(-32768, 32767, "A", scale=(1, 100, 0))
-POWER = Number(-32768, 32767, limits=(Bound(-850), Bound(850)))
-OUTPUT_POWER = Number(-32768, 32767, limits=(Bound(-1000), Bound(1000)))
+POWER = Integer(-32768, 32767, limits=(Bound(-850), Bound(850)))
+OUTPUT_POWER = Integer(-32768, 32767, limits=(Bound(-1000), Bound(1000)))
 TORQUE_CURRENT = Number(
     -32768,
     32767,
@@ -420,9 +422,9 @@ PHASE_CURRENT = Number(
     scale={Series.MS: None, Series.MF: (33, 4096, 0), Series.MH: None, Series.MG: (33, 2048, 0)},
     scale_by="series",
 )
-SPEED = Number(-32768, 32767, "deg/s")
+SPEED = Integer(-32768, 32767, "deg/s")
 SPEED_SETPOINT = Number(-2147483648, 2147483647, "deg/s", scale=(1, 100, 0))
-SPEED_LIMIT = Number(0, 65535, "deg/s")
+SPEED_LIMIT = Integer(0, 65535, "deg/s")
 ANGLE = Number(-2147483648, 2147483647, "deg", scale=(1, 100, 0))
 SINGLE_TURN_ANGLE = Number(0, 4294967295, "deg", scale=(1, 100, 0))
 SINGLE_TURN_POSITION = Number(
@@ -442,8 +444,8 @@ ENCODER_POSITION = Number(
     limits={14: (Bound(0), Bound(16383)), 15: (Bound(0), Bound(32767)), 16: (Bound(0), Bound(65535))},
     limits_by="encoder_bits",
 )
-GAIN = Number(0, 65535, limits=(Bound(0), Bound(2000)))
-OUTPUT_LIMIT = Number(
+GAIN = Integer(0, 65535, limits=(Bound(0), Bound(2000)))
+OUTPUT_LIMIT = Integer(
     -32768,
     32767,
     limits={
@@ -454,25 +456,27 @@ OUTPUT_LIMIT = Number(
     },
     limits_by="series",
 )
-SPEED_BOUND = Number(-2147483648, 2147483647, limits=(Bound(0), Bound(600000)))
-ANGLE_BOUND = Number(-2147483648, 2147483647)
-MAX_ANGLE = Number(-2147483648, 2147483647, limits=(Bound(0), Bound(2147483647)))
-CURRENT_RAMP = Number(-32768, 32767, limits=(Bound(0), Bound(30000)))
-SPEED_RAMP = Number(-2147483648, 2147483647, limits=(Bound(0), Bound(600000)))
+SPEED_BOUND = Integer(-2147483648, 2147483647, limits=(Bound(0), Bound(600000)))
+ANGLE_BOUND = Integer(-2147483648, 2147483647)
+MAX_ANGLE = Integer(-2147483648, 2147483647, limits=(Bound(0), Bound(2147483647)))
+CURRENT_RAMP = Integer(-32768, 32767, limits=(Bound(0), Bound(30000)))
+SPEED_RAMP = Integer(-2147483648, 2147483647, limits=(Bound(0), Bound(600000)))
 _SpinDirection = EnumType(SpinDirection)
 _BrakeAction = EnumType(BrakeAction)
 _BrakeState = EnumType(BrakeState)
 _MotorState = EnumType(MotorState)
 _ErrorFlags = FlagsType(ErrorFlags, 0xFF)
-ALIGN_RATIO = Number(0, 65535)
+ALIGN_RATIO = Integer(0, 65535)
 _AlignState = FlagsType(AlignState, 0x11)
-DRIVER_ID = Number(0, 255, limits=(Bound(0), Bound(32)))
+DRIVER_ID = Integer(0, 255, limits=(Bound(0), Bound(32)))
 _BusType = EnumType(BusType)
 _Rs485BaudRate = EnumType(Rs485BaudRate)
 _CanBaudRate = EnumType(CanBaudRate)
 _SaveResult = EnumType(SaveResult)
-U32 = Number(0, 4294967295)
-U8 = Number(0, 255)
+U32 = Integer(0, 4294967295)
+U8 = Integer(0, 255)
+_ONLY_1 = {Series.MS}
+_ONLY_2 = {Series.MF, Series.MH, Series.MG}
 _UNPACK_1 = Struct("<2xHHH").unpack
 _UNPACK_2 = Struct("<4xh2x").unpack
 _UNPACK_3 = Struct("<4xi").unpack
@@ -521,11 +525,7 @@ class PidGains(Message):
     __slots__ = ()
 
     __match_args__ = ("kp", "ki", "kd")
-    TYPES = {
-        "kp": GAIN,
-        "ki": GAIN,
-        "kd": GAIN,
-    }
+    TYPES = {"kp": GAIN, "ki": GAIN, "kd": GAIN}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -603,9 +603,7 @@ class ControlParametersMaxTorqueCurrent(Message):
     __slots__ = ()
 
     __match_args__ = ("max_torque_current",)
-    TYPES = {
-        "max_torque_current": OUTPUT_LIMIT,
-    }
+    TYPES = {"max_torque_current": OUTPUT_LIMIT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -654,9 +652,7 @@ class ControlParametersMaxSpeed(Message):
     __slots__ = ()
 
     __match_args__ = ("max_speed",)
-    TYPES = {
-        "max_speed": SPEED_BOUND,
-    }
+    TYPES = {"max_speed": SPEED_BOUND}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -706,9 +702,7 @@ class ControlParametersUpperAngle(Message):
     __slots__ = ()
 
     __match_args__ = ("upper_angle",)
-    TYPES = {
-        "upper_angle": ANGLE_BOUND,
-    }
+    TYPES = {"upper_angle": ANGLE_BOUND}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -755,9 +749,7 @@ class ControlParametersLowerAngle(Message):
     __slots__ = ()
 
     __match_args__ = ("lower_angle",)
-    TYPES = {
-        "lower_angle": ANGLE_BOUND,
-    }
+    TYPES = {"lower_angle": ANGLE_BOUND}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -802,9 +794,7 @@ class ControlParametersSpeedRamp(Message):
     __slots__ = ()
 
     __match_args__ = ("speed_ramp",)
-    TYPES = {
-        "speed_ramp": SPEED_RAMP,
-    }
+    TYPES = {"speed_ramp": SPEED_RAMP}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -852,9 +842,7 @@ class StoredSettingsDriverId(Message):
     __slots__ = ()
 
     __match_args__ = ("driver_id",)
-    TYPES = {
-        "driver_id": DRIVER_ID,
-    }
+    TYPES = {"driver_id": DRIVER_ID}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -902,9 +890,7 @@ class StoredSettingsBusType(Message):
     __slots__ = ()
 
     __match_args__ = ("bus_type",)
-    TYPES = {
-        "bus_type": _BusType,
-    }
+    TYPES = {"bus_type": _BusType}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -949,9 +935,7 @@ class StoredSettingsRs485BaudRate(Message):
     __slots__ = ()
 
     __match_args__ = ("rs485_baud_rate",)
-    TYPES = {
-        "rs485_baud_rate": _Rs485BaudRate,
-    }
+    TYPES = {"rs485_baud_rate": _Rs485BaudRate}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -996,9 +980,7 @@ class StoredSettingsCanBaudRate(Message):
     __slots__ = ()
 
     __match_args__ = ("can_baud_rate",)
-    TYPES = {
-        "can_baud_rate": _CanBaudRate,
-    }
+    TYPES = {"can_baud_rate": _CanBaudRate}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1043,9 +1025,7 @@ class StoredSettingsMaxPower(Message):
     __slots__ = ()
 
     __match_args__ = ("max_power",)
-    TYPES = {
-        "max_power": OUTPUT_LIMIT,
-    }
+    TYPES = {"max_power": OUTPUT_LIMIT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1094,9 +1074,7 @@ class StoredSettingsMaxSpeed(Message):
     __slots__ = ()
 
     __match_args__ = ("max_speed",)
-    TYPES = {
-        "max_speed": SPEED_BOUND,
-    }
+    TYPES = {"max_speed": SPEED_BOUND}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1144,9 +1122,7 @@ class StoredSettingsMaxAngle(Message):
     __slots__ = ()
 
     __match_args__ = ("max_angle",)
-    TYPES = {
-        "max_angle": MAX_ANGLE,
-    }
+    TYPES = {"max_angle": MAX_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1194,9 +1170,7 @@ class StoredSettingsCurrentRamp(Message):
     __slots__ = ()
 
     __match_args__ = ("current_ramp",)
-    TYPES = {
-        "current_ramp": CURRENT_RAMP,
-    }
+    TYPES = {"current_ramp": CURRENT_RAMP}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1244,9 +1218,7 @@ class StoredSettingsSpeedRamp(Message):
     __slots__ = ()
 
     __match_args__ = ("speed_ramp",)
-    TYPES = {
-        "speed_ramp": SPEED_RAMP,
-    }
+    TYPES = {"speed_ramp": SPEED_RAMP}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1317,7 +1289,7 @@ class MotionFeedback(Message):
         Series.MG: 1,
     }
 
-    _raws: tuple[int, Any, Any, int, int]
+    _raws: tuple[int, Any, int, int]
 
     def __init__(
         self,
@@ -1332,14 +1304,7 @@ class MotionFeedback(Message):
     ) -> None:
         self._node = self._known_node(node)
         self._parameters = parameters
-        self._require(power=power, iq=iq)
-        self._raws = (
-            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
-            self._optional(OUTPUT_POWER, power, "power"),
-            self._optional(MEASURED_TORQUE_CURRENT, iq, "iq"),
-            SPEED.raw(speed, self._parameters, "speed"),
-            ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
-        )
+        self._raws = self._raws_of(temperature=temperature, power=power, iq=iq, speed=speed, encoder=encoder)
         self._checked = True
 
     @classmethod
@@ -1349,15 +1314,9 @@ class MotionFeedback(Message):
         self._node = node
         self._parameters = parameters
         self._checked = False
-        variant = cls.VARIANT_OF.get(parameters.series)
-        if variant == 0:
-            found = _UNPACK_5(data)
-            self._raws = (found[0], found[1], None, found[2], found[3])
-        elif variant == 1:
-            found = _UNPACK_5(data)
-            self._raws = (found[0], None, found[1], found[2], found[3])
-        else:
+        if parameters.series is None:
             raise missing("series", cls.__name__)
+        self._raws = _UNPACK_5(data)
         return self
 
     @property
@@ -1378,16 +1337,16 @@ class MotionFeedback(Message):
 
         Raw -1000..1000. A plain number without a unit in the manual. Exists under MS only.
         """
-        raw: int | None = self._raws[1]
-        if raw is None:
+        if self._parameters.series not in _ONLY_1:
             raise self._absent("power")
+        raw: int = self._raws[1]
         return raw
 
     @property
     def power_raw(self) -> int:
-        raw: int | None = self._raws[1]
-        if raw is None:
+        if self._parameters.series not in _ONLY_1:
             raise self._absent("power")
+        raw: int = self._raws[1]
         return raw
 
     @property
@@ -1397,16 +1356,16 @@ class MotionFeedback(Message):
         In A; resolution (1 LSB) not given (MS, MH), 33/4096 A (MF), 66/4096 A (MG). Exists under MF, MH, MG
         only.
         """
-        raw: int | None = self._raws[2]
-        if raw is None:
+        if self._parameters.series not in _ONLY_2:
             raise self._absent("iq")
+        raw: int = self._raws[1]
         return MEASURED_TORQUE_CURRENT.value(raw, self._parameters, "iq")
 
     @property
     def iq_raw(self) -> int:
-        raw: int | None = self._raws[2]
-        if raw is None:
+        if self._parameters.series not in _ONLY_2:
             raise self._absent("iq")
+        raw: int = self._raws[1]
         return raw
 
     @property
@@ -1415,11 +1374,11 @@ class MotionFeedback(Message):
 
         In °/s.
         """
-        return self._raws[3]
+        return self._raws[2]
 
     @property
     def speed_raw(self) -> int:
-        return self._raws[3]
+        return self._raws[2]
 
     @property
     def encoder(self) -> float:
@@ -1428,18 +1387,15 @@ class MotionFeedback(Message):
         In °; resolution (1 LSB) 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14),
         0..32767 (15), 0..65535 (16).
         """
-        return ENCODER_POSITION.value(self._raws[4], self._parameters, "encoder")
+        return ENCODER_POSITION.value(self._raws[3], self._parameters, "encoder")
 
     @property
     def encoder_raw(self) -> int:
-        return self._raws[4]
+        return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
-        variant = self.VARIANT_OF[self._parameters.series]
-        if variant == 0:
-            return _PACK_1(self.CODE, self._raws[0], self._raws[1], self._raws[3], self._raws[4])
-        return _PACK_1(self.CODE, self._raws[0], self._raws[2], self._raws[3], self._raws[4])
+        return _PACK_1(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
 class Status1(Message):
@@ -1639,9 +1595,7 @@ class BrakeRequest(Request["BrakeReply"]):
     EFFECTS = ("switches_brake",)
 
     __match_args__ = ("action",)
-    TYPES = {
-        "action": _BrakeAction,
-    }
+    TYPES = {"action": _BrakeAction}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1702,9 +1656,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     ONLY = {"series": (Series.MS,)}
 
     __match_args__ = ("power",)
-    TYPES = {
-        "power": POWER,
-    }
+    TYPES = {"power": POWER}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1770,9 +1722,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
 
     __match_args__ = ("iq",)
-    TYPES = {
-        "iq": TORQUE_CURRENT,
-    }
+    TYPES = {"iq": TORQUE_CURRENT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1837,10 +1787,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     LIMITED_BY = ("max_speed", "max_acceleration")
 
     __match_args__ = ("iq_limit", "speed")
-    TYPES = {
-        "iq_limit": TORQUE_CURRENT,
-        "speed": SPEED_SETPOINT,
-    }
+    TYPES = {"iq_limit": TORQUE_CURRENT, "speed": SPEED_SETPOINT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -1922,9 +1869,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     LIMITED_BY = ("max_angle", "max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": ANGLE,
-    }
+    TYPES = {"angle": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -1988,10 +1933,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     LIMITED_BY = ("max_angle", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("max_speed", "angle")
-    TYPES = {
-        "max_speed": SPEED_LIMIT,
-        "angle": ANGLE,
-    }
+    TYPES = {"max_speed": SPEED_LIMIT, "angle": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -2071,10 +2013,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("spin_direction", "angle")
-    TYPES = {
-        "spin_direction": _SpinDirection,
-        "angle": SINGLE_TURN_ANGLE,
-    }
+    TYPES = {"spin_direction": _SpinDirection, "angle": SINGLE_TURN_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -2151,11 +2090,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("spin_direction", "max_speed", "angle")
-    TYPES = {
-        "spin_direction": _SpinDirection,
-        "max_speed": SPEED_LIMIT,
-        "angle": SINGLE_TURN_ANGLE,
-    }
+    TYPES = {"spin_direction": _SpinDirection, "max_speed": SPEED_LIMIT, "angle": SINGLE_TURN_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -2246,9 +2181,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("increment",)
-    TYPES = {
-        "increment": ANGLE,
-    }
+    TYPES = {"increment": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -2313,10 +2246,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
 
     __match_args__ = ("max_speed", "increment")
-    TYPES = {
-        "max_speed": SPEED_LIMIT,
-        "increment": ANGLE,
-    }
+    TYPES = {"max_speed": SPEED_LIMIT, "increment": ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int]
@@ -3509,8 +3439,7 @@ class SaveStoredSettingsRequest(Request["SaveStoredSettingsReply"]):
     EFFECTS = ("writes_rom", "wears_rom", "needs_power_cycle")
 
     __match_args__ = ()
-    TYPES = {
-    }
+    TYPES = {}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[()]
@@ -3605,9 +3534,7 @@ class BrakeReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("state",)
-    TYPES = {
-        "state": _BrakeState,
-    }
+    TYPES = {"state": _BrakeState}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -4101,11 +4028,7 @@ class ReadEncoderReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("encoder", "encoder_measured", "encoder_offset")
-    TYPES = {
-        "encoder": ENCODER_POSITION,
-        "encoder_measured": ENCODER_POSITION,
-        "encoder_offset": ENCODER_POSITION,
-    }
+    TYPES = {"encoder": ENCODER_POSITION, "encoder_measured": ENCODER_POSITION, "encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -4197,11 +4120,7 @@ class CalibrateEncoderReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("align_value", "align_ratio", "align_state")
-    TYPES = {
-        "align_value": U32,
-        "align_ratio": ALIGN_RATIO,
-        "align_state": _AlignState,
-    }
+    TYPES = {"align_value": U32, "align_ratio": ALIGN_RATIO, "align_state": _AlignState}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int]
@@ -4283,9 +4202,7 @@ class WritePositionAsZeroRomReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("encoder_offset",)
-    TYPES = {
-        "encoder_offset": ENCODER_POSITION,
-    }
+    TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -4345,9 +4262,7 @@ class ReadMultiTurnAngleReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": MULTI_TURN_ANGLE,
-    }
+    TYPES = {"angle": MULTI_TURN_ANGLE}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -4406,9 +4321,7 @@ class ReadSingleTurnAngleReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("angle",)
-    TYPES = {
-        "angle": SINGLE_TURN_POSITION,
-    }
+    TYPES = {"angle": SINGLE_TURN_POSITION}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -4529,12 +4442,7 @@ class ReadStatus3Reply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("temperature", "phase_a", "phase_b", "phase_c")
-    TYPES = {
-        "temperature": TEMPERATURE,
-        "phase_a": PHASE_CURRENT,
-        "phase_b": PHASE_CURRENT,
-        "phase_c": PHASE_CURRENT,
-    }
+    TYPES = {"temperature": TEMPERATURE, "phase_a": PHASE_CURRENT, "phase_b": PHASE_CURRENT, "phase_c": PHASE_CURRENT}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int, int, int, int]
@@ -5093,9 +5001,7 @@ class SaveStoredSettingsReply(Reply):
     NODES = (1, 32)
 
     __match_args__ = ("result",)
-    TYPES = {
-        "result": _SaveResult,
-    }
+    TYPES = {"result": _SaveResult}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[int]
@@ -5135,6 +5041,9 @@ class SaveStoredSettingsReply(Reply):
         """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
         return _PACK_16(0x44, 0x5, self._raws[0])
 
+
+REPLY_WITHIN_MS = 0.25
+"""The longest time from a request to its reply, in ms; None where the specification gives no time."""
 
 AnyRequest: TypeAlias = Union[
     MotorOffRequest,
@@ -5518,84 +5427,58 @@ _dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     answers={
         MotorOffRequest: Answer(
             MotorOffReply,
-            (
-                (_data_0, (0x80,)),
-            ),
+            ((_data_0, (0x80,)),),
             echo=True,
         ),
         MotorOnRequest: Answer(
             MotorOnReply,
-            (
-                (_data_0, (0x88,)),
-            ),
+            ((_data_0, (0x88,)),),
             echo=True,
         ),
         MotorStopRequest: Answer(
             MotorStopReply,
-            (
-                (_data_0, (0x81,)),
-            ),
+            ((_data_0, (0x81,)),),
             echo=True,
         ),
         BrakeRequest: Answer(
             BrakeReply,
-            (
-                (_data_0, (0x8C,)),
-            ),
+            ((_data_0, (0x8C,)),),
         ),
         SetPowerRequest: Answer(
             SetPowerReply,
-            (
-                (_data_0, (0xA0,)),
-            ),
+            ((_data_0, (0xA0,)),),
         ),
         SetTorqueRequest: Answer(
             SetTorqueReply,
-            (
-                (_data_0, (0xA1,)),
-            ),
+            ((_data_0, (0xA1,)),),
         ),
         SetSpeedRequest: Answer(
             SetSpeedReply,
-            (
-                (_data_0, (0xA2,)),
-            ),
+            ((_data_0, (0xA2,)),),
         ),
         MoveToAngleRequest: Answer(
             MoveToAngleReply,
-            (
-                (_data_0, (0xA3,)),
-            ),
+            ((_data_0, (0xA3,)),),
         ),
         MoveToAngleAtSpeedRequest: Answer(
             MoveToAngleAtSpeedReply,
-            (
-                (_data_0, (0xA4,)),
-            ),
+            ((_data_0, (0xA4,)),),
         ),
         TurnToAngleRequest: Answer(
             TurnToAngleReply,
-            (
-                (_data_0, (0xA5,)),
-            ),
+            ((_data_0, (0xA5,)),),
         ),
         TurnToAngleAtSpeedRequest: Answer(
             TurnToAngleAtSpeedReply,
-            (
-                (_data_0, (0xA6,)),
-            ),
+            ((_data_0, (0xA6,)),),
         ),
         MoveByAngleRequest: Answer(
             MoveByAngleReply,
-            (
-                (_data_0, (0xA7,)),
-            ),
+            ((_data_0, (0xA7,)),),
         ),
         MoveByAngleAtSpeedRequest: Answer(
             MoveByAngleAtSpeedReply,
-            (
-                (_data_0, (0xA8,)),
-            ),
+            ((_data_0, (0xA8,)),),
         ),
         ReadControlParameterAnglePidRequest: Answer(
             ReadControlParameterAnglePidReply,
@@ -5711,64 +5594,44 @@ _dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
         ),
         ReadEncoderRequest: Answer(
             ReadEncoderReply,
-            (
-                (_data_0, (0x90,)),
-            ),
+            ((_data_0, (0x90,)),),
         ),
         CalibrateEncoderRequest: Answer(
             CalibrateEncoderReply,
-            (
-                (_data_0, (0x18,)),
-            ),
+            ((_data_0, (0x18,)),),
         ),
         WritePositionAsZeroRomRequest: Answer(
             WritePositionAsZeroRomReply,
-            (
-                (_data_0, (0x19,)),
-            ),
+            ((_data_0, (0x19,)),),
         ),
         ReadMultiTurnAngleRequest: Answer(
             ReadMultiTurnAngleReply,
-            (
-                (_data_0, (0x92,)),
-            ),
+            ((_data_0, (0x92,)),),
         ),
         ReadSingleTurnAngleRequest: Answer(
             ReadSingleTurnAngleReply,
-            (
-                (_data_0, (0x94,)),
-            ),
+            ((_data_0, (0x94,)),),
         ),
         SetZeroRamRequest: Answer(
             SetZeroRamReply,
-            (
-                (_data_0, (0x95,)),
-            ),
+            ((_data_0, (0x95,)),),
             echo=True,
         ),
         ReadStatus1Request: Answer(
             ReadStatus1Reply,
-            (
-                (_data_0, (0x9A,)),
-            ),
+            ((_data_0, (0x9A,)),),
         ),
         ClearErrorsRequest: Answer(
             ClearErrorsReply,
-            (
-                (_data_0, (0x9B,)),
-            ),
+            ((_data_0, (0x9B,)),),
         ),
         ReadStatus2Request: Answer(
             ReadStatus2Reply,
-            (
-                (_data_0, (0x9C,)),
-            ),
+            ((_data_0, (0x9C,)),),
         ),
         ReadStatus3Request: Answer(
             ReadStatus3Reply,
-            (
-                (_data_0, (0x9D,)),
-            ),
+            ((_data_0, (0x9D,)),),
         ),
         ReadStoredSettingDriverIdRequest: Answer(
             ReadStoredSettingDriverIdReply,
@@ -5958,9 +5821,7 @@ _dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
         ),
         SaveStoredSettingsRequest: Answer(
             SaveStoredSettingsReply,
-            (
-                (_data_0, (0x44,)),
-            ),
+            ((_data_0, (0x44,)),),
         ),
     },
     unknown=UNKNOWN,

@@ -109,7 +109,7 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "name-collision",
-        "Different items have different names in every target, such as C or Python.",
+        "Different items have different names in every target, such as C, which compares 63 characters, or Python.",
         name_collision.check,
         phase=Phase.CODES,
     ),

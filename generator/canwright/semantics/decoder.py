@@ -6,6 +6,7 @@ and rejects for the same reasons. Programs use the generated bindings.
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -131,13 +132,23 @@ def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
     if linear is None:
         return None
     if type_.encoding is Encoding.FLOAT:
-        code = {32: ("<I", "<f"), 64: ("<Q", "<d")}[type_.width]
-        (number,) = struct.unpack(code[1], struct.pack(code[0], raw))
-        if number != number or number in (float("inf"), float("-inf")):
-            return None
-        return Fraction(number) * linear.scale + linear.offset
-    number = raw * linear.scale
-    return number + linear.offset if linear.offset else number
+        number = _float(type_, raw)
+        return Fraction(number) * linear.scale + linear.offset if math.isfinite(number) else None
+    scaled = raw * linear.scale
+    return scaled + linear.offset if linear.offset else scaled
+
+
+def is_finite(type_: Type, raw: int) -> bool:
+    """False if a raw integer is the bit pattern of infinity or NaN, or no bit pattern of this width."""
+    low, high = type_.raw_limits
+    return low <= raw <= high and math.isfinite(_float(type_, raw))
+
+
+def _float(type_: Type, raw: int) -> float:
+    """The float with a bit pattern."""
+    bits, number = {32: ("<I", "<f"), 64: ("<Q", "<d")}[type_.width]
+    found: float = struct.unpack(number, struct.pack(bits, raw))[0]
+    return found
 
 
 def linear_of(type_: Type, assignment: Assignment) -> Linear | None:

@@ -18,7 +18,7 @@ from ..model.layout import Field, Segment, Space
 from ..model.message import Message
 from ..model.refusal import Refusal
 from ..model.types import Bound, Encoding, Range, Type
-from .decoder import Rejection, linear_of, value_of
+from .decoder import Rejection, is_finite, linear_of, value_of
 from .frame import CanFrame, Raw
 
 Number = int | float | Decimal | Fraction
@@ -50,10 +50,16 @@ class Encoder:
         self._nearest: dict[Field, Callable[[Fraction], int | Rejection]] = {}
 
     def fields(self, message: Message) -> dict[str, Field] | None:
-        """The fields of a message by name, without constants; None if they depend on a missing parameter."""
+        """The fields of a message by name, without constants; None if they depend on a missing parameter.
+
+        Fields that always exist are first, because every target checks them first.
+        """
         if message not in self._fields:
             variant = message.layout.variant(self.assignment)
-            fields = None if variant is None else {f.name: f for f in variant.fields if f.fixed is None}
+            fields = None
+            if variant is not None:
+                ordered = sorted(variant.fields, key=lambda field: bool(field.only))
+                fields = {field.name: field for field in ordered if field.fixed is None}
             self._fields[message] = fields
         return self._fields[message]
 
@@ -116,6 +122,8 @@ class Encoder:
         if isinstance(raw, list):
             each = (self.rejects_raw(field, one) for one in raw)
             return _wrong_count(field, len(raw)) or next(filter(None, each), None)
+        if field.type.encoding is Encoding.FLOAT and not is_finite(field.type, raw):
+            return Rejection(Refusal.NOT_FINITE, f"raw {raw} is no finite number in `{field.name}`", field.name)
         if field.type not in self._allows:
             self._allows[field.type] = self._allowed(field.type)
         if self._allows[field.type](raw):

@@ -76,9 +76,14 @@ def node_of(message: Message, frame: CanFrame) -> int | None:
 
 def has_id(message: Message, frame: CanFrame) -> bool:
     """Whether the id of a frame is one of the message's, keys in the id included."""
-    if (message.id.extended, message.remote) != (frame.extended, frame.remote):
-        return False
     if not all(_has_key(message, i, frame) for i, key in enumerate(message.keys) if key.space is Space.ID):
+        return False
+    return has_id_rule(message, frame)
+
+
+def has_id_rule(message: Message, frame: CanFrame) -> bool:
+    """Whether the id of a frame is one of the message's, whatever its keys are."""
+    if (message.id.extended, message.remote) != (frame.extended, frame.remote):
         return False
     rest = frame.id & ~message.id_mask
     return rest == message.id.base if message.id.nodes is None else node_of_id(message.id, rest) is not None
@@ -106,7 +111,7 @@ def difference(message: Message, frame: CanFrame) -> Difference | None:
         return Difference("extended", f"{message.name} has {'a 29-bit' if message.id.extended else 'an 11-bit'} id")
     if frame.remote is not message.remote:
         return Difference("remote", f"{message.name} is a {'remote' if message.remote else 'data'} frame")
-    if not has_id(message, frame):
+    if not has_id_rule(message, frame):
         return Difference("id", f"0x{frame.id:X} is not an id of {message.name}")
     if len(frame.data) != message.dlc and not frame.remote:
         return Difference(

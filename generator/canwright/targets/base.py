@@ -11,6 +11,9 @@ from ..language.golden_frames import GoldenFrames
 from ..model.edition import Edition
 from ..model.types import Assignment
 
+PACKAGE_VERSION = "0.1.0"
+"""The version of generated packages: that of canwright, since the names in generated code depend on it."""
+
 
 class Specification(NamedTuple):
     """An edition with its golden frames, where it has any: the input of a target."""

@@ -6,11 +6,13 @@ from collections.abc import Mapping
 
 from ..adapter import Adapter
 from .c import CAdapter
+from .cxx import CxxAdapter
 from .dbc import DbcAdapter
 from .docs import DocsAdapter
 from .python import PythonAdapter
 from .reference import ReferenceAdapter
 
 ADAPTERS: Mapping[str, type[Adapter]] = {
-    adapter.name: adapter for adapter in (ReferenceAdapter, CAdapter, PythonAdapter, DbcAdapter, DocsAdapter)
+    adapter.name: adapter
+    for adapter in (ReferenceAdapter, CAdapter, CxxAdapter, PythonAdapter, DbcAdapter, DocsAdapter)
 }

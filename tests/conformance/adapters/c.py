@@ -30,7 +30,8 @@ from ..adapter import (
     assignment,
     write_files,
 )
-from .c_harness import harness
+from .c_facts import Facts
+from .c_harness import harness, header_text
 
 EXTENDED = 1 << 31
 REMOTE = 1 << 30
@@ -41,8 +42,9 @@ class CAdapter(Adapter):
 
     name = "c"
 
-    def __init__(self, edition: Edition, program: Path) -> None:
+    def __init__(self, edition: Edition, program: Path, header: str = "") -> None:
         super().__init__(edition)
+        self._header = header
         self._process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         weakref.finalize(self, _end, self._process)
 
@@ -52,7 +54,8 @@ class CAdapter(Adapter):
         folder = write_files(target.generate([specification], {}), workdir)
         source = folder / "harness.c"
         source.write_text(harness(specification.edition, folder / "include"), "utf-8")
-        return cls(specification.edition, build([source], folder / "include", folder / "harness"))
+        program = build([source], folder / "include", folder / "harness")
+        return cls(specification.edition, program, header_text(specification.edition, folder / "include"))
 
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
@@ -122,10 +125,30 @@ class CAdapter(Adapter):
         answer = self._ask("filter", f"{address}_{direction.value}_filter", *self._known({}), str(node))
         return answer if isinstance(answer, Refused) else (int(answer[0], 16), int(answer[1], 16))
 
+    def check(self, direction: Direction, frame: CanFrame, parameters: Parameters) -> Refused | None:
+        """Why a frame is not decoded, or why its fields are invalid, with the field; None for a valid frame."""
+        answer = self._ask("check", f"any_{direction.value}", *self._known(parameters), *_frame(frame))
+        return answer if isinstance(answer, Refused) else None
+
     def milli(self, type_name: str, direction: str, number: int, parameters: Parameters) -> int | Refused:
         """`to` thousandths of the unit, or `from` them."""
         answer = self._ask("milli", type_name, *self._known(parameters), direction, str(number))
         return answer if isinstance(answer, Refused) else int(answer[0])
+
+    def single(self, type_name: str, direction: str, number: int, parameters: Parameters) -> int | Refused:
+        """`to` the bits of a float, or `from` them."""
+        answer = self._ask("single", type_name, *self._known(parameters), direction, str(number))
+        return answer if isinstance(answer, Refused) else int(answer[0])
+
+    def wrong_facts(self) -> list[str]:
+        """What the program says of the header besides frames, where it differs from the model."""
+        wrong = []
+        for fact in Facts(self.edition, self._header).all():
+            found = self._ask(fact.kind, fact.name, *self._known(fact.parameters), *fact.rest)
+            words = found.says.value if isinstance(found, Refused) else " ".join(found)
+            if words != fact.answer:
+                wrong.append(f"{fact.kind} {fact.name} {dict(fact.parameters)} {fact.rest}: {words}, not {fact.answer}")
+        return wrong
 
     def _encode(
         self, message: Message, node: int | None, parameters: Parameters, is_value: bool, words: list[str]

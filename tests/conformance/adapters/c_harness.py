@@ -15,6 +15,7 @@ from canwright.model.types import Encoding, Type
 from canwright.targets.c import PARTS
 from canwright.targets.c.names import Names, layouts, member
 
+from .c_facts import Facts
 from .c_signatures import Function, functions
 
 TEMPLATE = Path(__file__).with_name("c_harness.c.j2")
@@ -26,18 +27,24 @@ ARGUMENTS = {"frame": "frame", "message": "message", "node": "node", "parameters
 def harness(edition: Edition, include: Path) -> str:
     """The program's text, for the headers below `include`."""
     name = f"{edition.family}/{edition.identifier}"
-    text = "".join((include / f"{name}{part}.h").read_text("utf-8") for part in PARTS)
-    return _Harness(edition, functions(text)).text(name)
+    text = header_text(edition, include)
+    return _Harness(edition, functions(text)).text(name, Facts(edition, text).code())
+
+
+def header_text(edition: Edition, include: Path) -> str:
+    """All headers of an edition."""
+    name = f"{edition.family}/{edition.identifier}"
+    return "".join((include / f"{name}{part}.h").read_text("utf-8") for part in PARTS)
 
 
 class _Harness:
     def __init__(self, edition: Edition, functions: Mapping[str, Function]) -> None:
         self._edition = edition
         self._functions = functions
-        self._names_of = Names(edition)
+        self._in_c = Names(edition)
         self._prefix = f"{edition.family}_{edition.identifier}_".lower()
 
-    def text(self, include: str) -> str:
+    def text(self, include: str, facts: str) -> str:
         check = self._functions.get(f"{self._prefix}check_reply")
         with_fields = [layout for layout in layouts(self._edition) if _has_members(layout)]
         template = jinja2.Environment(
@@ -45,10 +52,12 @@ class _Harness:
         )
         return template.from_string(TEMPLATE.read_text("utf-8")).render(
             include=include,
+            facts=facts,
             prefix=self._prefix,
             parameters=[self._parameter(p.name) for p in self._edition.parameters],
             layouts=[self._layout(layout) for layout in with_fields],
-            milli=[t for t in map(self._milli, self._edition.types) if t],
+            milli=[t for t in (self._conversion(t, "milli", "milli") for t in self._edition.types) if t],
+            single=[t for t in (self._conversion(t, "float", "value") for t in self._edition.types) if t],
             messages=[self._message(m) for m in self._edition.all_messages()],
             filters=list(self._filters()),
             directions=[d for d in map(self._direction, Direction) if d],
@@ -71,6 +80,7 @@ class _Harness:
         decode = self._functions.get(f"{self._prefix}decode_{direction.value}")
         if decode is None:
             return None
+        check = self._functions.get(f"{self._prefix}any_{direction.value}_check")
         messages = [m for m in self._edition.messages(direction) if _has_members(m.layout)]
         print_ = self._functions[f"{self._prefix}print_{direction.value}"]
         names = {**ARGUMENTS, "text": "text", "size": "size"}
@@ -78,19 +88,20 @@ class _Harness:
             "word": direction.value,
             "decode": decode.call({**ARGUMENTS, direction.value: "any"}),
             "print": print_.call(names).replace("&text", "text"),
+            "check": check.call({**ARGUMENTS, direction.value: "any"}) if check else "",
             "messages": [
                 {
-                    "enumerator": self._names_of.command(m.command),
+                    "enumerator": self._in_c.command(m.command),
                     "layout": self._names(m.layout),
-                    "member": member(self._names_of.short(m.command)),
+                    "member": member(self._in_c.short(m.command)),
                 }
                 for m in messages
             ],
         }
 
     def _message(self, message: Message) -> dict[str, Any]:
-        c = self._names_of.lower(message.name)
-        check = self._functions.get(self._names_of.lower(message.layout.name, "check"))
+        c = self._in_c.lower(message.name)
+        check = self._functions.get(self._in_c.lower(message.layout.name, "check"))
         return {
             "name": message.name,
             "command": message.command,
@@ -101,7 +112,7 @@ class _Harness:
         }
 
     def _names(self, layout: Layout) -> dict[str, str]:
-        return {"name": layout.name, "c": self._names_of.lower(layout.name)}
+        return {"name": layout.name, "c": self._in_c.lower(layout.name)}
 
     def _layout(self, layout: Layout) -> dict[str, Any]:
         fields = [self._field(field) for field in layout.fields if field.fixed is None]
@@ -109,7 +120,7 @@ class _Harness:
 
     def _field(self, field: Field) -> dict[str, Any]:
         type_ = field.type
-        c = self._names_of.lower(self._names_of.type_stem(type_))
+        c = self._in_c.lower(self._in_c.type_stem(type_))
         members = [(m.name, f"{c}_{m.name}".upper()) for m in (*type_.enum, *type_.flags)]
         to, from_ = self._functions.get(f"{c}_to_double"), self._functions.get(f"{c}_from_double")
         names = self._functions.get(f"{c}_name")
@@ -129,17 +140,18 @@ class _Harness:
             "from": self._from(from_) if from_ else "",
         }
 
-    def _milli(self, type_: Type) -> dict[str, Any] | None:
-        c = self._names_of.lower(self._names_of.type_stem(type_))
-        to, from_ = self._functions.get(f"{c}_to_milli"), self._functions.get(f"{c}_from_milli")
+    def _conversion(self, type_: Type, ending: str, number: str) -> dict[str, Any] | None:
+        """The pair of functions `_to_ENDING` and `_from_ENDING`, whose parameter is called `number`."""
+        c = self._in_c.lower(self._in_c.type_stem(type_))
+        to, from_ = self._functions.get(f"{c}_to_{ending}"), self._functions.get(f"{c}_from_{ending}")
         if to is None or from_ is None:
             return None
-        arguments = {"milli": "milli", "raw": "raw", "parameters": "known"}
+        arguments = {number: number, "raw": "raw", "parameters": "known"}
         return {
             "name": type_.name,
             "kind": to.types[to.parameters.index("raw")],
             "signed": type_.encoding is Encoding.SIGNED,
-            "milli_kind": from_.types[from_.parameters.index("milli")],
+            "number_kind": from_.types[from_.parameters.index(number)],
             "to": to.call(arguments),
             "to_fails": "status" in to.result,
             "from": from_.call(arguments),

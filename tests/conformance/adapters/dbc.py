@@ -43,7 +43,7 @@ class DbcAdapter(Adapter):
         "codes_in_id": "a DBC has ids, and does not know which part of them is a code",
         "constants": "no reader checks what a constant signal holds",
         "reserved_in_id": "a DBC has ids as they are sent, and does not know that a part of them is ignored",
-        "not_finite": "a float signal takes NaN and infinity",
+        "not_finite": "a float signal takes NaN and infinity, and a reader may change the bits of NaN",
         "rounding": "a reader works in doubles, rounds ties its own way, and compares with limits before it rounds",
         "left_out": "an id that carries a field, a remote frame, and fixed bytes above fields have no form in a DBC",
         "selectors_apart": "nested multiplexors break readers; selectors that stand apart cannot be read as one",
@@ -61,6 +61,11 @@ class DbcAdapter(Adapter):
         for direction in Direction:
             for frame in Traffic(self.edition, direction).frames({}):
                 self._left_out |= set(frame.hidden)
+        self._routes = {direction: dispatch_plan(self.edition.messages(direction)).routes for direction in Direction}
+        self._fixed_in_id = {
+            m: [f for f in m.layout.fields if f.space is Space.ID and f.fixed is not None]
+            for m in self.edition.all_messages()
+        }
         self._deciding = {name for m in self.edition.all_messages() for f in m.layout.fields for name in f.type.numbers}
 
     @classmethod
@@ -101,20 +106,16 @@ class DbcAdapter(Adapter):
 
     def _has_rule(self, direction: Direction, frame: CanFrame) -> bool:
         """Whether an id is one of an address, but for the code in it."""
-        entries = dispatch_plan(self.edition.messages(direction)).routes
-        alike = (e for e in entries if (e.rule.extended, e.remote) == (frame.extended, frame.remote))
+        alike = (e for e in self._routes[direction] if (e.rule.extended, e.remote) == (frame.extended, frame.remote))
         return any(entry.mask and entry.contains(frame.id) for entry in alike)
 
-    @staticmethod
-    def _constant_in_id(message: Message, frame: CanFrame) -> bool:
+    def _constant_in_id(self, message: Message, frame: CanFrame) -> bool:
         """Whether a constant in the id is another one."""
-        in_id = (field for field in message.layout.fields if field.space is Space.ID)
-        return bool(wrong_constants(in_id, frame))
+        return bool(wrong_constants(self._fixed_in_id[message], frame))
 
-    @staticmethod
-    def _reserved_in_id(message: Message, frame: CanFrame) -> bool:
+    def _reserved_in_id(self, message: Message, frame: CanFrame) -> bool:
         """Whether reserved bits in the id are not those that are sent."""
-        reserved = (f for f in message.layout.fields if f.space is Space.ID and isinstance(f.role, ReservedRole))
+        reserved = (f for f in self._fixed_in_id[message] if isinstance(f.role, ReservedRole))
         return any(raw_of(f, frame) != f.fixed for f in reserved)
 
     def encode_raw(

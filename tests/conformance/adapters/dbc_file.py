@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -15,7 +16,7 @@ from canwright.model.layout import Field, Space
 from canwright.model.message import Command, Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding
-from canwright.semantics.frame import is_message
+from canwright.semantics.frame import has_id
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
 from .dbc_fields import Data, Number, cells, float_of, values_of
@@ -77,10 +78,13 @@ class DbcFile:
         try:
             numbers = _mapping(found.decode(frame.data, decode_choices=False, scaling=False, allow_excess=False))
             shown = _mapping(found.decode(frame.data))
+            if any(math.isnan(number) for number in numbers.values()):
+                raise Cannot("not_finite")
         except DecodeError as error:
             if "data size" not in str(error):
                 return Refused(Refusal.UNKNOWN_CODE)
-            if any(is_message(message, frame) for message in self._edition.messages(direction)):
+            same_id = (message for message in self._edition.messages(direction) if has_id(message, frame))
+            if any(message.dlc == len(frame.data) for message in same_id):
                 raise Cannot("lengths") from None
             return Refused(Refusal.WRONG_LENGTH)
         selector = _selector(found)

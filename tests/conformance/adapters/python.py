@@ -8,12 +8,13 @@ from collections.abc import Mapping, Sequence
 from enum import IntEnum, IntFlag
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, ClassVar
 
 from canwright.model.edition import Edition
 from canwright.model.layout import ReservedRole, Space
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
+from canwright.semantics.decoder import Decoder, Rejection
 from canwright.targets import python as target
 from canwright.targets.base import Specification
 from canwright.targets.python.text import attribute, class_name
@@ -21,6 +22,7 @@ from canwright.targets.python.text import attribute, class_name
 from ..adapter import (
     Adapter,
     CanFrame,
+    Cannot,
     Decoded,
     Encoded,
     ExactValue,
@@ -51,10 +53,14 @@ class PythonAdapter(Adapter):
     """Answers through `decode_request`, `decode_reply`, `decode_answer`, `unpack`, constructors and `encode`."""
 
     name = "python"
+    cannot: ClassVar[Mapping[str, str]] = {
+        "expected": "a frame that is no answer is decoded by itself; no function expects one class and checks for it",
+    }
 
     def __init__(self, edition: Edition, module: ModuleType) -> None:
         super().__init__(edition)
         self._module = module
+        self._decoder = Decoder(edition)
         self._names = {attribute(f.name): f.name for m in edition.all_messages() for f in m.layout.fields}
 
     @classmethod
@@ -80,14 +86,22 @@ class PythonAdapter(Adapter):
         """The message of a frame: of any class, of the class that answers a request, or of the class of a request."""
         module, flags = self._module, {"extended": frame.extended, "remote": frame.remote}
         has_request = expected is not None and self.edition.command(expected).request is not None
+        is_answer = has_request and direction is Direction.REPLY
+        if expected is not None and not is_answer and self._identified(direction, frame) != expected:
+            raise Cannot("expected")
         if not has_request:
             decode = module.decode_request if direction is Direction.REQUEST else module.decode_reply
             return decode(frame.id, frame.data, known, **flags)
         request = getattr(module, class_name(f"{expected}_request"))
-        if direction is Direction.REPLY:
+        if is_answer:
             return module.decode_answer(request, frame.id, frame.data, known, **flags)
         node = module.node_of(direction.value, frame.id, **flags)
         return request.unpack(node, frame.id, frame.data, known)
+
+    def _identified(self, direction: Direction, frame: CanFrame) -> str | None:
+        """The command of a frame by itself; None for a frame that has none."""
+        found = self._decoder.identify(direction, frame)
+        return None if isinstance(found, Rejection) else found.message.command
 
     def _reserved(self, message: Any, direction: Direction) -> int:
         """The bits of the id that a reader ignores."""

@@ -7,7 +7,9 @@ from fractions import Fraction
 from pathlib import Path
 
 from canwright.model.edition import Edition
+from canwright.model.layout import Field
 from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
 from canwright.semantics.decoder import Decoder, Rejection, Value as ModelValue
 from canwright.semantics.encoder import Encoders
 from canwright.semantics.exchange import check_reply
@@ -52,7 +54,16 @@ class ReferenceAdapter(Adapter):
             found = self._decoder.decode_as(self.message_of(direction, expected), frame, known)
         if isinstance(found, Rejection):
             return _refused(found)
-        return Decoded(found.message.command, found.node, found.raws, {n: _value(v) for n, v in found.values.items()})
+        missing = {f.name for f in found.variant.fields if f.name in found.values and self._is_missing(f, parameters)}
+        values = {name: _value(value) for name, value in found.values.items() if name not in missing}
+        return Decoded(found.message.command, found.node, found.raws, values)
+
+    def _is_missing(self, field: Field, parameters: Parameters) -> bool:
+        """Whether the value of a field depends on a missing parameter."""
+        if not field.type.is_number or not (field.type.linear.parameter or field.type.times):
+            return False
+        found = self._encoders.under(parameters).nearest_raw(field, Fraction(0))
+        return isinstance(found, Rejection) and found.reason is Refusal.MISSING_PARAMETER
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters

@@ -188,7 +188,7 @@ static inline bool canwright_same_data(const canwright_frame_t *one, const canwr
     if (one->dlc != other->dlc) {
         return false;
     }
-    for (i = 0u; i < one->dlc && i < CANWRIGHT_MAX_DATA; i++) {
+    for (i = 0u; (i < one->dlc) && (i < CANWRIGHT_MAX_DATA); i++) {
         if (one->data[i] != other->data[i]) {
             return false;
         }
@@ -200,17 +200,21 @@ static inline bool canwright_same_data(const canwright_frame_t *one, const canwr
 static inline int32_t canwright_signed32(uint32_t raw, unsigned width)
 {
     const uint32_t sign = UINT32_C(1) << (width - 1u);
-    return (int32_t)((int64_t)(raw ^ sign) - (int64_t)sign);
+    const uint32_t above = raw ^ sign;
+    const int64_t number = (int64_t)above - (int64_t)sign;
+    return (int32_t)number;
 }
 
 /** The signed number in the lowest `width` bits, 33 to 64; the bits above them are 0. */
 static inline int64_t canwright_signed64(uint64_t raw, unsigned width)
 {
     const uint64_t sign = UINT64_C(1) << (width - 1u);
+    const uint64_t above = raw ^ sign;
+    const uint64_t below = UINT64_MAX - raw;
     if (width == 64u) {
-        return raw < sign ? (int64_t)raw : -(int64_t)(UINT64_MAX - raw) - 1;
+        return (raw < sign) ? (int64_t)raw : (-(int64_t)below - 1);
     }
-    return (int64_t)(raw ^ sign) - (int64_t)sign;
+    return (int64_t)above - (int64_t)sign;
 }
 
 /**
@@ -219,7 +223,7 @@ static inline int64_t canwright_signed64(uint64_t raw, unsigned width)
  */
 static inline int32_t canwright_divide32(int32_t dividend, int32_t divisor)
 {
-    return (dividend < 0 ? dividend - divisor / 2 : dividend + divisor / 2) / divisor;
+    return ((dividend < 0) ? (dividend - (divisor / 2)) : (dividend + (divisor / 2))) / divisor;
 }
 
 /**
@@ -228,23 +232,25 @@ static inline int32_t canwright_divide32(int32_t dividend, int32_t divisor)
  */
 static inline int64_t canwright_divide64(int64_t dividend, int64_t divisor)
 {
-    return (dividend < 0 ? dividend - divisor / 2 : dividend + divisor / 2) / divisor;
+    return ((dividend < 0) ? (dividend - (divisor / 2)) : (dividend + (divisor / 2))) / divisor;
 }
 
 /** The integer nearest to `ratio * dividend / divisor`, ties away from zero; both products must fit in 64 bits. */
 CANWRIGHT_NONNULL
 static inline int64_t canwright_multiple64(const canwright_ratio_t *ratio, int64_t dividend, int64_t divisor)
 {
-    return canwright_divide64(dividend * ratio->numerator, divisor * (int64_t)ratio->denominator);
+    const int64_t above = dividend * (int64_t)ratio->numerator;
+    const int64_t below = divisor * (int64_t)ratio->denominator;
+    return canwright_divide64(above, below);
 }
 
 /** The largest integer not above `(factor * ratio + addend) / divisor`; `ratio` is known and `divisor` positive. */
 CANWRIGHT_NONNULL
 static inline int64_t canwright_floor(const canwright_ratio_t *ratio, int64_t factor, int64_t addend, int64_t divisor)
 {
-    const int64_t above = factor * ratio->numerator + addend * (int64_t)ratio->denominator;
+    const int64_t above = (factor * (int64_t)ratio->numerator) + (addend * (int64_t)ratio->denominator);
     const int64_t below = divisor * (int64_t)ratio->denominator;
-    return above / below - (above % below < 0 ? 1 : 0);
+    return (above / below) - (((above % below) < 0) ? 1 : 0);
 }
 
 /** The smallest integer not below `(factor * ratio + addend) / divisor`; `ratio` is known and `divisor` positive. */
@@ -263,12 +269,13 @@ static inline bool canwright_share64(int64_t *nearest, const canwright_ratio_t *
     int64_t divisor, int64_t addend, int64_t factor, int64_t lowest, int64_t highest)
 {
     const int64_t limit = canwright_floor(ratio, most, 0, 1);
-    if (share < -limit || share > limit) {
+    const int64_t numerator = ratio->numerator;
+    const int64_t denominator = ratio->denominator;
+    if ((share < -limit) || (share > limit)) {
         return false;
     }
-    *nearest = canwright_divide64(
-        share * divisor * (int64_t)ratio->denominator - addend * ratio->numerator, factor * ratio->numerator);
-    return *nearest >= lowest && *nearest <= highest;
+    *nearest = canwright_divide64((share * divisor * denominator) - (addend * numerator), factor * numerator);
+    return (*nearest >= lowest) && (*nearest <= highest);
 }
 
 /** True for the bits of a 32-bit IEEE 754 number that is neither infinity nor NaN. */
@@ -280,19 +287,19 @@ static inline bool canwright_is_finite32(uint32_t bits)
 /** True for the bits of a 64-bit IEEE 754 number that is neither infinity nor NaN. */
 static inline bool canwright_is_finite64(uint64_t bits)
 {
-    return (bits & UINT64_C(0x7FF0000000000000)) != UINT64_C(0x7FF0000000000000);
+    return (bits & 0x7FF0000000000000u) != 0x7FF0000000000000u;
 }
 
 /** The bits of a 32-bit IEEE 754 number as an integer that sorts like the number. */
 static inline uint32_t canwright_order32(uint32_t bits)
 {
-    return (bits >> 31) != 0u ? ~bits : bits | 0x80000000u;
+    return ((bits >> 31) != 0u) ? ~bits : (bits | 0x80000000u);
 }
 
 /** The bits of a 64-bit IEEE 754 number as an integer that sorts like the number. */
 static inline uint64_t canwright_order64(uint64_t bits)
 {
-    return (bits >> 63) != 0u ? ~bits : bits | UINT64_C(0x8000000000000000);
+    return ((bits >> 63) != 0u) ? ~bits : (bits | 0x8000000000000000u);
 }
 
 #if defined(__cplusplus) && defined(__GNUC__)

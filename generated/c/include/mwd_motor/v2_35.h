@@ -103,7 +103,7 @@ typedef struct {
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_request_id(uint32_t *id, uint32_t node)
 {
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     *id = 0x140u + node;
@@ -115,7 +115,7 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_request_node(uint32_t *found, uint32_t id)
 {
     const uint32_t node = id - 0x140u;
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_ID;
     }
     *found = node;
@@ -139,7 +139,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_request_filter(canwright_
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_reply_id(uint32_t *id, uint32_t node)
 {
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     *id = 0x140u + node;
@@ -151,7 +151,7 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_reply_node(uint32_t *found, uint32_t id)
 {
     const uint32_t node = id - 0x140u;
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_ID;
     }
     *found = node;
@@ -182,7 +182,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_request_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a request, and sets all other bits of the data to 0. */
@@ -210,7 +210,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_reply_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
@@ -304,7 +304,7 @@ static inline int32_t mwd_motor_v2_35_voltage_to_milli(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_voltage_from_milli(uint16_t *raw, int32_t milli)
 {
-    if (milli < -49 || milli > 6553549) {
+    if ((milli < -49) || (milli > 6553549)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (uint16_t)canwright_divide32(milli, 100);
@@ -326,7 +326,7 @@ static inline canwright_status_t mwd_motor_v2_35_voltage_from_milli(uint16_t *ra
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_power_valid(int16_t raw)
 {
-    return raw >= -850 && raw <= 850;
+    return (raw >= -850) && (raw <= 850);
 }
 
 /** @} */
@@ -347,7 +347,7 @@ static inline bool mwd_motor_v2_35_power_valid(int16_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_torque_current_valid(int16_t raw)
 {
-    return raw >= -2048 && raw <= 2048;
+    return (raw >= -2048) && (raw <= 2048);
 }
 
 /** To thousandths of A. */
@@ -380,13 +380,13 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_milli(
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_SERIES_MF:
-        if (milli < -16504 || milli > 16504) {
+        if ((milli < -16504) || (milli > 16504)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_SERIES_MG:
-        if (milli < -33008 || milli > 33008) {
+        if ((milli < -33008) || (milli > 33008)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -418,7 +418,7 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_milli(
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_broadcast_current_valid(int16_t raw)
 {
-    return raw >= -2000 && raw <= 2000;
+    return (raw >= -2000) && (raw <= 2000);
 }
 
 /** To thousandths of A. */
@@ -431,7 +431,7 @@ static inline int32_t mwd_motor_v2_35_broadcast_current_to_milli(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_milli(int16_t *raw, int32_t milli)
 {
-    if (milli < -32007 || milli > 32007) {
+    if ((milli < -32007) || (milli > 32007)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int16_t)canwright_divide32(milli, 16);
@@ -462,7 +462,7 @@ static inline int32_t mwd_motor_v2_35_phase_current_to_milli(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_phase_current_from_milli(int16_t *raw, int32_t milli)
 {
-    if (milli < -512007 || milli > 511992) {
+    if ((milli < -512007) || (milli > 511992)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int16_t)canwright_divide32(milli * 8, 125);
@@ -515,7 +515,7 @@ static inline int64_t mwd_motor_v2_35_speed_setpoint_to_milli(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_milli(int32_t *raw, int64_t milli)
 {
-    if (milli < -21474836484 || milli > 21474836474) {
+    if ((milli < -21474836484) || (milli > 21474836474)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int32_t)canwright_divide64(milli, 10);
@@ -578,7 +578,7 @@ static inline int64_t mwd_motor_v2_35_angle_i32_to_milli(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_milli(int32_t *raw, int64_t milli)
 {
-    if (milli < -21474836484 || milli > 21474836474) {
+    if ((milli < -21474836484) || (milli > 21474836474)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int32_t)canwright_divide64(milli, 10);
@@ -612,7 +612,7 @@ static inline int64_t mwd_motor_v2_35_single_turn_angle_to_milli(uint32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_milli(uint32_t *raw, int64_t milli)
 {
-    if (milli < -4 || milli > 42949672954) {
+    if ((milli < -4) || (milli > 42949672954)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (uint32_t)canwright_divide64(milli, 10);
@@ -640,8 +640,8 @@ CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_single_turn_position_valid(
     uint32_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    return parameters->gear_ratio.denominator == 0u || (int64_t)raw <= canwright_floor(&parameters->gear_ratio, 36000,
-        -1, 1);
+    return (parameters->gear_ratio.denominator == 0u) || ((int64_t)raw <= canwright_floor(&parameters->gear_ratio,
+        36000, -1, 1));
 }
 
 /** To thousandths of deg. */
@@ -656,7 +656,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_milli
     uint32_t *raw, int64_t milli, const mwd_motor_v2_35_parameters_t *parameters)
 {
     uint32_t nearest;
-    if (milli < -4 || milli > 42949672954) {
+    if ((milli < -4) || (milli > 42949672954)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     nearest = (uint32_t)canwright_divide64(milli, 10);
@@ -688,14 +688,14 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_milli
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_35_multi_turn_angle_valid(int64_t raw)
 {
-    return raw >= -36028797018963968 && raw <= 36028797018963967;
+    return (raw >= -36028797018963968) && (raw <= 36028797018963967);
 }
 
 /** To thousandths of deg. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_to_milli(int64_t *milli, int64_t raw)
 {
-    if (raw < -36028797018963968 || raw > 36028797018963967) {
+    if ((raw < -36028797018963968) || (raw > 36028797018963967)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *milli = raw * 10;
@@ -706,7 +706,7 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_to_milli(int64
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_milli(int64_t *raw, int64_t milli)
 {
-    if (milli < -360287970189639684 || milli > 360287970189639674) {
+    if ((milli < -360287970189639684) || (milli > 360287970189639674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = canwright_divide64(milli, 10);
@@ -781,19 +781,19 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_milli(
     uint16_t nearest;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
-        if (milli < -10 || milli > 1439989) {
+        if ((milli < -10) || (milli > 1439989)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 256, 5625);
         break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
-        if (milli < -5 || milli > 719994) {
+        if ((milli < -5) || (milli > 719994)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 512, 5625);
         break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
-        if (milli < -2 || milli > 359997) {
+        if ((milli < -2) || (milli > 359997)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 1024, 5625);
@@ -3743,37 +3743,37 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_torque_request_decode
  * Any frame: its command, node and fields
  * ----------------------------------------------------------------------------------------------------------------- */
 
-/** The commands. */
+/** The commands. A command with a code of its own has this code as its number. */
 typedef enum {
     MWD_MOTOR_V2_35_COMMAND_NONE = 0,
-    MWD_MOTOR_V2_35_COMMAND_MOTOR_OFF,
-    MWD_MOTOR_V2_35_COMMAND_MOTOR_ON,
-    MWD_MOTOR_V2_35_COMMAND_MOTOR_STOP,
-    MWD_MOTOR_V2_35_COMMAND_SET_POWER,
-    MWD_MOTOR_V2_35_COMMAND_SET_TORQUE,
-    MWD_MOTOR_V2_35_COMMAND_SET_SPEED,
-    MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE,
-    MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE,
-    MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE,
-    MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_35_COMMAND_READ_PID,
-    MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM,
-    MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM,
-    MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION,
-    MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM,
-    MWD_MOTOR_V2_35_COMMAND_READ_ENCODER,
-    MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM,
-    MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM,
-    MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE,
-    MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE,
-    MWD_MOTOR_V2_35_COMMAND_CLEAR_ANGLE,
-    MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1,
-    MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS,
-    MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2,
-    MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3,
-    MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE
+    MWD_MOTOR_V2_35_COMMAND_MOTOR_OFF = 0x80,
+    MWD_MOTOR_V2_35_COMMAND_MOTOR_ON = 0x88,
+    MWD_MOTOR_V2_35_COMMAND_MOTOR_STOP = 0x81,
+    MWD_MOTOR_V2_35_COMMAND_SET_POWER = 0xA0,
+    MWD_MOTOR_V2_35_COMMAND_SET_TORQUE = 0xA1,
+    MWD_MOTOR_V2_35_COMMAND_SET_SPEED = 0xA2,
+    MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE = 0xA3,
+    MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED = 0xA4,
+    MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE = 0xA5,
+    MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED = 0xA6,
+    MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE = 0xA7,
+    MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED = 0xA8,
+    MWD_MOTOR_V2_35_COMMAND_READ_PID = 0x30,
+    MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM = 0x31,
+    MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM = 0x32,
+    MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION = 0x33,
+    MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM = 0x34,
+    MWD_MOTOR_V2_35_COMMAND_READ_ENCODER = 0x90,
+    MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM = 0x91,
+    MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM = 0x19,
+    MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE = 0x92,
+    MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE = 0x94,
+    MWD_MOTOR_V2_35_COMMAND_CLEAR_ANGLE = 0x95,
+    MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1 = 0x9A,
+    MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS = 0x9B,
+    MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2 = 0x9C,
+    MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3 = 0x9D,
+    MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE = 0x100
 } mwd_motor_v2_35_command_t;
 
 /** The name of a command. */
@@ -3917,8 +3917,8 @@ static inline bool mwd_motor_v2_35_command_available(
 {
     switch ((int)command) {
     case MWD_MOTOR_V2_35_COMMAND_SET_POWER:
-        return parameters->series != MWD_MOTOR_V2_35_SERIES_MF && parameters->series != MWD_MOTOR_V2_35_SERIES_MH
-            && parameters->series != MWD_MOTOR_V2_35_SERIES_MG;
+        return (parameters->series != MWD_MOTOR_V2_35_SERIES_MF) && (parameters->series != MWD_MOTOR_V2_35_SERIES_MH)
+            && (parameters->series != MWD_MOTOR_V2_35_SERIES_MG);
     case MWD_MOTOR_V2_35_COMMAND_SET_TORQUE:
         return parameters->series != MWD_MOTOR_V2_35_SERIES_MS;
     default:
@@ -3937,90 +3937,38 @@ static inline canwright_status_t mwd_motor_v2_35_identify_request(
         }
         switch (frame->data[0]) {
         case 0x80u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOTOR_OFF;
-            return CANWRIGHT_OK;
         case 0x88u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOTOR_ON;
-            return CANWRIGHT_OK;
         case 0x81u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOTOR_STOP;
-            return CANWRIGHT_OK;
         case 0xA0u:
-            *command = MWD_MOTOR_V2_35_COMMAND_SET_POWER;
-            return CANWRIGHT_OK;
         case 0xA1u:
-            *command = MWD_MOTOR_V2_35_COMMAND_SET_TORQUE;
-            return CANWRIGHT_OK;
         case 0xA2u:
-            *command = MWD_MOTOR_V2_35_COMMAND_SET_SPEED;
-            return CANWRIGHT_OK;
         case 0xA3u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA4u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA5u:
-            *command = MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA6u:
-            *command = MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA7u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA8u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0x30u:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_PID;
-            return CANWRIGHT_OK;
         case 0x31u:
-            *command = MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM;
-            return CANWRIGHT_OK;
         case 0x32u:
-            *command = MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM;
-            return CANWRIGHT_OK;
         case 0x33u:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION;
-            return CANWRIGHT_OK;
         case 0x34u:
-            *command = MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM;
-            return CANWRIGHT_OK;
         case 0x90u:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_ENCODER;
-            return CANWRIGHT_OK;
         case 0x91u:
-            *command = MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM;
-            return CANWRIGHT_OK;
         case 0x19u:
-            *command = MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
-            return CANWRIGHT_OK;
         case 0x92u:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE;
-            return CANWRIGHT_OK;
         case 0x94u:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE;
-            return CANWRIGHT_OK;
         case 0x95u:
-            *command = MWD_MOTOR_V2_35_COMMAND_CLEAR_ANGLE;
-            return CANWRIGHT_OK;
         case 0x9Au:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1;
-            return CANWRIGHT_OK;
         case 0x9Bu:
-            *command = MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS;
-            return CANWRIGHT_OK;
         case 0x9Cu:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2;
-            return CANWRIGHT_OK;
         case 0x9Du:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3;
+            *command = (mwd_motor_v2_35_command_t)frame->data[0];
             return CANWRIGHT_OK;
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-    }
+}
     if (frame->id == MWD_MOTOR_V2_35_BROADCAST_REQUEST_ID) {
         *node = 0u;
         if (frame->dlc != 8u) {
@@ -4028,7 +3976,7 @@ static inline canwright_status_t mwd_motor_v2_35_identify_request(
         }
         *command = MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE;
         return CANWRIGHT_OK;
-    }
+}
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -4076,56 +4024,90 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_decode_request(
     mwd_motor_v2_35_any_request_t *request, const canwright_frame_t *frame)
 {
-    const canwright_status_t status =
-        mwd_motor_v2_35_identify_request(&request->command, &request->node, frame);
-    if (status != CANWRIGHT_OK) {
-        return status;
-    }
-    switch ((int)request->command) {
-    case MWD_MOTOR_V2_35_COMMAND_SET_POWER:
-        mwd_motor_v2_35_set_power_request_unpack(&request->as.set_power, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_SET_TORQUE:
-        mwd_motor_v2_35_set_torque_request_unpack(&request->as.set_torque, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_SET_SPEED:
-        mwd_motor_v2_35_set_speed_request_unpack(&request->as.set_speed, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE:
-        mwd_motor_v2_35_move_to_angle_request_unpack(&request->as.move_to_angle, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_35_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE:
-        mwd_motor_v2_35_turn_to_angle_request_unpack(&request->as.turn_to_angle, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_35_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE:
-        mwd_motor_v2_35_move_by_angle_request_unpack(&request->as.move_by_angle, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-        mwd_motor_v2_35_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM:
-    case MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM:
-        mwd_motor_v2_35_pid_gains_unpack(&request->as.write_pid_ram, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM:
-        mwd_motor_v2_35_write_acceleration_ram_unpack(&request->as.write_acceleration_ram, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM:
-        mwd_motor_v2_35_write_encoder_offset_rom_unpack(&request->as.write_encoder_offset_rom, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE:
+    if (mwd_motor_v2_35_motor_request_node(&request->node, frame->id) == CANWRIGHT_OK) {
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        switch (frame->data[0]) {
+        case 0x80u:
+        case 0x88u:
+        case 0x81u:
+        case 0x30u:
+        case 0x33u:
+        case 0x90u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            request->command = (mwd_motor_v2_35_command_t)frame->data[0];
+            return CANWRIGHT_OK;
+        case 0xA0u:
+            request->command = MWD_MOTOR_V2_35_COMMAND_SET_POWER;
+            mwd_motor_v2_35_set_power_request_unpack(&request->as.set_power, frame);
+            return CANWRIGHT_OK;
+        case 0xA1u:
+            request->command = MWD_MOTOR_V2_35_COMMAND_SET_TORQUE;
+            mwd_motor_v2_35_set_torque_request_unpack(&request->as.set_torque, frame);
+            return CANWRIGHT_OK;
+        case 0xA2u:
+            request->command = MWD_MOTOR_V2_35_COMMAND_SET_SPEED;
+            mwd_motor_v2_35_set_speed_request_unpack(&request->as.set_speed, frame);
+            return CANWRIGHT_OK;
+        case 0xA3u:
+            request->command = MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE;
+            mwd_motor_v2_35_move_to_angle_request_unpack(&request->as.move_to_angle, frame);
+            return CANWRIGHT_OK;
+        case 0xA4u:
+            request->command = MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
+            mwd_motor_v2_35_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed, frame);
+            return CANWRIGHT_OK;
+        case 0xA5u:
+            request->command = MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE;
+            mwd_motor_v2_35_turn_to_angle_request_unpack(&request->as.turn_to_angle, frame);
+            return CANWRIGHT_OK;
+        case 0xA6u:
+            request->command = MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED;
+            mwd_motor_v2_35_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed, frame);
+            return CANWRIGHT_OK;
+        case 0xA7u:
+            request->command = MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE;
+            mwd_motor_v2_35_move_by_angle_request_unpack(&request->as.move_by_angle, frame);
+            return CANWRIGHT_OK;
+        case 0xA8u:
+            request->command = MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+            mwd_motor_v2_35_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed, frame);
+            return CANWRIGHT_OK;
+        case 0x31u:
+        case 0x32u:
+            request->command = (mwd_motor_v2_35_command_t)frame->data[0];
+            mwd_motor_v2_35_pid_gains_unpack(&request->as.write_pid_ram, frame);
+            return CANWRIGHT_OK;
+        case 0x34u:
+            request->command = MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM;
+            mwd_motor_v2_35_write_acceleration_ram_unpack(&request->as.write_acceleration_ram, frame);
+            return CANWRIGHT_OK;
+        case 0x91u:
+            request->command = MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM;
+            mwd_motor_v2_35_write_encoder_offset_rom_unpack(&request->as.write_encoder_offset_rom, frame);
+            return CANWRIGHT_OK;
+        default:
+            return CANWRIGHT_UNKNOWN_CODE;
+        }
+}
+    if (frame->id == MWD_MOTOR_V2_35_BROADCAST_REQUEST_ID) {
+        request->node = 0u;
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        request->command = MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE;
         mwd_motor_v2_35_broadcast_torque_request_unpack(&request->as.broadcast_torque, frame);
-        break;
-    default:
-        break;
-    }
-    return CANWRIGHT_OK;
+        return CANWRIGHT_OK;
+}
+    return CANWRIGHT_UNKNOWN_ID;
 }
 
 /** Checks whether the fields of any request are valid; `field` is the field that is rejected. */
@@ -4165,90 +4147,38 @@ static inline canwright_status_t mwd_motor_v2_35_identify_reply(
         }
         switch (frame->data[0]) {
         case 0x80u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOTOR_OFF;
-            return CANWRIGHT_OK;
         case 0x88u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOTOR_ON;
-            return CANWRIGHT_OK;
         case 0x81u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOTOR_STOP;
-            return CANWRIGHT_OK;
         case 0xA0u:
-            *command = MWD_MOTOR_V2_35_COMMAND_SET_POWER;
-            return CANWRIGHT_OK;
         case 0xA1u:
-            *command = MWD_MOTOR_V2_35_COMMAND_SET_TORQUE;
-            return CANWRIGHT_OK;
         case 0xA2u:
-            *command = MWD_MOTOR_V2_35_COMMAND_SET_SPEED;
-            return CANWRIGHT_OK;
         case 0xA3u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA4u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA5u:
-            *command = MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA6u:
-            *command = MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA7u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA8u:
-            *command = MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0x30u:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_PID;
-            return CANWRIGHT_OK;
         case 0x31u:
-            *command = MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM;
-            return CANWRIGHT_OK;
         case 0x32u:
-            *command = MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM;
-            return CANWRIGHT_OK;
         case 0x33u:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION;
-            return CANWRIGHT_OK;
         case 0x34u:
-            *command = MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM;
-            return CANWRIGHT_OK;
         case 0x90u:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_ENCODER;
-            return CANWRIGHT_OK;
         case 0x91u:
-            *command = MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM;
-            return CANWRIGHT_OK;
         case 0x19u:
-            *command = MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
-            return CANWRIGHT_OK;
         case 0x92u:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE;
-            return CANWRIGHT_OK;
         case 0x94u:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE;
-            return CANWRIGHT_OK;
         case 0x95u:
-            *command = MWD_MOTOR_V2_35_COMMAND_CLEAR_ANGLE;
-            return CANWRIGHT_OK;
         case 0x9Au:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1;
-            return CANWRIGHT_OK;
         case 0x9Bu:
-            *command = MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS;
-            return CANWRIGHT_OK;
         case 0x9Cu:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2;
-            return CANWRIGHT_OK;
         case 0x9Du:
-            *command = MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3;
+            *command = (mwd_motor_v2_35_command_t)frame->data[0];
             return CANWRIGHT_OK;
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-    }
+}
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -4315,60 +4245,77 @@ static inline canwright_status_t mwd_motor_v2_35_decode_reply(
     mwd_motor_v2_35_any_reply_t *reply, const canwright_frame_t *frame,
     const mwd_motor_v2_35_parameters_t *parameters)
 {
-    const canwright_status_t status =
-        mwd_motor_v2_35_identify_reply(&reply->command, &reply->node, frame);
-    if (status != CANWRIGHT_OK) {
-        return status;
-    }
-    switch ((int)reply->command) {
-    case MWD_MOTOR_V2_35_COMMAND_SET_POWER:
-    case MWD_MOTOR_V2_35_COMMAND_SET_TORQUE:
-    case MWD_MOTOR_V2_35_COMMAND_SET_SPEED:
-    case MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE:
-    case MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE:
-    case MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE:
-    case MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2:
-        return mwd_motor_v2_35_motion_feedback_unpack(&reply->as.set_power, frame, parameters);
-    case MWD_MOTOR_V2_35_COMMAND_READ_PID:
-    case MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM:
-    case MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM:
-        mwd_motor_v2_35_pid_gains_unpack(&reply->as.read_pid, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION:
-        mwd_motor_v2_35_read_acceleration_reply_unpack(&reply->as.read_acceleration, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM:
-        mwd_motor_v2_35_write_acceleration_ram_unpack(&reply->as.write_acceleration_ram, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_READ_ENCODER:
-        mwd_motor_v2_35_read_encoder_reply_unpack(&reply->as.read_encoder, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM:
-        mwd_motor_v2_35_write_encoder_offset_rom_unpack(&reply->as.write_encoder_offset_rom, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
-        mwd_motor_v2_35_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE:
-        mwd_motor_v2_35_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE:
-        mwd_motor_v2_35_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1:
-    case MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS:
-        mwd_motor_v2_35_status_1_unpack(&reply->as.read_status_1, frame);
-        break;
-    case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3:
-        mwd_motor_v2_35_read_status_3_reply_unpack(&reply->as.read_status_3, frame);
-        break;
-    default:
-        break;
-    }
-    return CANWRIGHT_OK;
+    if (mwd_motor_v2_35_motor_reply_node(&reply->node, frame->id) == CANWRIGHT_OK) {
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        switch (frame->data[0]) {
+        case 0x80u:
+        case 0x88u:
+        case 0x81u:
+        case 0x95u:
+            reply->command = (mwd_motor_v2_35_command_t)frame->data[0];
+            return CANWRIGHT_OK;
+        case 0xA0u:
+        case 0xA1u:
+        case 0xA2u:
+        case 0xA3u:
+        case 0xA4u:
+        case 0xA5u:
+        case 0xA6u:
+        case 0xA7u:
+        case 0xA8u:
+        case 0x9Cu:
+            reply->command = (mwd_motor_v2_35_command_t)frame->data[0];
+            return mwd_motor_v2_35_motion_feedback_unpack(&reply->as.set_power, frame, parameters);
+        case 0x30u:
+        case 0x31u:
+        case 0x32u:
+            reply->command = (mwd_motor_v2_35_command_t)frame->data[0];
+            mwd_motor_v2_35_pid_gains_unpack(&reply->as.read_pid, frame);
+            return CANWRIGHT_OK;
+        case 0x33u:
+            reply->command = MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION;
+            mwd_motor_v2_35_read_acceleration_reply_unpack(&reply->as.read_acceleration, frame);
+            return CANWRIGHT_OK;
+        case 0x34u:
+            reply->command = MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM;
+            mwd_motor_v2_35_write_acceleration_ram_unpack(&reply->as.write_acceleration_ram, frame);
+            return CANWRIGHT_OK;
+        case 0x90u:
+            reply->command = MWD_MOTOR_V2_35_COMMAND_READ_ENCODER;
+            mwd_motor_v2_35_read_encoder_reply_unpack(&reply->as.read_encoder, frame);
+            return CANWRIGHT_OK;
+        case 0x91u:
+            reply->command = MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM;
+            mwd_motor_v2_35_write_encoder_offset_rom_unpack(&reply->as.write_encoder_offset_rom, frame);
+            return CANWRIGHT_OK;
+        case 0x19u:
+            reply->command = MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
+            mwd_motor_v2_35_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom, frame);
+            return CANWRIGHT_OK;
+        case 0x92u:
+            reply->command = MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE;
+            mwd_motor_v2_35_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle, frame);
+            return CANWRIGHT_OK;
+        case 0x94u:
+            reply->command = MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE;
+            mwd_motor_v2_35_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle, frame);
+            return CANWRIGHT_OK;
+        case 0x9Au:
+        case 0x9Bu:
+            reply->command = (mwd_motor_v2_35_command_t)frame->data[0];
+            mwd_motor_v2_35_status_1_unpack(&reply->as.read_status_1, frame);
+            return CANWRIGHT_OK;
+        case 0x9Du:
+            reply->command = MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3;
+            mwd_motor_v2_35_read_status_3_reply_unpack(&reply->as.read_status_3, frame);
+            return CANWRIGHT_OK;
+        default:
+            return CANWRIGHT_UNKNOWN_CODE;
+        }
+}
+    return CANWRIGHT_UNKNOWN_ID;
 }
 
 /** Checks whether the fields of any reply are valid; `field` is the field that is rejected. */
@@ -4432,7 +4379,7 @@ static inline canwright_status_t mwd_motor_v2_35_check_reply(
     case MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM:
     case MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM:
     case MWD_MOTOR_V2_35_COMMAND_CLEAR_ANGLE:
-        answers = mwd_motor_v2_35_motor_reply_node(&from, reply->id) == CANWRIGHT_OK && from == to
+        answers = (mwd_motor_v2_35_motor_reply_node(&from, reply->id) == CANWRIGHT_OK) && (from == to)
             && canwright_same_data(request, reply);
         break;
     case MWD_MOTOR_V2_35_COMMAND_SET_POWER:
@@ -4453,15 +4400,16 @@ static inline canwright_status_t mwd_motor_v2_35_check_reply(
     case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1:
     case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2:
     case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK && from == to;
+        answers = (mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK)
+            && (from == to);
         break;
     case MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS:
-        answers = (mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Au) == CANWRIGHT_OK
-            || mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Bu) == CANWRIGHT_OK) && from == to;
+        answers = ((mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Au) == CANWRIGHT_OK)
+            || (mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0x9Bu) == CANWRIGHT_OK)) && (from == to);
         break;
     case MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE:
-        answers = mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA1u) == CANWRIGHT_OK && from >= 1u
-            && from <= 4u;
+        answers = (mwd_motor_v2_35_motor_reply_match(&from, reply, 8u, 0xA1u) == CANWRIGHT_OK) && ((from >= 1u)
+            && (from <= 4u));
         break;
     default:
         break;

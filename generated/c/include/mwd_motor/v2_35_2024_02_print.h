@@ -604,83 +604,146 @@ static inline size_t mwd_motor_v2_35_2024_02_print_request(
     char *text, size_t size, const canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     canwright_printer_t printer = {text, size, 0u};
-    mwd_motor_v2_35_2024_02_any_request_t request;
-    const canwright_status_t status = mwd_motor_v2_35_2024_02_decode_request(&request, frame);
+    mwd_motor_v2_35_2024_02_command_t command;
+    uint32_t node;
+    const canwright_status_t status = mwd_motor_v2_35_2024_02_identify_request(&command, &node, frame);
     if (status != CANWRIGHT_OK) {
         canwright_print_rejected(&printer, status, frame);
         return canwright_print_end(&printer);
     }
-    canwright_print_text(&printer, mwd_motor_v2_35_2024_02_command_name(request.command));
+    canwright_print_text(&printer, mwd_motor_v2_35_2024_02_command_name(command));
     canwright_print_text(&printer, " request");
     canwright_print_text(&printer, ", node ");
-    canwright_print_unsigned(&printer, request.node);
-    switch ((int)request.command) {
+    canwright_print_unsigned(&printer, node);
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE:
+    {
+        mwd_motor_v2_35_2024_02_brake_request_t message;
+        mwd_motor_v2_35_2024_02_brake_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_brake_request_show(&printer, &request.as.brake);
+        mwd_motor_v2_35_2024_02_brake_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER:
+    {
+        mwd_motor_v2_35_2024_02_set_power_request_t message;
+        mwd_motor_v2_35_2024_02_set_power_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_set_power_request_show(&printer, &request.as.set_power);
+        mwd_motor_v2_35_2024_02_set_power_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE:
+    {
+        mwd_motor_v2_35_2024_02_set_torque_request_t message;
+        mwd_motor_v2_35_2024_02_set_torque_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_set_torque_request_show(&printer, &request.as.set_torque, parameters);
+        mwd_motor_v2_35_2024_02_set_torque_request_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED:
+    {
+        mwd_motor_v2_35_2024_02_set_speed_request_t message;
+        mwd_motor_v2_35_2024_02_set_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_set_speed_request_show(&printer, &request.as.set_speed);
+        mwd_motor_v2_35_2024_02_set_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED:
+    {
+        mwd_motor_v2_35_2024_02_set_speed_limited_request_t message;
+        mwd_motor_v2_35_2024_02_set_speed_limited_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_set_speed_limited_request_show(&printer, &request.as.set_speed_limited, parameters);
+        mwd_motor_v2_35_2024_02_set_speed_limited_request_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE:
+    {
+        mwd_motor_v2_35_2024_02_move_to_angle_request_t message;
+        mwd_motor_v2_35_2024_02_move_to_angle_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_move_to_angle_request_show(&printer, &request.as.move_to_angle);
+        mwd_motor_v2_35_2024_02_move_to_angle_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
+    {
+        mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t message;
+        mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_show(&printer, &request.as.move_to_angle_at_speed);
+        mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE:
+    {
+        mwd_motor_v2_35_2024_02_turn_to_angle_request_t message;
+        mwd_motor_v2_35_2024_02_turn_to_angle_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_turn_to_angle_request_show(&printer, &request.as.turn_to_angle);
+        mwd_motor_v2_35_2024_02_turn_to_angle_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED:
+    {
+        mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t message;
+        mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_show(&printer, &request.as.turn_to_angle_at_speed);
+        mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE:
+    {
+        mwd_motor_v2_35_2024_02_move_by_angle_request_t message;
+        mwd_motor_v2_35_2024_02_move_by_angle_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_move_by_angle_request_show(&printer, &request.as.move_by_angle);
+        mwd_motor_v2_35_2024_02_move_by_angle_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
+    {
+        mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t message;
+        mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_show(&printer, &request.as.move_by_angle_at_speed);
+        mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT:
+    {
+        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t message;
+        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_show(&printer, &request.as.set_param_torque_limit);
+        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT:
+    {
+        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t message;
+        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_show(&printer,
-            &request.as.set_param_acceleration_limit);
+        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT:
+    {
+        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t message;
+        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_show(&printer, &request.as.set_param_speed_limit);
+        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM:
+    {
+        mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t message;
+        mwd_motor_v2_35_2024_02_write_encoder_offset_rom_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_write_encoder_offset_rom_show(&printer, &request.as.write_encoder_offset_rom,
-            parameters);
+        mwd_motor_v2_35_2024_02_write_encoder_offset_rom_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE:
+    {
+        mwd_motor_v2_35_2024_02_set_angle_t message;
+        mwd_motor_v2_35_2024_02_set_angle_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_set_angle_show(&printer, &request.as.set_angle);
+        mwd_motor_v2_35_2024_02_set_angle_show(&printer, &message);
         break;
+    }
     default:
         break;
     }
@@ -696,21 +759,26 @@ static inline size_t mwd_motor_v2_35_2024_02_print_reply(
     char *text, size_t size, const canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     canwright_printer_t printer = {text, size, 0u};
-    mwd_motor_v2_35_2024_02_any_reply_t reply;
-    const canwright_status_t status = mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters);
+    mwd_motor_v2_35_2024_02_command_t command;
+    uint32_t node;
+    canwright_status_t status = mwd_motor_v2_35_2024_02_identify_reply(&command, &node, frame);
     if (status != CANWRIGHT_OK) {
         canwright_print_rejected(&printer, status, frame);
         return canwright_print_end(&printer);
     }
-    canwright_print_text(&printer, mwd_motor_v2_35_2024_02_command_name(reply.command));
+    canwright_print_text(&printer, mwd_motor_v2_35_2024_02_command_name(command));
     canwright_print_text(&printer, " reply");
     canwright_print_text(&printer, ", node ");
-    canwright_print_unsigned(&printer, reply.node);
-    switch ((int)reply.command) {
+    canwright_print_unsigned(&printer, node);
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE:
+    {
+        mwd_motor_v2_35_2024_02_brake_reply_t message;
+        mwd_motor_v2_35_2024_02_brake_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_brake_reply_show(&printer, &reply.as.brake);
+        mwd_motor_v2_35_2024_02_brake_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED:
@@ -722,60 +790,110 @@ static inline size_t mwd_motor_v2_35_2024_02_print_reply(
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2:
+    {
+        mwd_motor_v2_35_2024_02_motion_feedback_t message;
+        status = mwd_motor_v2_35_2024_02_motion_feedback_unpack(&message, frame, parameters);
+        if (status != CANWRIGHT_OK) {
+            printer.length = 0u;
+            canwright_print_rejected(&printer, status, frame);
+            break;
+        }
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_motion_feedback_show(&printer, &reply.as.set_power, parameters);
+        mwd_motor_v2_35_2024_02_motion_feedback_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_TORQUE_LIMIT:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT:
+    {
+        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t message;
+        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_show(&printer, &reply.as.read_param_torque_limit);
+        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_ACCELERATION_LIMIT:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT:
+    {
+        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t message;
+        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_show(&printer,
-            &reply.as.read_param_acceleration_limit);
+        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_SPEED_LIMIT:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT:
+    {
+        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t message;
+        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_show(&printer, &reply.as.read_param_speed_limit);
+        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER:
+    {
+        mwd_motor_v2_35_2024_02_read_encoder_reply_t message;
+        mwd_motor_v2_35_2024_02_read_encoder_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_read_encoder_reply_show(&printer, &reply.as.read_encoder, parameters);
+        mwd_motor_v2_35_2024_02_read_encoder_reply_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM:
+    {
+        mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t message;
+        mwd_motor_v2_35_2024_02_write_encoder_offset_rom_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_write_encoder_offset_rom_show(&printer, &reply.as.write_encoder_offset_rom,
-            parameters);
+        mwd_motor_v2_35_2024_02_write_encoder_offset_rom_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
+    {
+        mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t message;
+        mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_show(&printer, &reply.as.write_position_as_zero_rom,
-            parameters);
+        mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE:
+    {
+        mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t message;
+        mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_show(&printer, &reply.as.read_multi_turn_angle);
+        mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE:
+    {
+        mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t message;
+        mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_show(&printer, &reply.as.read_single_turn_angle);
+        mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE:
+    {
+        mwd_motor_v2_35_2024_02_set_angle_t message;
+        mwd_motor_v2_35_2024_02_set_angle_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_set_angle_show(&printer, &reply.as.set_angle);
+        mwd_motor_v2_35_2024_02_set_angle_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1:
     case MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS:
+    {
+        mwd_motor_v2_35_2024_02_status_1_t message;
+        mwd_motor_v2_35_2024_02_status_1_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_status_1_show(&printer, &reply.as.read_status_1);
+        mwd_motor_v2_35_2024_02_status_1_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3:
+    {
+        mwd_motor_v2_35_2024_02_read_status_3_reply_t message;
+        mwd_motor_v2_35_2024_02_read_status_3_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_2024_02_read_status_3_reply_show(&printer, &reply.as.read_status_3, parameters);
+        mwd_motor_v2_35_2024_02_read_status_3_reply_show(&printer, &message, parameters);
         break;
+    }
     default:
         break;
     }

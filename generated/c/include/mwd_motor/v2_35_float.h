@@ -100,10 +100,10 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_to_float(
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_SERIES_MF:
-        *value = (float)raw * 33.0f / 4096.0f;
+        *value = ((float)raw * 33.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_SERIES_MG:
-        *value = (float)raw * 33.0f / 2048.0f;
+        *value = ((float)raw * 33.0f) / 2048.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -122,10 +122,10 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_float(
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_SERIES_MF:
-        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -2048, 2048);
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 33.0f, -2048, 2048);
         break;
     case MWD_MOTOR_V2_35_SERIES_MG:
-        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -2048, 2048);
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 33.0f, -2048, 2048);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -140,7 +140,7 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_float(
 /** broadcast_current: Torque current in the broadcast, A. */
 static inline float mwd_motor_v2_35_broadcast_current_to_float(int16_t raw)
 {
-    return (float)raw * 2.0f / 125.0f;
+    return ((float)raw * 2.0f) / 125.0f;
 }
 
 /** The nearest raw value. */
@@ -149,7 +149,7 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_float(in
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_float(&nearest, value, value * 125.0f / 2.0f, -2000, 2000);
+    status = canwright_signed32_from_float(&nearest, value, (value * 125.0f) / 2.0f, -2000, 2000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -209,7 +209,7 @@ static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_float(int32
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -249,7 +249,7 @@ static inline canwright_status_t mwd_motor_v2_35_acceleration_from_float(int32_t
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_float(&nearest, value, value, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -269,7 +269,7 @@ static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_float(int32_t *r
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -348,13 +348,13 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_to_float(
 {
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
-        *value = (float)raw * 45.0f / 2048.0f;
+        *value = ((float)raw * 45.0f) / 2048.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
-        *value = (float)raw * 45.0f / 4096.0f;
+        *value = ((float)raw * 45.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
-        *value = (float)raw * 45.0f / 8192.0f;
+        *value = ((float)raw * 45.0f) / 8192.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -370,13 +370,13 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_float(
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
-        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 45.0f, 0, 65535);
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 45.0f, 0, 65535);
         break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
-        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 45.0f, 0, 65535);
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 45.0f, 0, 65535);
         break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
-        status = canwright_signed32_from_float(&nearest, value, value * 8192.0f / 45.0f, 0, 65535);
+        status = canwright_signed32_from_float(&nearest, value, (value * 8192.0f) / 45.0f, 0, 65535);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -483,10 +483,10 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_to_double(
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_SERIES_MF:
-        *value = (double)raw * 33.0 / 4096.0;
+        *value = ((double)raw * 33.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_SERIES_MG:
-        *value = (double)raw * 33.0 / 2048.0;
+        *value = ((double)raw * 33.0) / 2048.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -505,10 +505,10 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_double(
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_SERIES_MF:
-        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -2048, 2048);
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 33.0, -2048, 2048);
         break;
     case MWD_MOTOR_V2_35_SERIES_MG:
-        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -2048, 2048);
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 33.0, -2048, 2048);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -523,7 +523,7 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_double(
 /** broadcast_current: Torque current in the broadcast, A. */
 static inline double mwd_motor_v2_35_broadcast_current_to_double(int16_t raw)
 {
-    return (double)raw * 2.0 / 125.0;
+    return ((double)raw * 2.0) / 125.0;
 }
 
 /** The nearest raw value. */
@@ -532,7 +532,7 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_double(i
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_double(&nearest, value, value * 125.0 / 2.0, -2000, 2000);
+    status = canwright_signed32_from_double(&nearest, value, (value * 125.0) / 2.0, -2000, 2000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -592,7 +592,7 @@ static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_double(int3
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -632,7 +632,7 @@ static inline canwright_status_t mwd_motor_v2_35_acceleration_from_double(int32_
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_double(&nearest, value, value, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -652,7 +652,7 @@ static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_double(int32_t *
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -732,13 +732,13 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_to_double(
 {
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
-        *value = (double)raw * 45.0 / 2048.0;
+        *value = ((double)raw * 45.0) / 2048.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
-        *value = (double)raw * 45.0 / 4096.0;
+        *value = ((double)raw * 45.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
-        *value = (double)raw * 45.0 / 8192.0;
+        *value = ((double)raw * 45.0) / 8192.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -754,13 +754,13 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_double(
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
-        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 45.0, 0, 65535);
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 45.0, 0, 65535);
         break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
-        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 45.0, 0, 65535);
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 45.0, 0, 65535);
         break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
-        status = canwright_signed32_from_double(&nearest, value, value * 8192.0 / 45.0, 0, 65535);
+        status = canwright_signed32_from_double(&nearest, value, (value * 8192.0) / 45.0, 0, 65535);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;

@@ -500,76 +500,129 @@ static inline size_t mwd_motor_v2_35_print_request(
     char *text, size_t size, const canwright_frame_t *frame, const mwd_motor_v2_35_parameters_t *parameters)
 {
     canwright_printer_t printer = {text, size, 0u};
-    mwd_motor_v2_35_any_request_t request;
-    const canwright_status_t status = mwd_motor_v2_35_decode_request(&request, frame);
+    mwd_motor_v2_35_command_t command;
+    uint32_t node;
+    const canwright_status_t status = mwd_motor_v2_35_identify_request(&command, &node, frame);
     if (status != CANWRIGHT_OK) {
         canwright_print_rejected(&printer, status, frame);
         return canwright_print_end(&printer);
     }
-    canwright_print_text(&printer, mwd_motor_v2_35_command_name(request.command));
+    canwright_print_text(&printer, mwd_motor_v2_35_command_name(command));
     canwright_print_text(&printer, " request");
-    switch ((int)request.command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE:
         break;
     default:
         canwright_print_text(&printer, ", node ");
-        canwright_print_unsigned(&printer, request.node);
+        canwright_print_unsigned(&printer, node);
         break;
     }
-    switch ((int)request.command) {
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_COMMAND_SET_POWER:
+    {
+        mwd_motor_v2_35_set_power_request_t message;
+        mwd_motor_v2_35_set_power_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_set_power_request_show(&printer, &request.as.set_power);
+        mwd_motor_v2_35_set_power_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_SET_TORQUE:
+    {
+        mwd_motor_v2_35_set_torque_request_t message;
+        mwd_motor_v2_35_set_torque_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_set_torque_request_show(&printer, &request.as.set_torque, parameters);
+        mwd_motor_v2_35_set_torque_request_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_SET_SPEED:
+    {
+        mwd_motor_v2_35_set_speed_request_t message;
+        mwd_motor_v2_35_set_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_set_speed_request_show(&printer, &request.as.set_speed);
+        mwd_motor_v2_35_set_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE:
+    {
+        mwd_motor_v2_35_move_to_angle_request_t message;
+        mwd_motor_v2_35_move_to_angle_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_move_to_angle_request_show(&printer, &request.as.move_to_angle);
+        mwd_motor_v2_35_move_to_angle_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
+    {
+        mwd_motor_v2_35_move_to_angle_at_speed_request_t message;
+        mwd_motor_v2_35_move_to_angle_at_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_move_to_angle_at_speed_request_show(&printer, &request.as.move_to_angle_at_speed);
+        mwd_motor_v2_35_move_to_angle_at_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE:
+    {
+        mwd_motor_v2_35_turn_to_angle_request_t message;
+        mwd_motor_v2_35_turn_to_angle_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_turn_to_angle_request_show(&printer, &request.as.turn_to_angle);
+        mwd_motor_v2_35_turn_to_angle_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED:
+    {
+        mwd_motor_v2_35_turn_to_angle_at_speed_request_t message;
+        mwd_motor_v2_35_turn_to_angle_at_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_turn_to_angle_at_speed_request_show(&printer, &request.as.turn_to_angle_at_speed);
+        mwd_motor_v2_35_turn_to_angle_at_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE:
+    {
+        mwd_motor_v2_35_move_by_angle_request_t message;
+        mwd_motor_v2_35_move_by_angle_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_move_by_angle_request_show(&printer, &request.as.move_by_angle);
+        mwd_motor_v2_35_move_by_angle_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
+    {
+        mwd_motor_v2_35_move_by_angle_at_speed_request_t message;
+        mwd_motor_v2_35_move_by_angle_at_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_move_by_angle_at_speed_request_show(&printer, &request.as.move_by_angle_at_speed);
+        mwd_motor_v2_35_move_by_angle_at_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM:
     case MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM:
+    {
+        mwd_motor_v2_35_pid_gains_t message;
+        mwd_motor_v2_35_pid_gains_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_pid_gains_show(&printer, &request.as.write_pid_ram);
+        mwd_motor_v2_35_pid_gains_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM:
+    {
+        mwd_motor_v2_35_write_acceleration_ram_t message;
+        mwd_motor_v2_35_write_acceleration_ram_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_write_acceleration_ram_show(&printer, &request.as.write_acceleration_ram);
+        mwd_motor_v2_35_write_acceleration_ram_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM:
+    {
+        mwd_motor_v2_35_write_encoder_offset_rom_t message;
+        mwd_motor_v2_35_write_encoder_offset_rom_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_write_encoder_offset_rom_show(&printer, &request.as.write_encoder_offset_rom, parameters);
+        mwd_motor_v2_35_write_encoder_offset_rom_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE:
+    {
+        mwd_motor_v2_35_broadcast_torque_request_t message;
+        mwd_motor_v2_35_broadcast_torque_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_broadcast_torque_request_show(&printer, &request.as.broadcast_torque);
+        mwd_motor_v2_35_broadcast_torque_request_show(&printer, &message);
         break;
+    }
     default:
         break;
     }
@@ -585,17 +638,18 @@ static inline size_t mwd_motor_v2_35_print_reply(
     char *text, size_t size, const canwright_frame_t *frame, const mwd_motor_v2_35_parameters_t *parameters)
 {
     canwright_printer_t printer = {text, size, 0u};
-    mwd_motor_v2_35_any_reply_t reply;
-    const canwright_status_t status = mwd_motor_v2_35_decode_reply(&reply, frame, parameters);
+    mwd_motor_v2_35_command_t command;
+    uint32_t node;
+    canwright_status_t status = mwd_motor_v2_35_identify_reply(&command, &node, frame);
     if (status != CANWRIGHT_OK) {
         canwright_print_rejected(&printer, status, frame);
         return canwright_print_end(&printer);
     }
-    canwright_print_text(&printer, mwd_motor_v2_35_command_name(reply.command));
+    canwright_print_text(&printer, mwd_motor_v2_35_command_name(command));
     canwright_print_text(&printer, " reply");
     canwright_print_text(&printer, ", node ");
-    canwright_print_unsigned(&printer, reply.node);
-    switch ((int)reply.command) {
+    canwright_print_unsigned(&printer, node);
+    switch ((int)command) {
     case MWD_MOTOR_V2_35_COMMAND_SET_POWER:
     case MWD_MOTOR_V2_35_COMMAND_SET_TORQUE:
     case MWD_MOTOR_V2_35_COMMAND_SET_SPEED:
@@ -606,53 +660,101 @@ static inline size_t mwd_motor_v2_35_print_reply(
     case MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE:
     case MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
     case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2:
+    {
+        mwd_motor_v2_35_motion_feedback_t message;
+        status = mwd_motor_v2_35_motion_feedback_unpack(&message, frame, parameters);
+        if (status != CANWRIGHT_OK) {
+            printer.length = 0u;
+            canwright_print_rejected(&printer, status, frame);
+            break;
+        }
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_motion_feedback_show(&printer, &reply.as.set_power, parameters);
+        mwd_motor_v2_35_motion_feedback_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_READ_PID:
     case MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM:
     case MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM:
+    {
+        mwd_motor_v2_35_pid_gains_t message;
+        mwd_motor_v2_35_pid_gains_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_pid_gains_show(&printer, &reply.as.read_pid);
+        mwd_motor_v2_35_pid_gains_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION:
+    {
+        mwd_motor_v2_35_read_acceleration_reply_t message;
+        mwd_motor_v2_35_read_acceleration_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_read_acceleration_reply_show(&printer, &reply.as.read_acceleration);
+        mwd_motor_v2_35_read_acceleration_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM:
+    {
+        mwd_motor_v2_35_write_acceleration_ram_t message;
+        mwd_motor_v2_35_write_acceleration_ram_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_write_acceleration_ram_show(&printer, &reply.as.write_acceleration_ram);
+        mwd_motor_v2_35_write_acceleration_ram_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_READ_ENCODER:
+    {
+        mwd_motor_v2_35_read_encoder_reply_t message;
+        mwd_motor_v2_35_read_encoder_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_read_encoder_reply_show(&printer, &reply.as.read_encoder, parameters);
+        mwd_motor_v2_35_read_encoder_reply_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM:
+    {
+        mwd_motor_v2_35_write_encoder_offset_rom_t message;
+        mwd_motor_v2_35_write_encoder_offset_rom_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_write_encoder_offset_rom_show(&printer, &reply.as.write_encoder_offset_rom, parameters);
+        mwd_motor_v2_35_write_encoder_offset_rom_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
+    {
+        mwd_motor_v2_35_write_position_as_zero_rom_reply_t message;
+        mwd_motor_v2_35_write_position_as_zero_rom_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_write_position_as_zero_rom_reply_show(&printer, &reply.as.write_position_as_zero_rom,
-            parameters);
+        mwd_motor_v2_35_write_position_as_zero_rom_reply_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE:
+    {
+        mwd_motor_v2_35_read_multi_turn_angle_reply_t message;
+        mwd_motor_v2_35_read_multi_turn_angle_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_read_multi_turn_angle_reply_show(&printer, &reply.as.read_multi_turn_angle);
+        mwd_motor_v2_35_read_multi_turn_angle_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE:
+    {
+        mwd_motor_v2_35_read_single_turn_angle_reply_t message;
+        mwd_motor_v2_35_read_single_turn_angle_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_read_single_turn_angle_reply_show(&printer, &reply.as.read_single_turn_angle);
+        mwd_motor_v2_35_read_single_turn_angle_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1:
     case MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS:
+    {
+        mwd_motor_v2_35_status_1_t message;
+        mwd_motor_v2_35_status_1_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_status_1_show(&printer, &reply.as.read_status_1);
+        mwd_motor_v2_35_status_1_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3:
+    {
+        mwd_motor_v2_35_read_status_3_reply_t message;
+        mwd_motor_v2_35_read_status_3_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_35_read_status_3_reply_show(&printer, &reply.as.read_status_3);
+        mwd_motor_v2_35_read_status_3_reply_show(&printer, &message);
         break;
+    }
     default:
         break;
     }

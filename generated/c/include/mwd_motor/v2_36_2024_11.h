@@ -101,7 +101,7 @@ typedef struct {
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_id(uint32_t *id, uint32_t node)
 {
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     *id = 0x140u + node;
@@ -113,7 +113,7 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_node(uint32_t *found, uint32_t id)
 {
     const uint32_t node = id - 0x140u;
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_ID;
     }
     *found = node;
@@ -138,7 +138,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_filter(
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_id(uint32_t *id, uint32_t node)
 {
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     *id = 0x180u + node;
@@ -150,7 +150,7 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_node(uint32_t *found, uint32_t id)
 {
     const uint32_t node = id - 0x180u;
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_ID;
     }
     *found = node;
@@ -181,7 +181,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a request, and sets all other bits of the data to 0. */
@@ -209,7 +209,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_2_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code && frame->data[1] == code_2 ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return ((frame->data[0] == code) && (frame->data[1] == code_2)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a request, and sets all other bits of the data to 0. */
@@ -238,7 +238,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
@@ -266,7 +266,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_2_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code && frame->data[1] == code_2 ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return ((frame->data[0] == code) && (frame->data[1] == code_2)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
@@ -326,7 +326,7 @@ static inline int32_t mwd_motor_v2_36_2024_11_voltage_to_milli(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_voltage_from_milli(int16_t *raw, int32_t milli)
 {
-    if (milli < -327684 || milli > 327674) {
+    if ((milli < -327684) || (milli > 327674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int16_t)canwright_divide32(milli, 10);
@@ -357,7 +357,7 @@ static inline int32_t mwd_motor_v2_36_2024_11_bus_current_to_milli(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_bus_current_from_milli(int16_t *raw, int32_t milli)
 {
-    if (milli < -327684 || milli > 327674) {
+    if ((milli < -327684) || (milli > 327674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int16_t)canwright_divide32(milli, 10);
@@ -382,7 +382,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_bus_current_from_milli(
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_power_i16_valid(int16_t raw)
 {
-    return raw >= -850 && raw <= 850;
+    return (raw >= -850) && (raw <= 850);
 }
 
 /** @} */
@@ -402,7 +402,7 @@ static inline bool mwd_motor_v2_36_2024_11_power_i16_valid(int16_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_output_power_valid(int16_t raw)
 {
-    return raw >= -1000 && raw <= 1000;
+    return (raw >= -1000) && (raw <= 1000);
 }
 
 /** @} */
@@ -428,7 +428,7 @@ static inline bool mwd_motor_v2_36_2024_11_output_power_valid(int16_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_torque_current_valid(int16_t raw)
 {
-    return raw >= -2048 && raw <= 2048;
+    return (raw >= -2048) && (raw <= 2048);
 }
 
 /** To thousandths of A. */
@@ -461,13 +461,13 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_torque_current_from_mil
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        if (milli < -16504 || milli > 16504) {
+        if ((milli < -16504) || (milli > 16504)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        if (milli < -33008 || milli > 33008) {
+        if ((milli < -33008) || (milli > 33008)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -525,13 +525,13 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_measured_torque_current
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        if (milli < -264004 || milli > 263995) {
+        if ((milli < -264004) || (milli > 263995)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        if (milli < -528008 || milli > 527991) {
+        if ((milli < -528008) || (milli > 527991)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -585,13 +585,13 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_phase_current_from_mill
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        if (milli < -264004 || milli > 263995) {
+        if ((milli < -264004) || (milli > 263995)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        if (milli < -528008 || milli > 527991) {
+        if ((milli < -528008) || (milli > 527991)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -647,7 +647,7 @@ static inline int64_t mwd_motor_v2_36_2024_11_speed_setpoint_to_milli(int32_t ra
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_speed_setpoint_from_milli(int32_t *raw, int64_t milli)
 {
-    if (milli < -21474836484 || milli > 21474836474) {
+    if ((milli < -21474836484) || (milli > 21474836474)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int32_t)canwright_divide64(milli, 10);
@@ -696,7 +696,7 @@ static inline int64_t mwd_motor_v2_36_2024_11_angle_i32_to_milli(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_angle_i32_from_milli(int32_t *raw, int64_t milli)
 {
-    if (milli < -21474836484 || milli > 21474836474) {
+    if ((milli < -21474836484) || (milli > 21474836474)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int32_t)canwright_divide64(milli, 10);
@@ -730,7 +730,7 @@ static inline int64_t mwd_motor_v2_36_2024_11_single_turn_angle_to_milli(uint32_
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_angle_from_milli(uint32_t *raw, int64_t milli)
 {
-    if (milli < -4 || milli > 42949672954) {
+    if ((milli < -4) || (milli > 42949672954)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (uint32_t)canwright_divide64(milli, 10);
@@ -758,8 +758,8 @@ CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_36_2024_11_single_turn_position_valid(
     uint32_t raw, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    return parameters->gear_ratio.denominator == 0u || (int64_t)raw <= canwright_floor(&parameters->gear_ratio, 36000,
-        -1, 1);
+    return (parameters->gear_ratio.denominator == 0u) || ((int64_t)raw <= canwright_floor(&parameters->gear_ratio,
+        36000, -1, 1));
 }
 
 /** To thousandths of deg. */
@@ -774,7 +774,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_position_fr
     uint32_t *raw, int64_t milli, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     uint32_t nearest;
-    if (milli < -4 || milli > 42949672954) {
+    if ((milli < -4) || (milli > 42949672954)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     nearest = (uint32_t)canwright_divide64(milli, 10);
@@ -806,14 +806,14 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_single_turn_position_fr
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_multi_turn_angle_valid(int64_t raw)
 {
-    return raw >= -36028797018963968 && raw <= 36028797018963967;
+    return (raw >= -36028797018963968) && (raw <= 36028797018963967);
 }
 
 /** To thousandths of deg. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_multi_turn_angle_to_milli(int64_t *milli, int64_t raw)
 {
-    if (raw < -36028797018963968 || raw > 36028797018963967) {
+    if ((raw < -36028797018963968) || (raw > 36028797018963967)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *milli = raw * 10;
@@ -824,7 +824,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_multi_turn_angle_to_mil
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_multi_turn_angle_from_milli(int64_t *raw, int64_t milli)
 {
-    if (milli < -360287970189639684 || milli > 360287970189639674) {
+    if ((milli < -360287970189639684) || (milli > 360287970189639674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = canwright_divide64(milli, 10);
@@ -899,19 +899,19 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_encoder_position_from_m
     uint16_t nearest;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_14:
-        if (milli < -10 || milli > 1439989) {
+        if ((milli < -10) || (milli > 1439989)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 256, 5625);
         break;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_15:
-        if (milli < -5 || milli > 719994) {
+        if ((milli < -5) || (milli > 719994)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 512, 5625);
         break;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_16:
-        if (milli < -2 || milli > 359997) {
+        if ((milli < -2) || (milli > 359997)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 1024, 5625);
@@ -982,7 +982,7 @@ static inline const char *mwd_motor_v2_36_2024_11_brake_action_name(uint8_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_brake_action_valid(uint8_t raw)
 {
-    return raw <= 1u || raw == 16u;
+    return (raw <= 1u) || (raw == 16u);
 }
 
 /** @} */
@@ -1042,7 +1042,7 @@ static inline const char *mwd_motor_v2_36_2024_11_motor_state_name(uint8_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2024_11_motor_state_valid(uint8_t raw)
 {
-    return raw == 0u || raw == 16u;
+    return (raw == 0u) || (raw == 16u);
 }
 
 /** @} */
@@ -4793,47 +4793,47 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_status_3_reply_dec
  * Any frame: its command, node and fields
  * ----------------------------------------------------------------------------------------------------------------- */
 
-/** The commands. */
+/** The commands. A command with a code of its own has this code as its number. */
 typedef enum {
     MWD_MOTOR_V2_36_2024_11_COMMAND_NONE = 0,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_ANGLE_PID,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_PID,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_PID,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_SPEED,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_RAMP,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_RAMP,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2,
-    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF = 0x80,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON = 0x88,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP = 0x81,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE = 0x8C,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER = 0xA0,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE = 0xA1,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED = 0xA2,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE = 0xA3,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED = 0xA4,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE = 0xA5,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED = 0xA6,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE = 0xA7,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED = 0xA8,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_ANGLE_PID = 0x100,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_PID = 0x101,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_PID = 0x102,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT = 0x103,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_SPEED = 0x104,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_ANGLE = 0x105,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_RAMP = 0x106,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_RAMP = 0x107,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID = 0x108,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID = 0x109,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID = 0x10A,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT = 0x10B,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED = 0x10C,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE = 0x10D,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP = 0x10E,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP = 0x10F,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER = 0x90,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM = 0x19,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE = 0x92,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE = 0x94,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE = 0x95,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1 = 0x9A,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS = 0x9B,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2 = 0x9C,
+    MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3 = 0x9D
 } mwd_motor_v2_36_2024_11_command_t;
 
 /** The name of a command. */
@@ -4998,9 +4998,9 @@ static inline bool mwd_motor_v2_36_2024_11_command_available(
 {
     switch ((int)command) {
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER:
-        return parameters->series != MWD_MOTOR_V2_36_2024_11_SERIES_MF
-            && parameters->series != MWD_MOTOR_V2_36_2024_11_SERIES_MH
-            && parameters->series != MWD_MOTOR_V2_36_2024_11_SERIES_MG;
+        return (parameters->series != MWD_MOTOR_V2_36_2024_11_SERIES_MF)
+            && (parameters->series != MWD_MOTOR_V2_36_2024_11_SERIES_MH)
+            && (parameters->series != MWD_MOTOR_V2_36_2024_11_SERIES_MG);
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3:
         return parameters->series != MWD_MOTOR_V2_36_2024_11_SERIES_MS;
@@ -5020,43 +5020,28 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_request(
         }
         switch (frame->data[0]) {
         case 0x80u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF;
-            return CANWRIGHT_OK;
         case 0x88u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON;
-            return CANWRIGHT_OK;
         case 0x81u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP;
-            return CANWRIGHT_OK;
         case 0x8Cu:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE;
-            return CANWRIGHT_OK;
         case 0xA0u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER;
-            return CANWRIGHT_OK;
         case 0xA1u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE;
-            return CANWRIGHT_OK;
         case 0xA2u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED;
-            return CANWRIGHT_OK;
         case 0xA3u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA4u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA5u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA6u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA7u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA8u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+        case 0x90u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            *command = (mwd_motor_v2_36_2024_11_command_t)frame->data[0];
             return CANWRIGHT_OK;
         case 0xC0u:
             switch (frame->data[1]) {
@@ -5116,37 +5101,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_request(
             default:
                 return CANWRIGHT_UNKNOWN_CODE;
             }
-        case 0x90u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x19u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
-            return CANWRIGHT_OK;
-        case 0x92u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x94u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x95u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x9Au:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1;
-            return CANWRIGHT_OK;
-        case 0x9Bu:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS;
-            return CANWRIGHT_OK;
-        case 0x9Cu:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2;
-            return CANWRIGHT_OK;
-        case 0x9Du:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3;
-            return CANWRIGHT_OK;
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-    }
+}
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -5204,70 +5162,142 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_request(
     mwd_motor_v2_36_2024_11_any_request_t *request, const canwright_frame_t *frame)
 {
-    const canwright_status_t status =
-        mwd_motor_v2_36_2024_11_identify_request(&request->command, &request->node, frame);
-    if (status != CANWRIGHT_OK) {
-        return status;
-    }
-    switch ((int)request->command) {
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE:
-        mwd_motor_v2_36_2024_11_brake_request_unpack(&request->as.brake, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER:
-        mwd_motor_v2_36_2024_11_set_power_request_unpack(&request->as.set_power, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE:
-        mwd_motor_v2_36_2024_11_set_torque_request_unpack(&request->as.set_torque, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED:
-        mwd_motor_v2_36_2024_11_set_speed_request_unpack(&request->as.set_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE:
-        mwd_motor_v2_36_2024_11_move_to_angle_request_unpack(&request->as.move_to_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE:
-        mwd_motor_v2_36_2024_11_turn_to_angle_request_unpack(&request->as.turn_to_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE:
-        mwd_motor_v2_36_2024_11_move_by_angle_request_unpack(&request->as.move_by_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID:
-        mwd_motor_v2_36_2024_11_pid_gains_unpack(&request->as.set_param_angle_pid, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT:
-        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&request->as.set_param_max_torque_current,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED:
-        mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&request->as.set_param_max_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE:
-        mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&request->as.set_param_max_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP:
-        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&request->as.set_param_current_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP:
-        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&request->as.set_param_speed_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE:
-        mwd_motor_v2_36_2024_11_set_angle_unpack(&request->as.set_angle, frame);
-        break;
-    default:
-        break;
-    }
-    return CANWRIGHT_OK;
+    if (mwd_motor_v2_36_2024_11_motor_request_node(&request->node, frame->id) == CANWRIGHT_OK) {
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        switch (frame->data[0]) {
+        case 0x80u:
+        case 0x88u:
+        case 0x81u:
+        case 0x90u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            request->command = (mwd_motor_v2_36_2024_11_command_t)frame->data[0];
+            return CANWRIGHT_OK;
+        case 0x8Cu:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE;
+            mwd_motor_v2_36_2024_11_brake_request_unpack(&request->as.brake, frame);
+            return CANWRIGHT_OK;
+        case 0xA0u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER;
+            mwd_motor_v2_36_2024_11_set_power_request_unpack(&request->as.set_power, frame);
+            return CANWRIGHT_OK;
+        case 0xA1u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE;
+            mwd_motor_v2_36_2024_11_set_torque_request_unpack(&request->as.set_torque, frame);
+            return CANWRIGHT_OK;
+        case 0xA2u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED;
+            mwd_motor_v2_36_2024_11_set_speed_request_unpack(&request->as.set_speed, frame);
+            return CANWRIGHT_OK;
+        case 0xA3u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE;
+            mwd_motor_v2_36_2024_11_move_to_angle_request_unpack(&request->as.move_to_angle, frame);
+            return CANWRIGHT_OK;
+        case 0xA4u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
+            mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed, frame);
+            return CANWRIGHT_OK;
+        case 0xA5u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE;
+            mwd_motor_v2_36_2024_11_turn_to_angle_request_unpack(&request->as.turn_to_angle, frame);
+            return CANWRIGHT_OK;
+        case 0xA6u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED;
+            mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed, frame);
+            return CANWRIGHT_OK;
+        case 0xA7u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE;
+            mwd_motor_v2_36_2024_11_move_by_angle_request_unpack(&request->as.move_by_angle, frame);
+            return CANWRIGHT_OK;
+        case 0xA8u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+            mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed, frame);
+            return CANWRIGHT_OK;
+        case 0xC0u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_ANGLE_PID;
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_PID;
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_PID;
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT;
+                return CANWRIGHT_OK;
+            case 0x20u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_SPEED;
+                return CANWRIGHT_OK;
+            case 0x22u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_ANGLE;
+                return CANWRIGHT_OK;
+            case 0x24u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_RAMP;
+                return CANWRIGHT_OK;
+            case 0x26u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_RAMP;
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0xC1u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&request->as.set_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&request->as.set_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&request->as.set_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT;
+                mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&request->as.set_param_max_torque_current,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x20u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED;
+                mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&request->as.set_param_max_speed, frame);
+                return CANWRIGHT_OK;
+            case 0x22u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE;
+                mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&request->as.set_param_max_angle, frame);
+                return CANWRIGHT_OK;
+            case 0x24u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP;
+                mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&request->as.set_param_current_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x26u:
+                request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP;
+                mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&request->as.set_param_speed_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x95u:
+            request->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE;
+            mwd_motor_v2_36_2024_11_set_angle_unpack(&request->as.set_angle, frame);
+            return CANWRIGHT_OK;
+        default:
+            return CANWRIGHT_UNKNOWN_CODE;
+        }
+}
+    return CANWRIGHT_UNKNOWN_ID;
 }
 
 /** Checks whether the fields of any request are valid; `field` is the field that is rejected. */
@@ -5306,43 +5336,28 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_reply(
         }
         switch (frame->data[0]) {
         case 0x80u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF;
-            return CANWRIGHT_OK;
         case 0x88u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON;
-            return CANWRIGHT_OK;
         case 0x81u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP;
-            return CANWRIGHT_OK;
         case 0x8Cu:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE;
-            return CANWRIGHT_OK;
         case 0xA0u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER;
-            return CANWRIGHT_OK;
         case 0xA1u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE;
-            return CANWRIGHT_OK;
         case 0xA2u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED;
-            return CANWRIGHT_OK;
         case 0xA3u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA4u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA5u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA6u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA7u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA8u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+        case 0x90u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            *command = (mwd_motor_v2_36_2024_11_command_t)frame->data[0];
             return CANWRIGHT_OK;
         case 0xC0u:
             switch (frame->data[1]) {
@@ -5402,37 +5417,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_reply(
             default:
                 return CANWRIGHT_UNKNOWN_CODE;
             }
-        case 0x90u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x19u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
-            return CANWRIGHT_OK;
-        case 0x92u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x94u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x95u:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x9Au:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1;
-            return CANWRIGHT_OK;
-        case 0x9Bu:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS;
-            return CANWRIGHT_OK;
-        case 0x9Cu:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2;
-            return CANWRIGHT_OK;
-        case 0x9Du:
-            *command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3;
-            return CANWRIGHT_OK;
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-    }
+}
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -5523,81 +5511,145 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_reply(
     mwd_motor_v2_36_2024_11_any_reply_t *reply, const canwright_frame_t *frame,
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
-    const canwright_status_t status =
-        mwd_motor_v2_36_2024_11_identify_reply(&reply->command, &reply->node, frame);
-    if (status != CANWRIGHT_OK) {
-        return status;
-    }
-    switch ((int)reply->command) {
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE:
-        mwd_motor_v2_36_2024_11_brake_reply_unpack(&reply->as.brake, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2:
-        return mwd_motor_v2_36_2024_11_motion_feedback_unpack(&reply->as.set_power, frame, parameters);
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID:
-        mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT:
-        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&reply->as.read_param_max_torque_current,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_SPEED:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED:
-        mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&reply->as.read_param_max_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_ANGLE:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE:
-        mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&reply->as.read_param_max_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_RAMP:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP:
-        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&reply->as.read_param_current_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_RAMP:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP:
-        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&reply->as.read_param_speed_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER:
-        mwd_motor_v2_36_2024_11_read_encoder_reply_unpack(&reply->as.read_encoder, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
-        mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE:
-        mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE:
-        mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE:
-        mwd_motor_v2_36_2024_11_set_angle_unpack(&reply->as.set_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1:
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS:
-        mwd_motor_v2_36_2024_11_status_1_unpack(&reply->as.read_status_1, frame);
-        break;
-    case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3:
-        mwd_motor_v2_36_2024_11_read_status_3_reply_unpack(&reply->as.read_status_3, frame);
-        break;
-    default:
-        break;
-    }
-    return CANWRIGHT_OK;
+    if (mwd_motor_v2_36_2024_11_motor_reply_node(&reply->node, frame->id) == CANWRIGHT_OK) {
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        switch (frame->data[0]) {
+        case 0x80u:
+        case 0x88u:
+        case 0x81u:
+            reply->command = (mwd_motor_v2_36_2024_11_command_t)frame->data[0];
+            return CANWRIGHT_OK;
+        case 0x8Cu:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE;
+            mwd_motor_v2_36_2024_11_brake_reply_unpack(&reply->as.brake, frame);
+            return CANWRIGHT_OK;
+        case 0xA0u:
+        case 0xA1u:
+        case 0xA2u:
+        case 0xA3u:
+        case 0xA4u:
+        case 0xA5u:
+        case 0xA6u:
+        case 0xA7u:
+        case 0xA8u:
+        case 0x9Cu:
+            reply->command = (mwd_motor_v2_36_2024_11_command_t)frame->data[0];
+            return mwd_motor_v2_36_2024_11_motion_feedback_unpack(&reply->as.set_power, frame, parameters);
+        case 0xC0u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_ANGLE_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT;
+                mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&reply->as.read_param_max_torque_current,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x20u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_SPEED;
+                mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&reply->as.read_param_max_speed, frame);
+                return CANWRIGHT_OK;
+            case 0x22u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_ANGLE;
+                mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&reply->as.read_param_max_angle, frame);
+                return CANWRIGHT_OK;
+            case 0x24u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_RAMP;
+                mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&reply->as.read_param_current_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x26u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_RAMP;
+                mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&reply->as.read_param_speed_ramp, frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0xC1u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID;
+                mwd_motor_v2_36_2024_11_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT;
+                mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&reply->as.read_param_max_torque_current,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x20u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED;
+                mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&reply->as.read_param_max_speed, frame);
+                return CANWRIGHT_OK;
+            case 0x22u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE;
+                mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&reply->as.read_param_max_angle, frame);
+                return CANWRIGHT_OK;
+            case 0x24u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP;
+                mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&reply->as.read_param_current_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x26u:
+                reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP;
+                mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&reply->as.read_param_speed_ramp, frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x90u:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER;
+            mwd_motor_v2_36_2024_11_read_encoder_reply_unpack(&reply->as.read_encoder, frame);
+            return CANWRIGHT_OK;
+        case 0x19u:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
+            mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom,
+                frame);
+            return CANWRIGHT_OK;
+        case 0x92u:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE;
+            mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle, frame);
+            return CANWRIGHT_OK;
+        case 0x94u:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE;
+            mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle, frame);
+            return CANWRIGHT_OK;
+        case 0x95u:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE;
+            mwd_motor_v2_36_2024_11_set_angle_unpack(&reply->as.set_angle, frame);
+            return CANWRIGHT_OK;
+        case 0x9Au:
+        case 0x9Bu:
+            reply->command = (mwd_motor_v2_36_2024_11_command_t)frame->data[0];
+            mwd_motor_v2_36_2024_11_status_1_unpack(&reply->as.read_status_1, frame);
+            return CANWRIGHT_OK;
+        case 0x9Du:
+            reply->command = MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3;
+            mwd_motor_v2_36_2024_11_read_status_3_reply_unpack(&reply->as.read_status_3, frame);
+            return CANWRIGHT_OK;
+        default:
+            return CANWRIGHT_UNKNOWN_CODE;
+        }
+}
+    return CANWRIGHT_UNKNOWN_ID;
 }
 
 /** Checks whether the fields of any reply are valid; `field` is the field that is rejected. */
@@ -5657,7 +5709,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_check_reply(
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE:
-        answers = mwd_motor_v2_36_2024_11_motor_reply_node(&from, reply->id) == CANWRIGHT_OK && from == to
+        answers = (mwd_motor_v2_36_2024_11_motor_reply_node(&from, reply->id) == CANWRIGHT_OK) && (from == to)
             && canwright_same_data(request, reply);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE:
@@ -5678,8 +5730,8 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_check_reply(
     case MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3:
-        answers = mwd_motor_v2_36_2024_11_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK
-            && from == to;
+        answers = (mwd_motor_v2_36_2024_11_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK)
+            && (from == to);
         break;
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_ANGLE_PID:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_PID:
@@ -5697,8 +5749,8 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_check_reply(
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP:
-        answers = mwd_motor_v2_36_2024_11_motor_reply_2_match(&from, reply, 8u, request->data[0],
-            request->data[1]) == CANWRIGHT_OK && from == to;
+        answers = (mwd_motor_v2_36_2024_11_motor_reply_2_match(&from, reply, 8u, request->data[0],
+            request->data[1]) == CANWRIGHT_OK) && (from == to);
         break;
     default:
         break;

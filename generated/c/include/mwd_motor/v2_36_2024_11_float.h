@@ -140,10 +140,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_torque_current_to_float
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        *value = (float)raw * 33.0f / 4096.0f;
+        *value = ((float)raw * 33.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        *value = (float)raw * 33.0f / 2048.0f;
+        *value = ((float)raw * 33.0f) / 2048.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -162,10 +162,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_torque_current_from_flo
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -2048, 2048);
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 33.0f, -2048, 2048);
         break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -2048, 2048);
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 33.0f, -2048, 2048);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -187,10 +187,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_measured_torque_current
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        *value = (float)raw * 33.0f / 4096.0f;
+        *value = ((float)raw * 33.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        *value = (float)raw * 33.0f / 2048.0f;
+        *value = ((float)raw * 33.0f) / 2048.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -209,10 +209,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_measured_torque_current
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -32768, 32767);
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 33.0f, -32768, 32767);
         break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -32768, 32767);
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 33.0f, -32768, 32767);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -234,10 +234,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_phase_current_to_float(
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        *value = (float)raw * 33.0f / 4096.0f;
+        *value = ((float)raw * 33.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        *value = (float)raw * 33.0f / 2048.0f;
+        *value = ((float)raw * 33.0f) / 2048.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -256,10 +256,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_phase_current_from_floa
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -32768, 32767);
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 33.0f, -32768, 32767);
         break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -32768, 32767);
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 33.0f, -32768, 32767);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -303,7 +303,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_speed_setpoint_from_flo
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -343,7 +343,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_angle_i32_from_float(in
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -422,13 +422,13 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_encoder_position_to_flo
 {
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_14:
-        *value = (float)raw * 45.0f / 2048.0f;
+        *value = ((float)raw * 45.0f) / 2048.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_15:
-        *value = (float)raw * 45.0f / 4096.0f;
+        *value = ((float)raw * 45.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_16:
-        *value = (float)raw * 45.0f / 8192.0f;
+        *value = ((float)raw * 45.0f) / 8192.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -444,13 +444,13 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_encoder_position_from_f
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_14:
-        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 45.0f, 0, 65535);
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 45.0f, 0, 65535);
         break;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_15:
-        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 45.0f, 0, 65535);
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 45.0f, 0, 65535);
         break;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_16:
-        status = canwright_signed32_from_float(&nearest, value, value * 8192.0f / 45.0f, 0, 65535);
+        status = canwright_signed32_from_float(&nearest, value, (value * 8192.0f) / 45.0f, 0, 65535);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -517,7 +517,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_i32_from_float(int32_t 
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_float(&nearest, value, value, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -637,10 +637,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_torque_current_to_doubl
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        *value = (double)raw * 33.0 / 4096.0;
+        *value = ((double)raw * 33.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        *value = (double)raw * 33.0 / 2048.0;
+        *value = ((double)raw * 33.0) / 2048.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -659,10 +659,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_torque_current_from_dou
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -2048, 2048);
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 33.0, -2048, 2048);
         break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -2048, 2048);
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 33.0, -2048, 2048);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -684,10 +684,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_measured_torque_current
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        *value = (double)raw * 33.0 / 4096.0;
+        *value = ((double)raw * 33.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        *value = (double)raw * 33.0 / 2048.0;
+        *value = ((double)raw * 33.0) / 2048.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -706,10 +706,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_measured_torque_current
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -32768, 32767);
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 33.0, -32768, 32767);
         break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -32768, 32767);
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 33.0, -32768, 32767);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -731,10 +731,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_phase_current_to_double
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        *value = (double)raw * 33.0 / 4096.0;
+        *value = ((double)raw * 33.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        *value = (double)raw * 33.0 / 2048.0;
+        *value = ((double)raw * 33.0) / 2048.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -753,10 +753,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_phase_current_from_doub
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
-        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -32768, 32767);
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 33.0, -32768, 32767);
         break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
-        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -32768, 32767);
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 33.0, -32768, 32767);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -800,7 +800,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_speed_setpoint_from_dou
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -840,7 +840,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_angle_i32_from_double(i
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -920,13 +920,13 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_encoder_position_to_dou
 {
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_14:
-        *value = (double)raw * 45.0 / 2048.0;
+        *value = ((double)raw * 45.0) / 2048.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_15:
-        *value = (double)raw * 45.0 / 4096.0;
+        *value = ((double)raw * 45.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_16:
-        *value = (double)raw * 45.0 / 8192.0;
+        *value = ((double)raw * 45.0) / 8192.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -942,13 +942,13 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_encoder_position_from_d
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_14:
-        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 45.0, 0, 65535);
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 45.0, 0, 65535);
         break;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_15:
-        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 45.0, 0, 65535);
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 45.0, 0, 65535);
         break;
     case MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_16:
-        status = canwright_signed32_from_double(&nearest, value, value * 8192.0 / 45.0, 0, 65535);
+        status = canwright_signed32_from_double(&nearest, value, (value * 8192.0) / 45.0, 0, 65535);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -1015,7 +1015,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_i32_from_double(int32_t
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_double(&nearest, value, value, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }

@@ -623,88 +623,156 @@ static inline size_t mwd_motor_v2_36_2024_11_print_request(
     char *text, size_t size, const canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     canwright_printer_t printer = {text, size, 0u};
-    mwd_motor_v2_36_2024_11_any_request_t request;
-    const canwright_status_t status = mwd_motor_v2_36_2024_11_decode_request(&request, frame);
+    mwd_motor_v2_36_2024_11_command_t command;
+    uint32_t node;
+    const canwright_status_t status = mwd_motor_v2_36_2024_11_identify_request(&command, &node, frame);
     if (status != CANWRIGHT_OK) {
         canwright_print_rejected(&printer, status, frame);
         return canwright_print_end(&printer);
     }
-    canwright_print_text(&printer, mwd_motor_v2_36_2024_11_command_name(request.command));
+    canwright_print_text(&printer, mwd_motor_v2_36_2024_11_command_name(command));
     canwright_print_text(&printer, " request");
     canwright_print_text(&printer, ", node ");
-    canwright_print_unsigned(&printer, request.node);
-    switch ((int)request.command) {
+    canwright_print_unsigned(&printer, node);
+    switch ((int)command) {
     case MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE:
+    {
+        mwd_motor_v2_36_2024_11_brake_request_t message;
+        mwd_motor_v2_36_2024_11_brake_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_brake_request_show(&printer, &request.as.brake);
+        mwd_motor_v2_36_2024_11_brake_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER:
+    {
+        mwd_motor_v2_36_2024_11_set_power_request_t message;
+        mwd_motor_v2_36_2024_11_set_power_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_set_power_request_show(&printer, &request.as.set_power);
+        mwd_motor_v2_36_2024_11_set_power_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE:
+    {
+        mwd_motor_v2_36_2024_11_set_torque_request_t message;
+        mwd_motor_v2_36_2024_11_set_torque_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_set_torque_request_show(&printer, &request.as.set_torque, parameters);
+        mwd_motor_v2_36_2024_11_set_torque_request_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED:
+    {
+        mwd_motor_v2_36_2024_11_set_speed_request_t message;
+        mwd_motor_v2_36_2024_11_set_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_set_speed_request_show(&printer, &request.as.set_speed, parameters);
+        mwd_motor_v2_36_2024_11_set_speed_request_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE:
+    {
+        mwd_motor_v2_36_2024_11_move_to_angle_request_t message;
+        mwd_motor_v2_36_2024_11_move_to_angle_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_move_to_angle_request_show(&printer, &request.as.move_to_angle);
+        mwd_motor_v2_36_2024_11_move_to_angle_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
+    {
+        mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t message;
+        mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_show(&printer, &request.as.move_to_angle_at_speed);
+        mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE:
+    {
+        mwd_motor_v2_36_2024_11_turn_to_angle_request_t message;
+        mwd_motor_v2_36_2024_11_turn_to_angle_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_turn_to_angle_request_show(&printer, &request.as.turn_to_angle);
+        mwd_motor_v2_36_2024_11_turn_to_angle_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED:
+    {
+        mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t message;
+        mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_show(&printer, &request.as.turn_to_angle_at_speed);
+        mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE:
+    {
+        mwd_motor_v2_36_2024_11_move_by_angle_request_t message;
+        mwd_motor_v2_36_2024_11_move_by_angle_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_move_by_angle_request_show(&printer, &request.as.move_by_angle);
+        mwd_motor_v2_36_2024_11_move_by_angle_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
+    {
+        mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t message;
+        mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_show(&printer, &request.as.move_by_angle_at_speed);
+        mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID:
+    {
+        mwd_motor_v2_36_2024_11_pid_gains_t message;
+        mwd_motor_v2_36_2024_11_pid_gains_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_pid_gains_show(&printer, &request.as.set_param_angle_pid);
+        mwd_motor_v2_36_2024_11_pid_gains_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT:
+    {
+        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t message;
+        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_show(&printer,
-            &request.as.set_param_max_torque_current);
+        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED:
+    {
+        mwd_motor_v2_36_2024_11_control_parameters_max_speed_t message;
+        mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_control_parameters_max_speed_show(&printer, &request.as.set_param_max_speed);
+        mwd_motor_v2_36_2024_11_control_parameters_max_speed_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE:
+    {
+        mwd_motor_v2_36_2024_11_control_parameters_max_angle_t message;
+        mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_control_parameters_max_angle_show(&printer, &request.as.set_param_max_angle);
+        mwd_motor_v2_36_2024_11_control_parameters_max_angle_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP:
+    {
+        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t message;
+        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_show(&printer, &request.as.set_param_current_ramp);
+        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP:
+    {
+        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t message;
+        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_show(&printer, &request.as.set_param_speed_ramp);
+        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE:
+    {
+        mwd_motor_v2_36_2024_11_set_angle_t message;
+        mwd_motor_v2_36_2024_11_set_angle_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_set_angle_show(&printer, &request.as.set_angle);
+        mwd_motor_v2_36_2024_11_set_angle_show(&printer, &message);
         break;
+    }
     default:
         break;
     }
@@ -720,21 +788,26 @@ static inline size_t mwd_motor_v2_36_2024_11_print_reply(
     char *text, size_t size, const canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     canwright_printer_t printer = {text, size, 0u};
-    mwd_motor_v2_36_2024_11_any_reply_t reply;
-    const canwright_status_t status = mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters);
+    mwd_motor_v2_36_2024_11_command_t command;
+    uint32_t node;
+    canwright_status_t status = mwd_motor_v2_36_2024_11_identify_reply(&command, &node, frame);
     if (status != CANWRIGHT_OK) {
         canwright_print_rejected(&printer, status, frame);
         return canwright_print_end(&printer);
     }
-    canwright_print_text(&printer, mwd_motor_v2_36_2024_11_command_name(reply.command));
+    canwright_print_text(&printer, mwd_motor_v2_36_2024_11_command_name(command));
     canwright_print_text(&printer, " reply");
     canwright_print_text(&printer, ", node ");
-    canwright_print_unsigned(&printer, reply.node);
-    switch ((int)reply.command) {
+    canwright_print_unsigned(&printer, node);
+    switch ((int)command) {
     case MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE:
+    {
+        mwd_motor_v2_36_2024_11_brake_reply_t message;
+        mwd_motor_v2_36_2024_11_brake_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_brake_reply_show(&printer, &reply.as.brake);
+        mwd_motor_v2_36_2024_11_brake_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED:
@@ -745,74 +818,133 @@ static inline size_t mwd_motor_v2_36_2024_11_print_reply(
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2:
+    {
+        mwd_motor_v2_36_2024_11_motion_feedback_t message;
+        status = mwd_motor_v2_36_2024_11_motion_feedback_unpack(&message, frame, parameters);
+        if (status != CANWRIGHT_OK) {
+            printer.length = 0u;
+            canwright_print_rejected(&printer, status, frame);
+            break;
+        }
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_motion_feedback_show(&printer, &reply.as.set_power, parameters);
+        mwd_motor_v2_36_2024_11_motion_feedback_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_ANGLE_PID:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_PID:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_PID:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID:
+    {
+        mwd_motor_v2_36_2024_11_pid_gains_t message;
+        mwd_motor_v2_36_2024_11_pid_gains_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_pid_gains_show(&printer, &reply.as.read_param_angle_pid);
+        mwd_motor_v2_36_2024_11_pid_gains_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT:
+    {
+        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t message;
+        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_show(&printer,
-            &reply.as.read_param_max_torque_current);
+        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_SPEED:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED:
+    {
+        mwd_motor_v2_36_2024_11_control_parameters_max_speed_t message;
+        mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_control_parameters_max_speed_show(&printer, &reply.as.read_param_max_speed);
+        mwd_motor_v2_36_2024_11_control_parameters_max_speed_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_ANGLE:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE:
+    {
+        mwd_motor_v2_36_2024_11_control_parameters_max_angle_t message;
+        mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_control_parameters_max_angle_show(&printer, &reply.as.read_param_max_angle);
+        mwd_motor_v2_36_2024_11_control_parameters_max_angle_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_RAMP:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP:
+    {
+        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t message;
+        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_show(&printer, &reply.as.read_param_current_ramp);
+        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_RAMP:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP:
+    {
+        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t message;
+        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_show(&printer, &reply.as.read_param_speed_ramp);
+        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER:
+    {
+        mwd_motor_v2_36_2024_11_read_encoder_reply_t message;
+        mwd_motor_v2_36_2024_11_read_encoder_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_read_encoder_reply_show(&printer, &reply.as.read_encoder, parameters);
+        mwd_motor_v2_36_2024_11_read_encoder_reply_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
+    {
+        mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t message;
+        mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_show(&printer, &reply.as.write_position_as_zero_rom,
-            parameters);
+        mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE:
+    {
+        mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t message;
+        mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_show(&printer, &reply.as.read_multi_turn_angle);
+        mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE:
+    {
+        mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t message;
+        mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_show(&printer, &reply.as.read_single_turn_angle);
+        mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE:
+    {
+        mwd_motor_v2_36_2024_11_set_angle_t message;
+        mwd_motor_v2_36_2024_11_set_angle_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_set_angle_show(&printer, &reply.as.set_angle);
+        mwd_motor_v2_36_2024_11_set_angle_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1:
     case MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS:
+    {
+        mwd_motor_v2_36_2024_11_status_1_t message;
+        mwd_motor_v2_36_2024_11_status_1_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_status_1_show(&printer, &reply.as.read_status_1);
+        mwd_motor_v2_36_2024_11_status_1_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3:
+    {
+        mwd_motor_v2_36_2024_11_read_status_3_reply_t message;
+        mwd_motor_v2_36_2024_11_read_status_3_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2024_11_read_status_3_reply_show(&printer, &reply.as.read_status_3, parameters);
+        mwd_motor_v2_36_2024_11_read_status_3_reply_show(&printer, &message, parameters);
         break;
+    }
     default:
         break;
     }

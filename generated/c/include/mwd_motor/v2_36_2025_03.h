@@ -101,7 +101,7 @@ typedef struct {
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_id(uint32_t *id, uint32_t node)
 {
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     *id = 0x140u + node;
@@ -113,7 +113,7 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_node(uint32_t *found, uint32_t id)
 {
     const uint32_t node = id - 0x140u;
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_ID;
     }
     *found = node;
@@ -138,7 +138,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_filter(
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_id(uint32_t *id, uint32_t node)
 {
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     *id = 0x180u + node;
@@ -150,7 +150,7 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_node(uint32_t *found, uint32_t id)
 {
     const uint32_t node = id - 0x180u;
-    if (node < 1u || node > 32u) {
+    if ((node < 1u) || (node > 32u)) {
         return CANWRIGHT_UNKNOWN_ID;
     }
     *found = node;
@@ -181,7 +181,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a request, and sets all other bits of the data to 0. */
@@ -209,7 +209,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_2_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code && frame->data[1] == code_2 ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return ((frame->data[0] == code) && (frame->data[1] == code_2)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a request, and sets all other bits of the data to 0. */
@@ -238,8 +238,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_request_3_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code && frame->data[1] == code_2
-        && frame->data[2] == code_3 ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return ((frame->data[0] == code) && (frame->data[1] == code_2)
+        && (frame->data[2] == code_3)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a request, and sets all other bits of the data to 0. */
@@ -269,7 +269,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
@@ -297,7 +297,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_2_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code && frame->data[1] == code_2 ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return ((frame->data[0] == code) && (frame->data[1] == code_2)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
@@ -326,8 +326,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motor_reply_3_match(
     if (frame->dlc != dlc) {
         return CANWRIGHT_WRONG_LENGTH;
     }
-    return frame->data[0] == code && frame->data[1] == code_2
-        && frame->data[2] == code_3 ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
+    return ((frame->data[0] == code) && (frame->data[1] == code_2)
+        && (frame->data[2] == code_3)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
 /** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
@@ -388,7 +388,7 @@ static inline int32_t mwd_motor_v2_36_2025_03_voltage_to_milli(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_voltage_from_milli(int16_t *raw, int32_t milli)
 {
-    if (milli < -327684 || milli > 327674) {
+    if ((milli < -327684) || (milli > 327674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int16_t)canwright_divide32(milli, 10);
@@ -419,7 +419,7 @@ static inline int32_t mwd_motor_v2_36_2025_03_bus_current_to_milli(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_milli(int16_t *raw, int32_t milli)
 {
-    if (milli < -327684 || milli > 327674) {
+    if ((milli < -327684) || (milli > 327674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int16_t)canwright_divide32(milli, 10);
@@ -444,7 +444,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_milli(
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_power_i16_valid(int16_t raw)
 {
-    return raw >= -850 && raw <= 850;
+    return (raw >= -850) && (raw <= 850);
 }
 
 /** @} */
@@ -464,7 +464,7 @@ static inline bool mwd_motor_v2_36_2025_03_power_i16_valid(int16_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_output_power_valid(int16_t raw)
 {
-    return raw >= -1000 && raw <= 1000;
+    return (raw >= -1000) && (raw <= 1000);
 }
 
 /** @} */
@@ -495,7 +495,7 @@ static inline bool mwd_motor_v2_36_2025_03_output_power_valid(int16_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_torque_current_valid(int16_t raw)
 {
-    return raw >= -2048 && raw <= 2048;
+    return (raw >= -2048) && (raw <= 2048);
 }
 
 /** To thousandths of A. */
@@ -528,13 +528,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_mil
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        if (milli < -16504 || milli > 16504) {
+        if ((milli < -16504) || (milli > 16504)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        if (milli < -33008 || milli > 33008) {
+        if ((milli < -33008) || (milli > 33008)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -592,13 +592,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        if (milli < -264004 || milli > 263995) {
+        if ((milli < -264004) || (milli > 263995)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        if (milli < -528008 || milli > 527991) {
+        if ((milli < -528008) || (milli > 527991)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -652,13 +652,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_mill
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        if (milli < -264004 || milli > 263995) {
+        if ((milli < -264004) || (milli > 263995)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 512, 4125);
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        if (milli < -528008 || milli > 527991) {
+        if ((milli < -528008) || (milli > 527991)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         *raw = (int16_t)canwright_divide32(milli * 256, 4125);
@@ -714,7 +714,7 @@ static inline int64_t mwd_motor_v2_36_2025_03_speed_setpoint_to_milli(int32_t ra
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_setpoint_from_milli(int32_t *raw, int64_t milli)
 {
-    if (milli < -21474836484 || milli > 21474836474) {
+    if ((milli < -21474836484) || (milli > 21474836474)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int32_t)canwright_divide64(milli, 10);
@@ -763,7 +763,7 @@ static inline int64_t mwd_motor_v2_36_2025_03_angle_i32_to_milli(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_i32_from_milli(int32_t *raw, int64_t milli)
 {
-    if (milli < -21474836484 || milli > 21474836474) {
+    if ((milli < -21474836484) || (milli > 21474836474)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (int32_t)canwright_divide64(milli, 10);
@@ -797,7 +797,7 @@ static inline int64_t mwd_motor_v2_36_2025_03_single_turn_angle_to_milli(uint32_
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_milli(uint32_t *raw, int64_t milli)
 {
-    if (milli < -4 || milli > 42949672954) {
+    if ((milli < -4) || (milli > 42949672954)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = (uint32_t)canwright_divide64(milli, 10);
@@ -825,8 +825,8 @@ CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_36_2025_03_single_turn_position_valid(
     uint32_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    return parameters->gear_ratio.denominator == 0u || (int64_t)raw <= canwright_floor(&parameters->gear_ratio, 36000,
-        -1, 1);
+    return (parameters->gear_ratio.denominator == 0u) || ((int64_t)raw <= canwright_floor(&parameters->gear_ratio,
+        36000, -1, 1));
 }
 
 /** To thousandths of deg. */
@@ -841,7 +841,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
     uint32_t *raw, int64_t milli, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     uint32_t nearest;
-    if (milli < -4 || milli > 42949672954) {
+    if ((milli < -4) || (milli > 42949672954)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     nearest = (uint32_t)canwright_divide64(milli, 10);
@@ -873,14 +873,14 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_multi_turn_angle_valid(int64_t raw)
 {
-    return raw >= -36028797018963968 && raw <= 36028797018963967;
+    return (raw >= -36028797018963968) && (raw <= 36028797018963967);
 }
 
 /** To thousandths of deg. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_to_milli(int64_t *milli, int64_t raw)
 {
-    if (raw < -36028797018963968 || raw > 36028797018963967) {
+    if ((raw < -36028797018963968) || (raw > 36028797018963967)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *milli = raw * 10;
@@ -891,7 +891,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_to_mil
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_milli(int64_t *raw, int64_t milli)
 {
-    if (milli < -360287970189639684 || milli > 360287970189639674) {
+    if ((milli < -360287970189639684) || (milli > 360287970189639674)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *raw = canwright_divide64(milli, 10);
@@ -966,19 +966,19 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_m
     uint16_t nearest;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
-        if (milli < -10 || milli > 1439989) {
+        if ((milli < -10) || (milli > 1439989)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 256, 5625);
         break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
-        if (milli < -5 || milli > 719994) {
+        if ((milli < -5) || (milli > 719994)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 512, 5625);
         break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
-        if (milli < -2 || milli > 359997) {
+        if ((milli < -2) || (milli > 359997)) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
         nearest = (uint16_t)canwright_divide32(milli * 1024, 5625);
@@ -1042,11 +1042,11 @@ static inline bool mwd_motor_v2_36_2025_03_output_limit_valid(
 {
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
-        return raw >= 0 && raw <= 850;
+        return (raw >= 0) && (raw <= 850);
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        return raw >= 0 && raw <= 2000;
+        return (raw >= 0) && (raw <= 2000);
     default:
         return true;
     }
@@ -1070,7 +1070,7 @@ static inline bool mwd_motor_v2_36_2025_03_output_limit_valid(
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_speed_bound_valid(int32_t raw)
 {
-    return raw >= 0 && raw <= 600000;
+    return (raw >= 0) && (raw <= 600000);
 }
 
 /** @} */
@@ -1089,8 +1089,8 @@ static inline bool mwd_motor_v2_36_2025_03_speed_bound_valid(int32_t raw)
  * all four bytes.
  * @{
  */
-#define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MIN 0          /**< Lowest raw value. */
-#define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MAX 2147483647 /**< Highest raw value. */
+#define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MIN 0         /**< Lowest raw value. */
+#define MWD_MOTOR_V2_36_2025_03_MAX_ANGLE_RAW_MAX INT32_MAX /**< Highest raw value. */
 
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_max_angle_valid(int32_t raw)
@@ -1116,7 +1116,7 @@ static inline bool mwd_motor_v2_36_2025_03_max_angle_valid(int32_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_current_ramp_valid(int16_t raw)
 {
-    return raw >= 0 && raw <= 30000;
+    return (raw >= 0) && (raw <= 30000);
 }
 
 /** @} */
@@ -1137,7 +1137,7 @@ static inline bool mwd_motor_v2_36_2025_03_current_ramp_valid(int16_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_speed_ramp_valid(int32_t raw)
 {
-    return raw >= 0 && raw <= 600000;
+    return (raw >= 0) && (raw <= 600000);
 }
 
 /** @} */
@@ -1196,7 +1196,7 @@ static inline const char *mwd_motor_v2_36_2025_03_brake_action_name(uint8_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_brake_action_valid(uint8_t raw)
 {
-    return raw <= 1u || raw == 16u;
+    return (raw <= 1u) || (raw == 16u);
 }
 
 /** @} */
@@ -1256,7 +1256,7 @@ static inline const char *mwd_motor_v2_36_2025_03_motor_state_name(uint8_t raw)
 /** True if a raw value is valid. */
 static inline bool mwd_motor_v2_36_2025_03_motor_state_valid(uint8_t raw)
 {
-    return raw == 0u || raw == 16u;
+    return (raw == 0u) || (raw == 16u);
 }
 
 /** @} */
@@ -7717,7 +7717,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_save_settings_request_d
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    if (frame->data[1] != 0x05u || frame->data[2] != 0xFAu) {
+    if ((frame->data[1] != 0x05u) || (frame->data[2] != 0xFAu)) {
         return CANWRIGHT_WRONG_CONSTANT;
     }
     return CANWRIGHT_OK;
@@ -7799,73 +7799,73 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_save_settings_reply_dec
  * Any frame: its command, node and fields
  * ----------------------------------------------------------------------------------------------------------------- */
 
-/** The commands. */
+/** The commands. A command with a code of its own has this code as its number. */
 typedef enum {
     MWD_MOTOR_V2_36_2025_03_COMMAND_NONE = 0,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_CURRENT_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_UPPER_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_LOWER_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_RAMP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_RS485_BAUD_RATE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CAN_BAUD_RATE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_POWER,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_RAMP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_RAMP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_ANGLE_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID,
-    MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF = 0x80,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON = 0x88,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP = 0x81,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE = 0x8C,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER = 0xA0,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE = 0xA1,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED = 0xA2,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE = 0xA3,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED = 0xA4,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE = 0xA5,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED = 0xA6,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE = 0xA7,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED = 0xA8,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID = 0x100,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID = 0x101,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_CURRENT_PID = 0x102,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT = 0x103,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_SPEED = 0x104,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_UPPER_ANGLE = 0x105,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_LOWER_ANGLE = 0x106,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_RAMP = 0x107,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID = 0x108,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID = 0x109,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID = 0x10A,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT = 0x10B,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED = 0x10C,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE = 0x10D,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE = 0x10E,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP = 0x10F,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER = 0x90,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER = 0x18,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM = 0x19,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE = 0x92,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE = 0x94,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM = 0x95,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1 = 0x9A,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS = 0x9B,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2 = 0x9C,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3 = 0x9D,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID = 0x110,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE = 0x111,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_RS485_BAUD_RATE = 0x112,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CAN_BAUD_RATE = 0x113,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_POWER = 0x114,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_SPEED = 0x115,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_ANGLE = 0x116,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_RAMP = 0x117,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_RAMP = 0x118,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_ANGLE_PID = 0x119,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_PID = 0x11A,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_PID = 0x11B,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID = 0x11C,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE = 0x11D,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE = 0x11E,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE = 0x11F,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER = 0x120,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED = 0x121,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE = 0x122,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP = 0x123,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP = 0x124,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID = 0x125,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID = 0x126,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID = 0x127,
+    MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS = 0x44
 } mwd_motor_v2_36_2025_03_command_t;
 
 /** The name of a command. */
@@ -8107,9 +8107,9 @@ static inline bool mwd_motor_v2_36_2025_03_command_available(
 {
     switch ((int)command) {
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER:
-        return parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MF
-            && parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MH
-            && parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MG;
+        return (parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MF)
+            && (parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MH)
+            && (parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MG);
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3:
         return parameters->series != MWD_MOTOR_V2_36_2025_03_SERIES_MS;
@@ -8129,43 +8129,29 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_request(
         }
         switch (frame->data[0]) {
         case 0x80u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF;
-            return CANWRIGHT_OK;
         case 0x88u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON;
-            return CANWRIGHT_OK;
         case 0x81u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP;
-            return CANWRIGHT_OK;
         case 0x8Cu:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE;
-            return CANWRIGHT_OK;
         case 0xA0u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER;
-            return CANWRIGHT_OK;
         case 0xA1u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE;
-            return CANWRIGHT_OK;
         case 0xA2u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED;
-            return CANWRIGHT_OK;
         case 0xA3u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA4u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA5u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA6u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA7u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA8u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+        case 0x90u:
+        case 0x18u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            *command = (mwd_motor_v2_36_2025_03_command_t)frame->data[0];
             return CANWRIGHT_OK;
         case 0xC0u:
             switch (frame->data[1]) {
@@ -8225,36 +8211,6 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_request(
             default:
                 return CANWRIGHT_UNKNOWN_CODE;
             }
-        case 0x90u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x18u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x19u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
-            return CANWRIGHT_OK;
-        case 0x92u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x94u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x95u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM;
-            return CANWRIGHT_OK;
-        case 0x9Au:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1;
-            return CANWRIGHT_OK;
-        case 0x9Bu:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS;
-            return CANWRIGHT_OK;
-        case 0x9Cu:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2;
-            return CANWRIGHT_OK;
-        case 0x9Du:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3;
-            return CANWRIGHT_OK;
         case 0x40u:
             switch (frame->data[1]) {
             case 0x05u:
@@ -8348,7 +8304,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_request(
                 return CANWRIGHT_UNKNOWN_CODE;
             }
         case 0x44u:
-            if (frame->data[1] != 0x05u || frame->data[2] != 0xFAu) {
+            if ((frame->data[1] != 0x05u) || (frame->data[2] != 0xFAu)) {
                 return CANWRIGHT_WRONG_CONSTANT;
             }
             *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS;
@@ -8356,7 +8312,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_request(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-    }
+}
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -8436,98 +8392,260 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_request(
     mwd_motor_v2_36_2025_03_any_request_t *request, const canwright_frame_t *frame)
 {
-    const canwright_status_t status =
-        mwd_motor_v2_36_2025_03_identify_request(&request->command, &request->node, frame);
-    if (status != CANWRIGHT_OK) {
-        return status;
-    }
-    switch ((int)request->command) {
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE:
-        mwd_motor_v2_36_2025_03_brake_request_unpack(&request->as.brake, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER:
-        mwd_motor_v2_36_2025_03_set_power_request_unpack(&request->as.set_power, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE:
-        mwd_motor_v2_36_2025_03_set_torque_request_unpack(&request->as.set_torque, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED:
-        mwd_motor_v2_36_2025_03_set_speed_request_unpack(&request->as.set_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE:
-        mwd_motor_v2_36_2025_03_move_to_angle_request_unpack(&request->as.move_to_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE:
-        mwd_motor_v2_36_2025_03_turn_to_angle_request_unpack(&request->as.turn_to_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE:
-        mwd_motor_v2_36_2025_03_move_by_angle_request_unpack(&request->as.move_by_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-        mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID:
-        mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.set_param_angle_pid, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT:
-        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&request->as.set_param_max_torque_current,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED:
-        mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&request->as.set_param_max_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE:
-        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&request->as.set_param_upper_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE:
-        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&request->as.set_param_lower_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP:
-        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&request->as.set_param_speed_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID:
-        mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&request->as.stage_setting_driver_id, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE:
-        mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&request->as.stage_setting_bus_type, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE:
-        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&request->as.stage_setting_rs485_baud_rate,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE:
-        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&request->as.stage_setting_can_baud_rate, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER:
-        mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&request->as.stage_setting_max_power, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED:
-        mwd_motor_v2_36_2025_03_stored_settings_max_speed_unpack(&request->as.stage_setting_max_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE:
-        mwd_motor_v2_36_2025_03_stored_settings_max_angle_unpack(&request->as.stage_setting_max_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP:
-        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_unpack(&request->as.stage_setting_current_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP:
-        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(&request->as.stage_setting_speed_ramp, frame);
-        break;
-    default:
-        break;
-    }
-    return CANWRIGHT_OK;
+    if (mwd_motor_v2_36_2025_03_motor_request_node(&request->node, frame->id) == CANWRIGHT_OK) {
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        switch (frame->data[0]) {
+        case 0x80u:
+        case 0x88u:
+        case 0x81u:
+        case 0x90u:
+        case 0x18u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            request->command = (mwd_motor_v2_36_2025_03_command_t)frame->data[0];
+            return CANWRIGHT_OK;
+        case 0x8Cu:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE;
+            mwd_motor_v2_36_2025_03_brake_request_unpack(&request->as.brake, frame);
+            return CANWRIGHT_OK;
+        case 0xA0u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER;
+            mwd_motor_v2_36_2025_03_set_power_request_unpack(&request->as.set_power, frame);
+            return CANWRIGHT_OK;
+        case 0xA1u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE;
+            mwd_motor_v2_36_2025_03_set_torque_request_unpack(&request->as.set_torque, frame);
+            return CANWRIGHT_OK;
+        case 0xA2u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED;
+            mwd_motor_v2_36_2025_03_set_speed_request_unpack(&request->as.set_speed, frame);
+            return CANWRIGHT_OK;
+        case 0xA3u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE;
+            mwd_motor_v2_36_2025_03_move_to_angle_request_unpack(&request->as.move_to_angle, frame);
+            return CANWRIGHT_OK;
+        case 0xA4u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
+            mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_unpack(&request->as.move_to_angle_at_speed, frame);
+            return CANWRIGHT_OK;
+        case 0xA5u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE;
+            mwd_motor_v2_36_2025_03_turn_to_angle_request_unpack(&request->as.turn_to_angle, frame);
+            return CANWRIGHT_OK;
+        case 0xA6u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED;
+            mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_unpack(&request->as.turn_to_angle_at_speed, frame);
+            return CANWRIGHT_OK;
+        case 0xA7u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE;
+            mwd_motor_v2_36_2025_03_move_by_angle_request_unpack(&request->as.move_by_angle, frame);
+            return CANWRIGHT_OK;
+        case 0xA8u:
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+            mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_unpack(&request->as.move_by_angle_at_speed, frame);
+            return CANWRIGHT_OK;
+        case 0xC0u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID;
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID;
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_CURRENT_PID;
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT;
+                return CANWRIGHT_OK;
+            case 0x20u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_SPEED;
+                return CANWRIGHT_OK;
+            case 0x22u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_UPPER_ANGLE;
+                return CANWRIGHT_OK;
+            case 0x23u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_LOWER_ANGLE;
+                return CANWRIGHT_OK;
+            case 0x26u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_RAMP;
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0xC1u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.set_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.set_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.set_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT;
+                mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&request->as.set_param_max_torque_current,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x20u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED;
+                mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&request->as.set_param_max_speed, frame);
+                return CANWRIGHT_OK;
+            case 0x22u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE;
+                mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&request->as.set_param_upper_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x23u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE;
+                mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&request->as.set_param_lower_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x26u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP;
+                mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&request->as.set_param_speed_ramp,
+                    frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x40u:
+            switch (frame->data[1]) {
+            case 0x05u:
+                switch (frame->data[2]) {
+                case 0x0Au:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID;
+                    return CANWRIGHT_OK;
+                case 0x0Bu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE;
+                    return CANWRIGHT_OK;
+                case 0x0Cu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_RS485_BAUD_RATE;
+                    return CANWRIGHT_OK;
+                case 0x0Du:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CAN_BAUD_RATE;
+                    return CANWRIGHT_OK;
+                case 0xB0u:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_POWER;
+                    return CANWRIGHT_OK;
+                case 0xB2u:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_SPEED;
+                    return CANWRIGHT_OK;
+                case 0xB4u:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_ANGLE;
+                    return CANWRIGHT_OK;
+                case 0xBAu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_RAMP;
+                    return CANWRIGHT_OK;
+                case 0xBCu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_RAMP;
+                    return CANWRIGHT_OK;
+                default:
+                    return CANWRIGHT_UNKNOWN_CODE;
+                }
+            case 0xA0u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_ANGLE_PID;
+                return CANWRIGHT_OK;
+            case 0xA4u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_PID;
+                return CANWRIGHT_OK;
+            case 0xA8u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_PID;
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x42u:
+            switch (frame->data[1]) {
+            case 0x05u:
+                switch (frame->data[2]) {
+                case 0x0Au:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID;
+                    mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&request->as.stage_setting_driver_id,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Bu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE;
+                    mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&request->as.stage_setting_bus_type,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Cu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE;
+                    mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&request->as.stage_setting_rs485_baud_rate,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Du:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE;
+                    mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&request->as.stage_setting_can_baud_rate,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB0u:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&request->as.stage_setting_max_power,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB2u:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_speed_unpack(&request->as.stage_setting_max_speed,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB4u:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_angle_unpack(&request->as.stage_setting_max_angle,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xBAu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP;
+                    mwd_motor_v2_36_2025_03_stored_settings_current_ramp_unpack(&request->as.stage_setting_current_ramp,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xBCu:
+                    request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP;
+                    mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(&request->as.stage_setting_speed_ramp,
+                        frame);
+                    return CANWRIGHT_OK;
+                default:
+                    return CANWRIGHT_UNKNOWN_CODE;
+                }
+            case 0xA0u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.set_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0xA4u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.set_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0xA8u:
+                request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&request->as.set_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x44u:
+            if ((frame->data[1] != 0x05u) || (frame->data[2] != 0xFAu)) {
+                return CANWRIGHT_WRONG_CONSTANT;
+            }
+            request->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS;
+            return CANWRIGHT_OK;
+        default:
+            return CANWRIGHT_UNKNOWN_CODE;
+        }
+}
+    return CANWRIGHT_UNKNOWN_ID;
 }
 
 /** Checks whether the fields of any request are valid; `field` is the field that is rejected. */
@@ -8603,43 +8721,29 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_reply(
         }
         switch (frame->data[0]) {
         case 0x80u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF;
-            return CANWRIGHT_OK;
         case 0x88u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON;
-            return CANWRIGHT_OK;
         case 0x81u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP;
-            return CANWRIGHT_OK;
         case 0x8Cu:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE;
-            return CANWRIGHT_OK;
         case 0xA0u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER;
-            return CANWRIGHT_OK;
         case 0xA1u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE;
-            return CANWRIGHT_OK;
         case 0xA2u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED;
-            return CANWRIGHT_OK;
         case 0xA3u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA4u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA5u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA6u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED;
-            return CANWRIGHT_OK;
         case 0xA7u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE;
-            return CANWRIGHT_OK;
         case 0xA8u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED;
+        case 0x90u:
+        case 0x18u:
+        case 0x19u:
+        case 0x92u:
+        case 0x94u:
+        case 0x95u:
+        case 0x9Au:
+        case 0x9Bu:
+        case 0x9Cu:
+        case 0x9Du:
+            *command = (mwd_motor_v2_36_2025_03_command_t)frame->data[0];
             return CANWRIGHT_OK;
         case 0xC0u:
             switch (frame->data[1]) {
@@ -8699,36 +8803,6 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_reply(
             default:
                 return CANWRIGHT_UNKNOWN_CODE;
             }
-        case 0x90u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x18u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER;
-            return CANWRIGHT_OK;
-        case 0x19u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
-            return CANWRIGHT_OK;
-        case 0x92u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x94u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE;
-            return CANWRIGHT_OK;
-        case 0x95u:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM;
-            return CANWRIGHT_OK;
-        case 0x9Au:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1;
-            return CANWRIGHT_OK;
-        case 0x9Bu:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS;
-            return CANWRIGHT_OK;
-        case 0x9Cu:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2;
-            return CANWRIGHT_OK;
-        case 0x9Du:
-            *command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3;
-            return CANWRIGHT_OK;
         case 0x40u:
             switch (frame->data[1]) {
             case 0x05u:
@@ -8830,7 +8904,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_reply(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-    }
+}
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -8971,127 +9045,287 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_reply(
     mwd_motor_v2_36_2025_03_any_reply_t *reply, const canwright_frame_t *frame,
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    const canwright_status_t status =
-        mwd_motor_v2_36_2025_03_identify_reply(&reply->command, &reply->node, frame);
-    if (status != CANWRIGHT_OK) {
-        return status;
-    }
-    switch ((int)reply->command) {
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE:
-        mwd_motor_v2_36_2025_03_brake_reply_unpack(&reply->as.brake, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2:
-        return mwd_motor_v2_36_2025_03_motion_feedback_unpack(&reply->as.set_power, frame, parameters);
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_CURRENT_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID:
-        mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT:
-        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&reply->as.read_param_max_torque_current,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_SPEED:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED:
-        mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&reply->as.read_param_max_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_UPPER_ANGLE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE:
-        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&reply->as.read_param_upper_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_LOWER_ANGLE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE:
-        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&reply->as.read_param_lower_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_RAMP:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP:
-        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&reply->as.read_param_speed_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER:
-        mwd_motor_v2_36_2025_03_read_encoder_reply_unpack(&reply->as.read_encoder, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER:
-        mwd_motor_v2_36_2025_03_calibrate_encoder_reply_unpack(&reply->as.calibrate_encoder, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
-        mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE:
-        mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE:
-        mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS:
-        mwd_motor_v2_36_2025_03_status_1_unpack(&reply->as.read_status_1, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3:
-        mwd_motor_v2_36_2025_03_read_status_3_reply_unpack(&reply->as.read_status_3, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID:
-        mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&reply->as.read_setting_driver_id, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE:
-        mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&reply->as.read_setting_bus_type, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_RS485_BAUD_RATE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE:
-        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&reply->as.read_setting_rs485_baud_rate,
-            frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CAN_BAUD_RATE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE:
-        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&reply->as.read_setting_can_baud_rate, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_POWER:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER:
-        mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&reply->as.read_setting_max_power, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_SPEED:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED:
-        mwd_motor_v2_36_2025_03_stored_settings_max_speed_unpack(&reply->as.read_setting_max_speed, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_ANGLE:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE:
-        mwd_motor_v2_36_2025_03_stored_settings_max_angle_unpack(&reply->as.read_setting_max_angle, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_RAMP:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP:
-        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_unpack(&reply->as.read_setting_current_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_RAMP:
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP:
-        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(&reply->as.read_setting_speed_ramp, frame);
-        break;
-    case MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS:
-        mwd_motor_v2_36_2025_03_save_settings_reply_unpack(&reply->as.save_settings, frame);
-        break;
-    default:
-        break;
-    }
-    return CANWRIGHT_OK;
+    if (mwd_motor_v2_36_2025_03_motor_reply_node(&reply->node, frame->id) == CANWRIGHT_OK) {
+        if (frame->dlc != 8u) {
+            return CANWRIGHT_WRONG_LENGTH;
+        }
+        switch (frame->data[0]) {
+        case 0x80u:
+        case 0x88u:
+        case 0x81u:
+        case 0x95u:
+            reply->command = (mwd_motor_v2_36_2025_03_command_t)frame->data[0];
+            return CANWRIGHT_OK;
+        case 0x8Cu:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE;
+            mwd_motor_v2_36_2025_03_brake_reply_unpack(&reply->as.brake, frame);
+            return CANWRIGHT_OK;
+        case 0xA0u:
+        case 0xA1u:
+        case 0xA2u:
+        case 0xA3u:
+        case 0xA4u:
+        case 0xA5u:
+        case 0xA6u:
+        case 0xA7u:
+        case 0xA8u:
+        case 0x9Cu:
+            reply->command = (mwd_motor_v2_36_2025_03_command_t)frame->data[0];
+            return mwd_motor_v2_36_2025_03_motion_feedback_unpack(&reply->as.set_power, frame, parameters);
+        case 0xC0u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_CURRENT_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT;
+                mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&reply->as.read_param_max_torque_current,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x20u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_SPEED;
+                mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&reply->as.read_param_max_speed, frame);
+                return CANWRIGHT_OK;
+            case 0x22u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_UPPER_ANGLE;
+                mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&reply->as.read_param_upper_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x23u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_LOWER_ANGLE;
+                mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&reply->as.read_param_lower_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x26u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_RAMP;
+                mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&reply->as.read_param_speed_ramp, frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0xC1u:
+            switch (frame->data[1]) {
+            case 0x0Au:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x0Bu:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x0Cu:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0x1Eu:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT;
+                mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&reply->as.read_param_max_torque_current,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x20u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED;
+                mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&reply->as.read_param_max_speed, frame);
+                return CANWRIGHT_OK;
+            case 0x22u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE;
+                mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&reply->as.read_param_upper_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x23u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE;
+                mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&reply->as.read_param_lower_angle,
+                    frame);
+                return CANWRIGHT_OK;
+            case 0x26u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP;
+                mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&reply->as.read_param_speed_ramp, frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x90u:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER;
+            mwd_motor_v2_36_2025_03_read_encoder_reply_unpack(&reply->as.read_encoder, frame);
+            return CANWRIGHT_OK;
+        case 0x18u:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER;
+            mwd_motor_v2_36_2025_03_calibrate_encoder_reply_unpack(&reply->as.calibrate_encoder, frame);
+            return CANWRIGHT_OK;
+        case 0x19u:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM;
+            mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_unpack(&reply->as.write_position_as_zero_rom,
+                frame);
+            return CANWRIGHT_OK;
+        case 0x92u:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE;
+            mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_unpack(&reply->as.read_multi_turn_angle, frame);
+            return CANWRIGHT_OK;
+        case 0x94u:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE;
+            mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle, frame);
+            return CANWRIGHT_OK;
+        case 0x9Au:
+        case 0x9Bu:
+            reply->command = (mwd_motor_v2_36_2025_03_command_t)frame->data[0];
+            mwd_motor_v2_36_2025_03_status_1_unpack(&reply->as.read_status_1, frame);
+            return CANWRIGHT_OK;
+        case 0x9Du:
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3;
+            mwd_motor_v2_36_2025_03_read_status_3_reply_unpack(&reply->as.read_status_3, frame);
+            return CANWRIGHT_OK;
+        case 0x40u:
+            switch (frame->data[1]) {
+            case 0x05u:
+                switch (frame->data[2]) {
+                case 0x0Au:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID;
+                    mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&reply->as.read_setting_driver_id,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Bu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE;
+                    mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&reply->as.read_setting_bus_type, frame);
+                    return CANWRIGHT_OK;
+                case 0x0Cu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_RS485_BAUD_RATE;
+                    mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&reply->as.read_setting_rs485_baud_rate,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Du:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CAN_BAUD_RATE;
+                    mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&reply->as.read_setting_can_baud_rate,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB0u:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_POWER;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&reply->as.read_setting_max_power,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB2u:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_SPEED;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_speed_unpack(&reply->as.read_setting_max_speed,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB4u:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_ANGLE;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_angle_unpack(&reply->as.read_setting_max_angle,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xBAu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_RAMP;
+                    mwd_motor_v2_36_2025_03_stored_settings_current_ramp_unpack(&reply->as.read_setting_current_ramp,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xBCu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_RAMP;
+                    mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(&reply->as.read_setting_speed_ramp,
+                        frame);
+                    return CANWRIGHT_OK;
+                default:
+                    return CANWRIGHT_UNKNOWN_CODE;
+                }
+            case 0xA0u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_ANGLE_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0xA4u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0xA8u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x42u:
+            switch (frame->data[1]) {
+            case 0x05u:
+                switch (frame->data[2]) {
+                case 0x0Au:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID;
+                    mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&reply->as.read_setting_driver_id,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Bu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE;
+                    mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&reply->as.read_setting_bus_type, frame);
+                    return CANWRIGHT_OK;
+                case 0x0Cu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE;
+                    mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&reply->as.read_setting_rs485_baud_rate,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0x0Du:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE;
+                    mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&reply->as.read_setting_can_baud_rate,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB0u:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&reply->as.read_setting_max_power,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB2u:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_speed_unpack(&reply->as.read_setting_max_speed,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xB4u:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE;
+                    mwd_motor_v2_36_2025_03_stored_settings_max_angle_unpack(&reply->as.read_setting_max_angle,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xBAu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP;
+                    mwd_motor_v2_36_2025_03_stored_settings_current_ramp_unpack(&reply->as.read_setting_current_ramp,
+                        frame);
+                    return CANWRIGHT_OK;
+                case 0xBCu:
+                    reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP;
+                    mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(&reply->as.read_setting_speed_ramp,
+                        frame);
+                    return CANWRIGHT_OK;
+                default:
+                    return CANWRIGHT_UNKNOWN_CODE;
+                }
+            case 0xA0u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0xA4u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            case 0xA8u:
+                reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID;
+                mwd_motor_v2_36_2025_03_pid_gains_unpack(&reply->as.read_param_angle_pid, frame);
+                return CANWRIGHT_OK;
+            default:
+                return CANWRIGHT_UNKNOWN_CODE;
+            }
+        case 0x44u:
+            if (frame->data[1] != 0x05u) {
+                return CANWRIGHT_WRONG_CONSTANT;
+            }
+            reply->command = MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS;
+            mwd_motor_v2_36_2025_03_save_settings_reply_unpack(&reply->as.save_settings, frame);
+            return CANWRIGHT_OK;
+        default:
+            return CANWRIGHT_UNKNOWN_CODE;
+        }
+}
+    return CANWRIGHT_UNKNOWN_ID;
 }
 
 /** Checks whether the fields of any reply are valid; `field` is the field that is rejected. */
@@ -9209,7 +9443,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_check_reply(
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM:
-        answers = mwd_motor_v2_36_2025_03_motor_reply_node(&from, reply->id) == CANWRIGHT_OK && from == to
+        answers = (mwd_motor_v2_36_2025_03_motor_reply_node(&from, reply->id) == CANWRIGHT_OK) && (from == to)
             && canwright_same_data(request, reply);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE:
@@ -9232,8 +9466,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_check_reply(
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS:
-        answers = mwd_motor_v2_36_2025_03_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK
-            && from == to;
+        answers = (mwd_motor_v2_36_2025_03_motor_reply_match(&from, reply, 8u, request->data[0]) == CANWRIGHT_OK)
+            && (from == to);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID:
@@ -9257,8 +9491,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_check_reply(
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID:
-        answers = mwd_motor_v2_36_2025_03_motor_reply_2_match(&from, reply, 8u, request->data[0],
-            request->data[1]) == CANWRIGHT_OK && from == to;
+        answers = (mwd_motor_v2_36_2025_03_motor_reply_2_match(&from, reply, 8u, request->data[0],
+            request->data[1]) == CANWRIGHT_OK) && (from == to);
         break;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE:
@@ -9278,8 +9512,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_check_reply(
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP:
-        answers = mwd_motor_v2_36_2025_03_motor_reply_3_match(&from, reply, 8u, request->data[0], request->data[1],
-            request->data[2]) == CANWRIGHT_OK && from == to;
+        answers = (mwd_motor_v2_36_2025_03_motor_reply_3_match(&from, reply, 8u, request->data[0], request->data[1],
+            request->data[2]) == CANWRIGHT_OK) && (from == to);
         break;
     default:
         break;

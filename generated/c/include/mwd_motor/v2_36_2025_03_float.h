@@ -140,10 +140,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_to_float
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        *value = (float)raw * 33.0f / 4096.0f;
+        *value = ((float)raw * 33.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        *value = (float)raw * 33.0f / 2048.0f;
+        *value = ((float)raw * 33.0f) / 2048.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -162,10 +162,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_flo
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -2048, 2048);
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 33.0f, -2048, 2048);
         break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -2048, 2048);
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 33.0f, -2048, 2048);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -187,10 +187,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        *value = (float)raw * 33.0f / 4096.0f;
+        *value = ((float)raw * 33.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        *value = (float)raw * 33.0f / 2048.0f;
+        *value = ((float)raw * 33.0f) / 2048.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -209,10 +209,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -32768, 32767);
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 33.0f, -32768, 32767);
         break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -32768, 32767);
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 33.0f, -32768, 32767);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -234,10 +234,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_to_float(
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        *value = (float)raw * 33.0f / 4096.0f;
+        *value = ((float)raw * 33.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        *value = (float)raw * 33.0f / 2048.0f;
+        *value = ((float)raw * 33.0f) / 2048.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -256,10 +256,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_floa
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 33.0f, -32768, 32767);
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 33.0f, -32768, 32767);
         break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 33.0f, -32768, 32767);
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 33.0f, -32768, 32767);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -303,7 +303,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_setpoint_from_flo
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -343,7 +343,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_i32_from_float(in
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -422,13 +422,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_to_flo
 {
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
-        *value = (float)raw * 45.0f / 2048.0f;
+        *value = ((float)raw * 45.0f) / 2048.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
-        *value = (float)raw * 45.0f / 4096.0f;
+        *value = ((float)raw * 45.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
-        *value = (float)raw * 45.0f / 8192.0f;
+        *value = ((float)raw * 45.0f) / 8192.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -444,13 +444,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_f
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
-        status = canwright_signed32_from_float(&nearest, value, value * 2048.0f / 45.0f, 0, 65535);
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 45.0f, 0, 65535);
         break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
-        status = canwright_signed32_from_float(&nearest, value, value * 4096.0f / 45.0f, 0, 65535);
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 45.0f, 0, 65535);
         break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
-        status = canwright_signed32_from_float(&nearest, value, value * 8192.0f / 45.0f, 0, 65535);
+        status = canwright_signed32_from_float(&nearest, value, (value * 8192.0f) / 45.0f, 0, 65535);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -541,7 +541,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_bound_from_float(
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_float(&nearest, value, value, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -561,7 +561,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_max_angle_from_float(in
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_float(&nearest, value, value, 0, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -801,10 +801,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_to_doubl
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        *value = (double)raw * 33.0 / 4096.0;
+        *value = ((double)raw * 33.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        *value = (double)raw * 33.0 / 2048.0;
+        *value = ((double)raw * 33.0) / 2048.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -823,10 +823,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_dou
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -2048, 2048);
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 33.0, -2048, 2048);
         break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -2048, 2048);
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 33.0, -2048, 2048);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -848,10 +848,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        *value = (double)raw * 33.0 / 4096.0;
+        *value = ((double)raw * 33.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        *value = (double)raw * 33.0 / 2048.0;
+        *value = ((double)raw * 33.0) / 2048.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -870,10 +870,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -32768, 32767);
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 33.0, -32768, 32767);
         break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -32768, 32767);
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 33.0, -32768, 32767);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -895,10 +895,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_to_double
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        *value = (double)raw * 33.0 / 4096.0;
+        *value = ((double)raw * 33.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        *value = (double)raw * 33.0 / 2048.0;
+        *value = ((double)raw * 33.0) / 2048.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -917,10 +917,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_doub
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 33.0, -32768, 32767);
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 33.0, -32768, 32767);
         break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 33.0, -32768, 32767);
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 33.0, -32768, 32767);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -964,7 +964,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_setpoint_from_dou
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1004,7 +1004,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_i32_from_double(i
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1084,13 +1084,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_to_dou
 {
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
-        *value = (double)raw * 45.0 / 2048.0;
+        *value = ((double)raw * 45.0) / 2048.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
-        *value = (double)raw * 45.0 / 4096.0;
+        *value = ((double)raw * 45.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
-        *value = (double)raw * 45.0 / 8192.0;
+        *value = ((double)raw * 45.0) / 8192.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -1106,13 +1106,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_d
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
-        status = canwright_signed32_from_double(&nearest, value, value * 2048.0 / 45.0, 0, 65535);
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 45.0, 0, 65535);
         break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
-        status = canwright_signed32_from_double(&nearest, value, value * 4096.0 / 45.0, 0, 65535);
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 45.0, 0, 65535);
         break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
-        status = canwright_signed32_from_double(&nearest, value, value * 8192.0 / 45.0, 0, 65535);
+        status = canwright_signed32_from_double(&nearest, value, (value * 8192.0) / 45.0, 0, 65535);
         break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -1203,7 +1203,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_bound_from_double
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_double(&nearest, value, value, INT32_MIN, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1223,7 +1223,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_max_angle_from_double(i
 {
     int32_t nearest;
     canwright_status_t status;
-    status = canwright_signed32_from_double(&nearest, value, value, 0, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }

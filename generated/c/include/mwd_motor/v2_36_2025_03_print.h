@@ -845,124 +845,223 @@ static inline size_t mwd_motor_v2_36_2025_03_print_request(
     char *text, size_t size, const canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     canwright_printer_t printer = {text, size, 0u};
-    mwd_motor_v2_36_2025_03_any_request_t request;
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_decode_request(&request, frame);
+    mwd_motor_v2_36_2025_03_command_t command;
+    uint32_t node;
+    const canwright_status_t status = mwd_motor_v2_36_2025_03_identify_request(&command, &node, frame);
     if (status != CANWRIGHT_OK) {
         canwright_print_rejected(&printer, status, frame);
         return canwright_print_end(&printer);
     }
-    canwright_print_text(&printer, mwd_motor_v2_36_2025_03_command_name(request.command));
+    canwright_print_text(&printer, mwd_motor_v2_36_2025_03_command_name(command));
     canwright_print_text(&printer, " request");
     canwright_print_text(&printer, ", node ");
-    canwright_print_unsigned(&printer, request.node);
-    switch ((int)request.command) {
+    canwright_print_unsigned(&printer, node);
+    switch ((int)command) {
     case MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE:
+    {
+        mwd_motor_v2_36_2025_03_brake_request_t message;
+        mwd_motor_v2_36_2025_03_brake_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_brake_request_show(&printer, &request.as.brake);
+        mwd_motor_v2_36_2025_03_brake_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER:
+    {
+        mwd_motor_v2_36_2025_03_set_power_request_t message;
+        mwd_motor_v2_36_2025_03_set_power_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_set_power_request_show(&printer, &request.as.set_power);
+        mwd_motor_v2_36_2025_03_set_power_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE:
+    {
+        mwd_motor_v2_36_2025_03_set_torque_request_t message;
+        mwd_motor_v2_36_2025_03_set_torque_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_set_torque_request_show(&printer, &request.as.set_torque, parameters);
+        mwd_motor_v2_36_2025_03_set_torque_request_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED:
+    {
+        mwd_motor_v2_36_2025_03_set_speed_request_t message;
+        mwd_motor_v2_36_2025_03_set_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_set_speed_request_show(&printer, &request.as.set_speed, parameters);
+        mwd_motor_v2_36_2025_03_set_speed_request_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE:
+    {
+        mwd_motor_v2_36_2025_03_move_to_angle_request_t message;
+        mwd_motor_v2_36_2025_03_move_to_angle_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_move_to_angle_request_show(&printer, &request.as.move_to_angle);
+        mwd_motor_v2_36_2025_03_move_to_angle_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED:
+    {
+        mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t message;
+        mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_show(&printer, &request.as.move_to_angle_at_speed);
+        mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE:
+    {
+        mwd_motor_v2_36_2025_03_turn_to_angle_request_t message;
+        mwd_motor_v2_36_2025_03_turn_to_angle_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_turn_to_angle_request_show(&printer, &request.as.turn_to_angle);
+        mwd_motor_v2_36_2025_03_turn_to_angle_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED:
+    {
+        mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t message;
+        mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_show(&printer, &request.as.turn_to_angle_at_speed);
+        mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE:
+    {
+        mwd_motor_v2_36_2025_03_move_by_angle_request_t message;
+        mwd_motor_v2_36_2025_03_move_by_angle_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_move_by_angle_request_show(&printer, &request.as.move_by_angle);
+        mwd_motor_v2_36_2025_03_move_by_angle_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
+    {
+        mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t message;
+        mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_show(&printer, &request.as.move_by_angle_at_speed);
+        mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID:
+    {
+        mwd_motor_v2_36_2025_03_pid_gains_t message;
+        mwd_motor_v2_36_2025_03_pid_gains_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_pid_gains_show(&printer, &request.as.set_param_angle_pid);
+        mwd_motor_v2_36_2025_03_pid_gains_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT:
+    {
+        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t message;
+        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_show(&printer,
-            &request.as.set_param_max_torque_current);
+        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED:
+    {
+        mwd_motor_v2_36_2025_03_control_parameters_max_speed_t message;
+        mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_control_parameters_max_speed_show(&printer, &request.as.set_param_max_speed);
+        mwd_motor_v2_36_2025_03_control_parameters_max_speed_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE:
+    {
+        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t message;
+        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_show(&printer, &request.as.set_param_upper_angle);
+        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE:
+    {
+        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t message;
+        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_show(&printer, &request.as.set_param_lower_angle);
+        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP:
+    {
+        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t message;
+        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_show(&printer, &request.as.set_param_speed_ramp);
+        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_driver_id_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_driver_id_show(&printer, &request.as.stage_setting_driver_id);
+        mwd_motor_v2_36_2025_03_stored_settings_driver_id_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_bus_type_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_bus_type_show(&printer, &request.as.stage_setting_bus_type);
+        mwd_motor_v2_36_2025_03_stored_settings_bus_type_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_show(&printer,
-            &request.as.stage_setting_rs485_baud_rate);
+        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_show(&printer, &request.as.stage_setting_can_baud_rate);
+        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_max_power_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_max_power_show(&printer, &request.as.stage_setting_max_power);
+        mwd_motor_v2_36_2025_03_stored_settings_max_power_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_max_speed_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_max_speed_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_max_speed_show(&printer, &request.as.stage_setting_max_speed);
+        mwd_motor_v2_36_2025_03_stored_settings_max_speed_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_max_angle_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_max_angle_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_max_angle_show(&printer, &request.as.stage_setting_max_angle);
+        mwd_motor_v2_36_2025_03_stored_settings_max_angle_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_show(&printer, &request.as.stage_setting_current_ramp);
+        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_show(&printer, &request.as.stage_setting_speed_ramp);
+        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_show(&printer, &message);
         break;
+    }
     default:
         break;
     }
@@ -978,21 +1077,26 @@ static inline size_t mwd_motor_v2_36_2025_03_print_reply(
     char *text, size_t size, const canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     canwright_printer_t printer = {text, size, 0u};
-    mwd_motor_v2_36_2025_03_any_reply_t reply;
-    const canwright_status_t status = mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters);
+    mwd_motor_v2_36_2025_03_command_t command;
+    uint32_t node;
+    canwright_status_t status = mwd_motor_v2_36_2025_03_identify_reply(&command, &node, frame);
     if (status != CANWRIGHT_OK) {
         canwright_print_rejected(&printer, status, frame);
         return canwright_print_end(&printer);
     }
-    canwright_print_text(&printer, mwd_motor_v2_36_2025_03_command_name(reply.command));
+    canwright_print_text(&printer, mwd_motor_v2_36_2025_03_command_name(command));
     canwright_print_text(&printer, " reply");
     canwright_print_text(&printer, ", node ");
-    canwright_print_unsigned(&printer, reply.node);
-    switch ((int)reply.command) {
+    canwright_print_unsigned(&printer, node);
+    switch ((int)command) {
     case MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE:
+    {
+        mwd_motor_v2_36_2025_03_brake_reply_t message;
+        mwd_motor_v2_36_2025_03_brake_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_brake_reply_show(&printer, &reply.as.brake);
+        mwd_motor_v2_36_2025_03_brake_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED:
@@ -1003,9 +1107,18 @@ static inline size_t mwd_motor_v2_36_2025_03_print_reply(
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2:
+    {
+        mwd_motor_v2_36_2025_03_motion_feedback_t message;
+        status = mwd_motor_v2_36_2025_03_motion_feedback_unpack(&message, frame, parameters);
+        if (status != CANWRIGHT_OK) {
+            printer.length = 0u;
+            canwright_print_rejected(&printer, status, frame);
+            break;
+        }
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_motion_feedback_show(&printer, &reply.as.set_power, parameters);
+        mwd_motor_v2_36_2025_03_motion_feedback_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_CURRENT_PID:
@@ -1018,115 +1131,204 @@ static inline size_t mwd_motor_v2_36_2025_03_print_reply(
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID:
+    {
+        mwd_motor_v2_36_2025_03_pid_gains_t message;
+        mwd_motor_v2_36_2025_03_pid_gains_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_pid_gains_show(&printer, &reply.as.read_param_angle_pid);
+        mwd_motor_v2_36_2025_03_pid_gains_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT:
+    {
+        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t message;
+        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_show(&printer,
-            &reply.as.read_param_max_torque_current);
+        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_SPEED:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED:
+    {
+        mwd_motor_v2_36_2025_03_control_parameters_max_speed_t message;
+        mwd_motor_v2_36_2025_03_control_parameters_max_speed_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_control_parameters_max_speed_show(&printer, &reply.as.read_param_max_speed);
+        mwd_motor_v2_36_2025_03_control_parameters_max_speed_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_UPPER_ANGLE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE:
+    {
+        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t message;
+        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_show(&printer, &reply.as.read_param_upper_angle);
+        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_LOWER_ANGLE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE:
+    {
+        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t message;
+        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_show(&printer, &reply.as.read_param_lower_angle);
+        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_RAMP:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP:
+    {
+        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t message;
+        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_show(&printer, &reply.as.read_param_speed_ramp);
+        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER:
+    {
+        mwd_motor_v2_36_2025_03_read_encoder_reply_t message;
+        mwd_motor_v2_36_2025_03_read_encoder_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_read_encoder_reply_show(&printer, &reply.as.read_encoder, parameters);
+        mwd_motor_v2_36_2025_03_read_encoder_reply_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER:
+    {
+        mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t message;
+        mwd_motor_v2_36_2025_03_calibrate_encoder_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_calibrate_encoder_reply_show(&printer, &reply.as.calibrate_encoder);
+        mwd_motor_v2_36_2025_03_calibrate_encoder_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM:
+    {
+        mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t message;
+        mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_show(&printer, &reply.as.write_position_as_zero_rom,
-            parameters);
+        mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE:
+    {
+        mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t message;
+        mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_show(&printer, &reply.as.read_multi_turn_angle);
+        mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE:
+    {
+        mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t message;
+        mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_show(&printer, &reply.as.read_single_turn_angle);
+        mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS:
+    {
+        mwd_motor_v2_36_2025_03_status_1_t message;
+        mwd_motor_v2_36_2025_03_status_1_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_status_1_show(&printer, &reply.as.read_status_1);
+        mwd_motor_v2_36_2025_03_status_1_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3:
+    {
+        mwd_motor_v2_36_2025_03_read_status_3_reply_t message;
+        mwd_motor_v2_36_2025_03_read_status_3_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_read_status_3_reply_show(&printer, &reply.as.read_status_3, parameters);
+        mwd_motor_v2_36_2025_03_read_status_3_reply_show(&printer, &message, parameters);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_driver_id_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_driver_id_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_driver_id_show(&printer, &reply.as.read_setting_driver_id);
+        mwd_motor_v2_36_2025_03_stored_settings_driver_id_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_bus_type_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_bus_type_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_bus_type_show(&printer, &reply.as.read_setting_bus_type);
+        mwd_motor_v2_36_2025_03_stored_settings_bus_type_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_RS485_BAUD_RATE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_show(&printer,
-            &reply.as.read_setting_rs485_baud_rate);
+        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CAN_BAUD_RATE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_show(&printer, &reply.as.read_setting_can_baud_rate);
+        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_POWER:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_max_power_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_max_power_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_max_power_show(&printer, &reply.as.read_setting_max_power);
+        mwd_motor_v2_36_2025_03_stored_settings_max_power_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_SPEED:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_max_speed_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_max_speed_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_max_speed_show(&printer, &reply.as.read_setting_max_speed);
+        mwd_motor_v2_36_2025_03_stored_settings_max_speed_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_ANGLE:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_max_angle_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_max_angle_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_max_angle_show(&printer, &reply.as.read_setting_max_angle);
+        mwd_motor_v2_36_2025_03_stored_settings_max_angle_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_RAMP:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_show(&printer, &reply.as.read_setting_current_ramp);
+        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_RAMP:
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP:
+    {
+        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t message;
+        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_show(&printer, &reply.as.read_setting_speed_ramp);
+        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_show(&printer, &message);
         break;
+    }
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS:
+    {
+        mwd_motor_v2_36_2025_03_save_settings_reply_t message;
+        mwd_motor_v2_36_2025_03_save_settings_reply_unpack(&message, frame);
         canwright_print_character(&printer, ':');
-        mwd_motor_v2_36_2025_03_save_settings_reply_show(&printer, &reply.as.save_settings);
+        mwd_motor_v2_36_2025_03_save_settings_reply_show(&printer, &message);
         break;
+    }
     default:
         break;
     }

@@ -6,21 +6,26 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from jinja2 import Environment
+
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import Output, Specification
-from .bits import operand
+from ..base import PACKAGE_VERSION, Output, Specification
+from .cxx import cxx_example, cxx_view
 from .examples import example
+from .expressions import operand
+from .selftest import has_self_test, self_test
 from .text import arguments, comment, defines, fold, in_comment, paragraph
-from .view import edition_view
+from .view import EditionView, edition_view
 
 RUNTIME = Path(__file__).parent / "runtime"
 """The headers that are the same for every protocol."""
 
-SHARED = ("canwright.h", "canwright_exact.h", "canwright_float.h", "canwright_print.h")
+SHARED = ("canwright.h", "canwright_exact.h", "canwright_float.h", "canwright_print.h", "canwright_selftest.h")
 PARTS = ("", "_float", "_print")
 """The endings of the names of the headers of an edition."""
 
+PACKAGES = ("CMakeLists.txt", "library.json", "library.properties", "README.md", "MISRA.md")
 FILTERS: dict[str, Callable[..., object]] = {
     "arguments": arguments,
     "comment": comment,
@@ -33,15 +38,16 @@ FILTERS: dict[str, Callable[..., object]] = {
 
 
 class FamilyView(NamedTuple):
-    """A family: the headers of its editions, and their examples."""
+    """A family: the headers of its editions, and their examples. `headers` are their lines."""
 
     name: str
+    headers: tuple[str, ...]
     editions: tuple[str, ...]
     examples: tuple[str, ...]
 
 
 def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
-    """Headers, a CMake package, and an example for each edition; nothing without an edition.
+    """Headers, packages for CMake, pkg-config, Arduino and PlatformIO, and examples; nothing without an edition.
 
     Parameters are not fixed; they are arguments of functions.
     """
@@ -49,22 +55,59 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
     views = [(one, edition_view(one.edition)) for one in specifications]
     shown = [(view, example(one, view)) for one, view in views]
     families: list[FamilyView] = []
-    for family in dict.fromkeys(view.family for _, view in views):
-        editions = [view for _, view in views if view.family == family]
-        for file in SHARED:
-            lines = "".join(f"/* {view.header} */\n" for view in editions)
-            yield Output(f"include/{family}/{file}", lines + (RUNTIME / file).read_text("utf-8"))
-        for view in editions:
-            for part in PARTS:
-                text = env.get_template(f"edition{part}.h.j2").render(e=view)
-                yield Output(f"include/{family}/{view.file}{part}.h", fold(text))
-        examples = tuple(x.file for v, x in shown if v.family == family and x.exchanges)
-        families.append(FamilyView(family, tuple(v.file for v in editions), examples))
+    for name in dict.fromkeys(view.family for _, view in views):
+        editions = [view for _, view in views if view.family == name]
+        family = FamilyView(
+            name=name,
+            headers=tuple(view.header for view in editions),
+            editions=tuple(view.file for view in editions),
+            examples=tuple(x.file for view, x in shown if view.family == name and x.exchanges),
+        )
+        families.append(family)
+        yield from _headers(env, family, [(one, view) for one, view in views if view.family == name])
+    has_examples = any(x.exchanges for _, x in shown)
+    env.globals.update(
+        headers=[view.header for _, view in views],
+        families=families,
+        has_examples=has_examples,
+        tested=[view.file for one, view in views if has_self_test(one)],
+        version=PACKAGE_VERSION,
+        library="_".join(family.name for family in families),
+    )
     for view, x in shown:
         if x.exchanges:
             yield Output(f"examples/{x.file}.c", fold(env.get_template("examples/example.c.j2").render(e=view, x=x)))
-    has_examples = any(x.exchanges for _, x in shown)
-    env.globals.update(headers=[view.header for _, view in views], families=families, has_examples=has_examples)
-    for file in ("CMakeLists.txt", *(["examples/CMakeLists.txt"] * has_examples), "README.md") if shown else ():
+            sketch = f"examples/{x.file}_sketch"
+            text = fold(env.get_template("examples/sketch.ino.j2").render(e=view, x=x))
+            yield Output(f"{sketch}/{x.file}_sketch.ino", text)
+            yield Output(f"{sketch}/platformio.ini", env.get_template("examples/platformio.ini.j2").render(e=view))
+    for family in families:
+        yield Output(f"share/pkgconfig/{family.name}.pc", env.get_template("package.pc.j2").render(family=family))
+    files = (*PACKAGES, *(["examples/CMakeLists.txt"] * has_examples))
+    for file in files if shown else ():
         e, x = shown[0]
-        yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x))
+        cxx = cxx_view(views[0][0].edition, e)
+        y = cxx_example(cxx, x.exchanges[0]) if x.exchanges else None
+        yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x, cxx=cxx, y=y))
+
+
+def _headers(
+    env: Environment, family: FamilyView, editions: Sequence[tuple[Specification, EditionView]]
+) -> Iterator[Output]:
+    """The headers of a family, and those through which Arduino finds them."""
+    lines = "".join(f"/* {line} */\n" for line in family.headers)
+    files = {file: lines + (RUNTIME / file).read_text("utf-8") for file in SHARED}
+    for one, view in editions:
+        for part in PARTS:
+            files[f"{view.file}{part}.h"] = fold(env.get_template(f"edition{part}.h.j2").render(e=view))
+        files[f"{view.file}.hpp"] = fold(
+            env.get_template("edition.hpp.j2").render(e=view, x=cxx_view(one.edition, view))
+        )
+        if has_self_test(one):
+            test = self_test(one, view)
+            files[f"{view.file}_selftest.h"] = fold(env.get_template("edition_selftest.h.j2").render(e=view, t=test))
+    for file, text in files.items():
+        yield Output(f"include/{family.name}/{file}", text)
+        forward = env.get_template("src/forward.h.j2").render(family=family, file=file)
+        yield Output(f"src/{family.name}/{file}", forward)
+    yield Output(f"src/{family.name}.h", env.get_template("src/family.h.j2").render(family=family))

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from ...model.layout import Field, Segment, Space
 from ...model.message import BitRun, Key
 from ...model.types import Encoding
+from .expressions import joined, operand
 from .numbers import Integer, integer, smallest, working
 
 
@@ -19,7 +20,7 @@ def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") 
         wide = 32 if field.type.width <= 32 else 64
         signed = f"canwright_signed{wide}({read}, {field.type.width}u)"
         return signed if kind.width == wide else f"({kind.name}){signed}"
-    if kind.width == working(field.type.width).width or _is_byte(field.space, segments):
+    if kind.width == working(field.type.width).width or is_byte(field.space, segments):
         return read
     return f"({kind.name})({read})"
 
@@ -33,10 +34,8 @@ def constant_differs(field: Field, frame: str = "frame") -> str:
     """The condition for a frame with another value of a constant field."""
     value = (field.fixed or 0) & ((1 << field.type.width) - 1)
     kind = _shown(field.type.width, field.elements[0].segments)
-    return " || ".join(
-        f"{operand(_read(field.space, e.segments, field.type.width, frame))} != {kind.bits(value)}"
-        for e in field.elements
-    )
+    reads = (operand(_read(field.space, e.segments, field.type.width, frame)) for e in field.elements)
+    return joined("||", [f"{read} != {kind.bits(value)}" for read in reads])
 
 
 def labels(key: BitRun, values: Iterable[int]) -> list[str]:
@@ -89,7 +88,7 @@ def write_fields(fields: Sequence[Field], members: Mapping[str, str], shared: It
         before = [f"frame->data[{byte}]"] if byte in shared else []
         constant = [f"0x{fixed[byte]:02X}u"] if byte in fixed else []
         every = [*before, *terms.get(byte, []), *constant]
-        yield Write(byte, f"(uint8_t)({' | '.join(every)})" if len(every) > 1 or byte in partial else every[0])
+        yield Write(byte, f"(uint8_t)({joined('|', every)})" if len(every) > 1 or byte in partial else every[0])
 
 
 def _id_bits(field: Field, members: Mapping[str, str], number: int, s: Segment) -> str:
@@ -134,9 +133,12 @@ def _read(space: Space, segments: Sequence[Segment], width: int, frame: str) -> 
         return _term(space, segments[0], frame)
     wide = working(width)
     terms = [operand(_term(space, s, frame)) for s in segments]
-    return " | ".join(
-        f"(({wide.name}){term} << {s.raw_low})" if s.raw_low else f"({wide.name}){term}"
-        for s, term in zip(segments, terms, strict=True)
+    return joined(
+        "|",
+        [
+            f"({wide.name}){term} << {s.raw_low}" if s.raw_low else f"({wide.name}){term}"
+            for s, term in zip(segments, terms, strict=True)
+        ],
     )
 
 
@@ -148,15 +150,11 @@ def _term(space: Space, s: Segment, frame: str) -> str:
     return f"{shifted} & 0x{(1 << s.width) - 1:X}u"
 
 
-def _is_byte(space: Space, segments: Sequence[Segment]) -> bool:
+def is_byte(space: Space, segments: Sequence[Segment]) -> bool:
+    """True for the bits of a whole data byte."""
     return space is Space.DATA and len(segments) == 1 and segments[0].width == 8
 
 
 def _shown(width: int, segments: Sequence[Segment]) -> Integer:
     """The integer type of a literal: a byte for a whole byte."""
     return smallest(width, False) if len(segments) == 1 and width <= 16 else working(width)
-
-
-def operand(expression: str) -> str:
-    """An expression in parentheses if it has operators."""
-    return f"({expression})" if " " in expression else expression

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice, choose, parameter_access
+from .expressions import joined, operand
 from .names import Names
 from .numbers import INT64, Integer, common, integer
 from .ratios import RatioMilli
@@ -188,10 +189,11 @@ def _of_number(linear: Linear) -> RatioMilli:
 
 
 def _to_milli(m: _Milli, kind: Integer, raw: Integer, ends: tuple[int, int]) -> str:
-    wide = common(*ends, *itertools.chain.from_iterable(m.steps_from(end) for end in ends)) or INT64
+    narrow = common(*ends, *itertools.chain.from_iterable(m.steps_from(end) for end in ends))
+    wide = kind if kind == INT64 or narrow is None else narrow
     source = _cast(wide, raw, "raw")
     product = source if m.factor == 1 else f"{source} * {wide.literal(m.factor)}"
-    return _quotient(product + _added(wide, m.addend), wide, m.divisor, kind)
+    return _quotient(_sum(product, wide, m.addend), wide, m.divisor, kind)
 
 
 def _from_milli(m: _Milli, kind: Integer, type_: Type) -> Formula:
@@ -202,7 +204,7 @@ def _from_milli(m: _Milli, kind: Integer, type_: Type) -> Formula:
     source = _cast(wide, kind, "milli")
     factor, divisor, addend = (m.factor, m.divisor, -m.addend) if m.factor > 0 else (-m.factor, -m.divisor, m.addend)
     product = source if divisor == 1 else f"{source} * {wide.literal(divisor)}"
-    quotient = _quotient(product + _added(wide, addend), wide, factor, integer(type_))
+    quotient = _quotient(_sum(product, wide, addend), wide, factor, integer(type_))
     return Formula(number=quotient, out_of_range=_beyond(kind, "milli", low, high))
 
 
@@ -214,8 +216,8 @@ def _quotient(dividend: str, wide: Integer, divisor: int, kind: Integer) -> str:
     return f"({kind.name})({quotient})" if plain else f"({kind.name}){quotient}"
 
 
-def _added(wide: Integer, addend: int) -> str:
-    return f" {'+' if addend > 0 else '-'} {wide.literal(abs(addend))}" if addend else ""
+def _sum(product: str, wide: Integer, addend: int) -> str:
+    return f"{operand(product)} {'+' if addend > 0 else '-'} {wide.literal(abs(addend))}" if addend else product
 
 
 def _cast(wide: Integer, kind: Integer, name: str) -> str:
@@ -227,4 +229,4 @@ def _beyond(kind: Integer, name: str, low: int, high: int) -> str:
     least, most = kind.limits
     ends = [f"{name} < {kind.literal(low)}"] if low > least else []
     ends += [f"{name} > {kind.literal(high)}"] if high < most else []
-    return " || ".join(ends)
+    return joined("||", ends) if ends else ""

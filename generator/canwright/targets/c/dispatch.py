@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import itertools
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...model.edition import Edition
+from ...model.layout import Layout
 from ...model.message import BitRun, Command, Direction, Message
 from ...semantics import dispatch
 from ...semantics.dispatch import dispatch_plan
 from . import bits
+from .choices import ENUM_MAX
+from .expressions import joined, operand
 from .messages import Messages, RuleView, frame_id
 from .names import Names
 from .patterns import address_mask
@@ -19,11 +24,22 @@ class RejectView(NamedTuple):
     status: str
 
 
+class UnpackView(NamedTuple):
+    """The call that reads the fields of a frame; `fails` is true if it returns a status."""
+
+    call: str
+    fails: bool
+
+
 class MatchView(NamedTuple):
-    """A command; `other_constant` is the condition for a frame with other constants, empty without constants."""
+    """A command, or a run of commands that differ only in the number, which the expression `command` reads.
+
+    `other_constant` is the condition for a frame with other constants, empty without constants.
+    """
 
     command: str
     other_constant: str
+    unpack: UnpackView | None
 
 
 class GuardView(NamedTuple):
@@ -57,6 +73,10 @@ class RouteView(NamedTuple):
     """Bits of the id that are 0 here and that frames of the other kind (remote or not) use; empty without any."""
     then: NodeView
 
+    def only_kind(self, condition: str) -> str:
+        """A condition, and that the frame is of this kind."""
+        return joined("&&", [condition, *([f"(frame->id & {self.other_kind}) == 0u"] if self.other_kind else [])])
+
 
 class AnswerView(NamedTuple):
     """Commands with the same reply conditions: `reply` answers a request if all `conditions` are true."""
@@ -66,10 +86,28 @@ class AnswerView(NamedTuple):
     uses_from: bool
     """True if the conditions read the node that replies."""
 
+    @property
+    def condition(self) -> str:
+        return joined("&&", self.conditions)
 
-def routes(names: Names, edition: Edition, views: Messages, direction: Direction) -> list[RouteView]:
-    """The routes of the dispatch plan, in the order in which they are tried."""
-    printer = _Printer(names, views)
+
+def command_numbers(edition: Edition) -> Mapping[str, int]:
+    """The number of each command: its code if no other command has it, else a free number of at least two bytes.
+
+    With the code as number, one statement is enough for all codes whose messages are read in the same way.
+    """
+    times = Counter(command.code for command in edition.commands)
+    codes = {c.name: c.code for c in edition.commands if c.code and times[c.code] == 1 and c.code <= ENUM_MAX}
+    taken = set(codes.values())
+    free = (number for number in itertools.count(0x100) if number not in taken)
+    return {command.name: codes.get(command.name) or next(free) for command in edition.commands}
+
+
+def routes(
+    names: Names, edition: Edition, views: Messages, direction: Direction, unpack: Mapping[Layout, UnpackView]
+) -> list[RouteView]:
+    """The routes of the dispatch plan, in the order in which they are tried; `unpack` is what follows a match."""
+    printer = _Printer(names, edition, views, unpack)
     return [
         _route(edition, views, direction, route, printer.node(route.then))
         for route in dispatch_plan(edition.messages(direction)).routes
@@ -90,20 +128,40 @@ def _route(edition: Edition, views: Messages, direction: Direction, route: dispa
 class _Printer:
     """The nodes of a dispatch plan in C."""
 
-    def __init__(self, names: Names, views: Messages) -> None:
-        self._names, self._views = names, views
+    def __init__(self, names: Names, edition: Edition, views: Messages, unpack: Mapping[Layout, UnpackView]) -> None:
+        self._names, self._views, self._unpack = names, views, unpack
+        self._numbers = command_numbers(edition)
+        self._type = names.lower("command_t")
 
     def node(self, node: dispatch.Node) -> NodeView:
         if isinstance(node, dispatch.Reject):
             return RejectView(node.reason.name)
         if isinstance(node, dispatch.Match):
-            command = self._names.command(node.message.command)
-            return MatchView(command, self._views.message(node.message).other_constant)
+            return self._match(node.message, self._names.command(node.message.command))
         if isinstance(node.otherwise, dispatch.Reject) and len(node.cases) == 1:
             condition = _differs(node.subject, node.cases[0].values)
             return GuardView(condition, node.otherwise.reason.name, self.node(node.cases[0].then))
-        cases = (CaseView(_labels(node.subject, case.values), self.node(case.then)) for case in node.cases)
-        return SwitchView(_read(node.subject), tuple(cases), self.node(node.otherwise))
+        return SwitchView(_read(node.subject), tuple(self._cases(node)), self.node(node.otherwise))
+
+    def _match(self, message: Message, command: str) -> MatchView:
+        constant = self._views.message(message).other_constant
+        return MatchView(command, constant, self._unpack.get(message.layout))
+
+    def _cases(self, node: dispatch.Select) -> Iterator[CaseView]:
+        """The cases; those that differ only in the command, whose number is that of the case, become one."""
+        number = f"({self._type}){_read(node.subject)}"
+        is_byte = isinstance(node.subject, BitRun) and bits.is_byte(node.subject.space, node.subject.segments)
+        groups: dict[MatchView | tuple[int, ...], list[dispatch.Case]] = {}
+        for case in node.cases:
+            then = case.then
+            key: MatchView | tuple[int, ...] = case.values
+            if is_byte and isinstance(then, dispatch.Match) and key == (self._numbers[then.message.command],):
+                key = self._match(then.message, number)
+            groups.setdefault(key, []).append(case)
+        for key, cases in groups.items():
+            values = [value for case in cases for value in case.values]
+            then_ = key if isinstance(key, MatchView) and len(cases) > 1 else self.node(cases[0].then)
+            yield CaseView(_labels(node.subject, values), then_)
 
 
 def _read(subject: dispatch.Subject) -> str:
@@ -120,8 +178,8 @@ def _labels(subject: dispatch.Subject, values: Sequence[int]) -> tuple[str, ...]
 
 def _differs(subject: dispatch.Subject, values: Sequence[int]) -> str:
     """The condition for a subject with none of the values."""
-    read = bits.operand(_read(subject))
-    return " && ".join(f"{read} != {label}" for label in _labels(subject, values))
+    read = operand(_read(subject))
+    return joined("&&", [f"{read} != {label}" for label in _labels(subject, values)])
 
 
 def answers(names: Names, edition: Edition, views: Messages) -> list[AnswerView]:
@@ -144,7 +202,7 @@ def _answer(views: Messages, command: Command, request: Message, reply: Message)
             f"{message.pattern.name}_match({node}{', '.join(('reply', f'{message.dlc}u', *codes))}) == CANWRIGHT_OK"
             for codes in _answering_codes(request, reply, message.codes)
         ]
-        yield f"({' || '.join(calls)})" if len(calls) > 1 else calls[0]
+        yield joined("||", calls)
     elif rule.has_nodes:
         yield f"{rule.node_function}(&from, {frame_id(reply, 'reply')}) == CANWRIGHT_OK"
     else:
@@ -163,12 +221,12 @@ def _node_fields(command: Command, request: Message, reply: Message) -> Iterator
     asked, reported = request.node_bits, reply.node_bits
     if reported is not None and command.from_each:
         nodes = sorted({node & (1 << reported.width) - 1 for node in command.from_each})
-        yield _one_of(bits.operand(bits.key_value(reported, "reply")), nodes)
+        yield _one_of(operand(bits.key_value(reported, "reply")), nodes)
     if command.from_each or (asked is None and (reported is None or request.id.nodes is None)):
         return
-    sent_to = "to" if asked is None else bits.operand(bits.key_value(asked, "request"))
+    sent_to = "to" if asked is None else operand(bits.key_value(asked, "request"))
     sources = ["from"] if reply.id.nodes is not None and asked is not None else []
-    for source in [*sources, *([bits.operand(bits.key_value(reported, "reply"))] if reported else [])]:
+    for source in [*sources, *([operand(bits.key_value(reported, "reply"))] if reported else [])]:
         width = min(key.width for key in (asked, None if source == "from" else reported) if key is not None)
         sides = (
             side if key is not None and key.width == width else f"({side} & 0x{(1 << width) - 1:X}u)"
@@ -182,12 +240,12 @@ def _answering_codes(
 ) -> tuple[tuple[str, ...], ...]:
     """The codes of a reply; if the request has the same, the expressions that read them, equal for all commands."""
     if request.keys == reply.keys and not reply.accept:
-        return (tuple(bits.operand(bits.key_value(key, "request")) for key in request.keys),)
+        return (tuple(operand(bits.key_value(key, "request")) for key in request.keys),)
     return codes
 
 
 def _one_of(name: str, numbers: Sequence[int]) -> str:
     if list(numbers) == list(range(numbers[0], numbers[-1] + 1)):
         low = [f"{name} >= {numbers[0]}u"] if numbers[0] else []
-        return " && ".join([*low, f"{name} <= {numbers[-1]}u"])
-    return "(" + " || ".join(f"{name} == {n}u" for n in numbers) + ")"
+        return joined("&&", [*low, f"{name} <= {numbers[-1]}u"])
+    return joined("||", [f"{name} == {n}u" for n in numbers])

@@ -32,10 +32,14 @@ class ShownView(NamedTuple):
 
 
 class SideView(NamedTuple):
-    """One direction of a command: the values to send, and how received fields are printed."""
+    """One direction of a command: the values to send, and how received fields are printed.
+
+    `values` are designated initializers, `assignments` are the same values for languages without them.
+    """
 
     frame: FrameView
     values: tuple[str, ...]
+    assignments: tuple[str, ...]
     shown: tuple[ShownView, ...]
 
 
@@ -167,7 +171,12 @@ class _Example:
         variant = message.layout.variant(self._known)
         fields = [f for f in variant.fields if f.fixed is None] if variant else []
         values = [f".{member(f.name)} = {_initializer(f, raw.get(f.name, 0))}" for f in fields]
-        return SideView(self._frames[self._names.lower(message.name)], tuple(values), tuple(self._shown(fields)))
+        return SideView(
+            frame=self._frames[self._names.lower(message.name)],
+            values=tuple(values),
+            assignments=tuple(text for f in fields for text in _assignments(f, raw.get(f.name, 0))),
+            shown=tuple(self._shown(fields)),
+        )
 
     def _shown(self, fields: list[Field]) -> Iterator[ShownView]:
         for field in fields:
@@ -191,3 +200,11 @@ def _initializer(field: Field, raw: int | list[int]) -> str:
     if isinstance(raw, list):
         return "{" + ", ".join(kind.literal(number) for number in raw) + "}"
     return kind.literal(raw)
+
+
+def _assignments(field: Field, raw: int | list[int]) -> Iterator[str]:
+    kind = integer(field.type)
+    if isinstance(raw, list):
+        yield from (f".{member(field.name)}[{i}] = {kind.literal(number)}" for i, number in enumerate(raw))
+    else:
+        yield f".{member(field.name)} = {kind.literal(raw)}"

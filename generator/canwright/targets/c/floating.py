@@ -9,6 +9,7 @@ from typing import NamedTuple
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice, choose
 from .conversions import MISSING_PARAMETER, NO_SCALE, ConversionView, Formula, ratio
+from .expressions import joined, operand
 from .names import Names
 from .numbers import INT64, UINT64, Integer, common, integer
 from .ratios import ABOVE, BELOW
@@ -93,7 +94,7 @@ def _value(linear: Linear, type_: Type, format_: Format) -> str:
         dividend = _dividend(raw, factor, addend, format_.literal)
         if divisor == 1:
             return dividend
-        return (f"({dividend})" if addend or factor < 0 else dividend) + f" / {format_.literal(divisor)}"
+        return f"{operand(dividend)} / {format_.literal(divisor)}"
     return integral or _scaled(raw, linear, format_)
 
 
@@ -101,16 +102,16 @@ def _scaled(raw: str, linear: Linear, format_: Format) -> str:
     """The value of a number with factor, divisor and offset of the scale, each rounded."""
     above, below = linear.scale.numerator, linear.scale.denominator
     scaled = raw + (f" * {format_.literal(above)}" if above != 1 else "")
-    scaled += f" / {format_.literal(below)}" if below != 1 else ""
-    return scaled + (f" + {format_.literal(linear.offset)}" if linear.offset else "")
+    scaled = f"{operand(scaled)} / {format_.literal(below)}" if below != 1 else scaled
+    return f"{operand(scaled)} + {format_.literal(linear.offset)}" if linear.offset else scaled
 
 
 def _dividend(raw: str, factor: int, addend: int, literal: Callable[[int], str]) -> str:
     """`raw * factor + addend`. A raw integer of 0 without an addend is 0, never -0."""
     product = raw + (f" * {literal(abs(factor))}" if abs(factor) != 1 else "")
     if factor < 0:
-        return f"{literal(addend)} - {product}"
-    return product + (f" {'+' if addend > 0 else '-'} {literal(abs(addend))}" if addend else "")
+        return f"{literal(addend)} - {operand(product)}"
+    return f"{operand(product)} {'+' if addend > 0 else '-'} {literal(abs(addend))}" if addend else product
 
 
 def _integral(linear: Linear, type_: Type) -> str | None:
@@ -133,7 +134,7 @@ def _integral(linear: Linear, type_: Type) -> str | None:
         exact = f"(double)({dividend})" if divisor == 1 else f"{divided}({dividend}, {UINT64.literal(divisor)})"
     else:
         number = ratio(linear)
-        product = f"({dividend}) * {'' if kind.signed else '(uint64_t)'}{number}.numerator"
+        product = f"{operand(dividend)} * {'' if kind.signed else '(uint64_t)'}{number}.numerator"
         exact = f"{divided}({product}, {UINT64.literal(divisor)} * {number}.denominator)"
     ends = [f"raw >= {integer(type_).literal(low)}"] if low > type_.raw_limits[0] else []
     ends += [f"raw <= {integer(type_).literal(high)}"] if high < type_.raw_limits[1] else []
@@ -143,7 +144,7 @@ def _integral(linear: Linear, type_: Type) -> str | None:
     if linear.times is not None:
         dividend = _dividend("(double)raw", factor, addend, DOUBLE.literal)
         rough = f"canwright_multiple_double(&{ratio(linear)}, {dividend}, {DOUBLE.literal(divisor)})"
-    return f"{' && '.join(ends)} ? {exact} : {rough}"
+    return f"({joined('&&', ends)}) ? {exact} : {operand(rough)}"
 
 
 def _toward_zero(dividend: int, divisor: int) -> int:
@@ -157,8 +158,8 @@ def _nearest(linear: Linear, type_: Type, format_: Format) -> str:
     steps = "value" if linear.times is None else f"canwright_share_{format_.name}(value, &{ratio(linear)})"
     steps = f"({steps} - {format_.literal(offset)})" if offset > 0 else steps
     steps = f"({steps} + {format_.literal(-offset)})" if offset < 0 else steps
-    steps += f" * {format_.literal(scale.denominator)}" if scale.denominator != 1 else ""
-    steps += f" / {format_.literal(scale.numerator)}" if scale.numerator != 1 else ""
+    steps = f"{operand(steps)} * {format_.literal(scale.denominator)}" if scale.denominator != 1 else steps
+    steps = f"{operand(steps)} / {format_.literal(scale.numerator)}" if scale.numerator != 1 else steps
     if type_.encoding is Encoding.FLOAT:
         return f"canwright_bits{type_.width}_from_{format_.name}(&nearest, value, {steps})"
     wide = _wide(type_)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from ...model.edition import Edition
 from ...model.message import Address, Direction, IdRule, Key, Message
 from . import bits
+from .expressions import joined, operand
 from .filters import address_filter
 from .names import Names
 from .numbers import working
@@ -79,7 +80,7 @@ class PatternView(NamedTuple):
     @property
     def same_codes(self) -> str:
         """The condition for a frame that has the codes."""
-        return " && ".join(f"{code.read} == {code.name}" for code in self.codes)
+        return joined("&&", [f"{code.read} == {code.name}" for code in self.codes])
 
 
 class AddressView(NamedTuple):
@@ -139,7 +140,7 @@ class Messages:
             pattern=pattern,
             dlc=message.dlc,
             codes=tuple(_codes(message)),
-            other_constant=" || ".join(bits.constant_differs(f) for f in constants),
+            other_constant=joined("||", [bits.constant_differs(f) for f in constants]) if constants else "",
         )
 
     def _view(self, pattern: Pattern, name: tuple[str, ...], message: Message) -> PatternView:
@@ -247,7 +248,7 @@ def _code(key: Key, index: int) -> CodeView:
     return CodeView(
         kind=working(key.width).name,
         name=name,
-        read=bits.operand(bits.key_value(key)),
+        read=operand(bits.key_value(key)),
         writes=tuple(bits.write_key(key, name)),
     )
 
@@ -257,4 +258,4 @@ def _node_unknown(rule: IdRule) -> str:
     if rule.nodes is None:
         return ""
     low = [f"node < {rule.nodes[0]}u"] if rule.nodes[0] else []
-    return " || ".join([*low, f"node > {rule.nodes[-1]}u"])
+    return joined("||", [*low, f"node > {rule.nodes[-1]}u"])

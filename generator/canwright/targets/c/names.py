@@ -37,7 +37,7 @@ TYPE_ENDINGS = (
     *("_to_milli", "_from_milli", "_to_float", "_from_float", "_to_double", "_from_double"),
 )
 SCALE_MACROS = ("UNIT", "SCALE_NUM", "SCALE_DEN", "OFFSET_NUM", "OFFSET_DEN")
-LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack", "_show")
+LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack", "_show", "_matches")
 MESSAGE_ENDINGS = ("_encode", "_decode")
 ADDRESS_ENDINGS = (
     *("_request_id", "_request_node", "_request_filter"),
@@ -66,6 +66,7 @@ EDITION_NAMES = (
     ),
     *("check_reply", "H", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
     *("SPEC", "SPEC_HASH", "EDITION", "REPLY_WITHIN_US", "PRINT_H", "print_request", "print_reply"),
+    *("selftest", "selftest_message", "selftest_t", "SELFTEST_H", "HPP"),
 )
 
 
@@ -88,7 +89,7 @@ class Names:
         return self.upper("command", self.short(command))
 
     def short(self, name: str) -> str:
-        """The name of a command or a message, with the short name of the command if it has one."""
+        """The short form of the name of a command or a message, if it has one."""
         return self._short.get(name, name)
 
     def type_stem(self, type_: Type) -> str:
@@ -164,14 +165,7 @@ def _long_names(edition: Edition) -> Iterator[NameProblem]:
         if other != name and path not in reported:
             reported.add(path)
             text = f"the first {SIGNIFICANT} characters of `{name}` in C ({what}) are those of `{other}`"
-            item = "give the command a `short_name`" if path[:1] == ("commands",) else "rename it"
-            yield NameProblem(path, text, f"{item}: {_excess(name, other)} characters less before they differ")
-
-
-def _excess(name: str, other: str) -> int:
-    """How many characters too late two names differ."""
-    same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(name, other, strict=False))
-    return len(list(same)) - SIGNIFICANT + 1
+            yield NameProblem(path, text, "use a shorter name, or `short_name` for a command")
 
 
 def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:

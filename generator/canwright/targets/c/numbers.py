@@ -35,13 +35,17 @@ class Integer(NamedTuple):
     def literal(self, number: int) -> str:
         """A number of this type, the same on every platform."""
         if not self.signed:
-            return f"UINT64_C({number})" if self.width == 64 else f"{number}u"
-        return f"INT{self.width}_MIN" if number == self.limits[0] and self.width >= 32 else str(number)
+            return self._unsigned(str(number), number)
+        ends = dict(zip(self.limits, (f"INT{self.width}_MIN", f"INT{self.width}_MAX"), strict=True))
+        return ends.get(number, str(number)) if self.width >= 32 else str(number)
 
     def bits(self, number: int) -> str:
         """Bits of this type, in hexadecimal."""
-        digits = f"0x{number:0{self.width // 4}X}"
-        return f"UINT64_C({digits})" if self.width == 64 else f"{digits}u"
+        return self._unsigned(f"0x{number:0{self.width // 4}X}", number)
+
+    def _unsigned(self, digits: str, number: int) -> str:
+        """The suffix is enough for a number that needs 64 bits."""
+        return f"UINT64_C({digits})" if self.width == 64 and number < 1 << 32 else f"{digits}u"
 
 
 INT32 = Integer(32, True)

@@ -10,6 +10,7 @@ from fractions import Fraction
 
 from ...model.types import Linear
 from .choices import parameter_access
+from .expressions import operand
 from .numbers import INT64
 
 ABOVE, BELOW = 1 << 31, 1 << 32
@@ -38,8 +39,9 @@ class RatioMilli:
     def number(self, raw: str) -> str:
         """The expression of the thousandths of a 64-bit raw integer."""
         product = raw if self._factor == 1 else f"{raw} * {self._factor}"
-        added = f" {'+' if self._addend > 0 else '-'} {abs(self._addend)}" if self._addend else ""
-        return f"canwright_multiple64(&{self._ratio}, {product}{added}, {self._divisor})"
+        if self._addend:
+            product = f"{operand(product)} {'+' if self._addend > 0 else '-'} {abs(self._addend)}"
+        return f"canwright_multiple64(&{self._ratio}, {product}, {self._divisor})"
 
     def share_arguments(self, limits: tuple[int, int]) -> str:
         """The arguments of `canwright_share64` after ratio and thousandths; raw integers are within `limits`."""

@@ -13,6 +13,7 @@ from ...model.edition import Edition
 from ...model.types import Bound, Dependent, Encoding, Linear, Member, Range, Type
 from ..base import NameProblem
 from .choices import Choice, choose, parameter_access
+from .expressions import joined
 from .names import Names
 from .numbers import INT64, UINT64, Integer, integer
 
@@ -45,8 +46,10 @@ def _condition(type_: Type, limits: Range | None) -> Condition:
     every = _float_conditions(type_, limits) if type_.encoding is Encoding.FLOAT else _conditions(type_, limits)
     if not every:
         return ALWAYS
-    terms = [f"({' || '.join(some)})" if len(some) > 1 and len(every) > 1 else " || ".join(some) for some in every]
-    return Condition(" && ".join(terms), uses_parameters=limits is not None and not limits.is_constant)
+    return Condition(
+        joined("&&", [joined("||", some) for some in every]),
+        uses_parameters=limits is not None and not limits.is_constant,
+    )
 
 
 Alternatives = tuple[str, ...]
@@ -132,10 +135,8 @@ def _among(kind: Integer, members: Sequence[Member]) -> Alternatives:
         ends = _between(kind, run[0], run[-1])
         if len(run) == 1:
             terms.append(f"raw == {kind.literal(run[0])}")
-        elif len(ends) > 1 and len(runs) > 1:
-            terms.append(f"({' && '.join(ends)})")
         else:
-            terms.append(" && ".join(ends) or "true")
+            terms.append(joined("&&", ends or ["true"]))
     return tuple(terms)
 
 
@@ -152,9 +153,9 @@ def _dependent(kind: Integer, bound: Bound, is_low: bool) -> Alternatives:
     if kind != UINT64:
         within = f"(int64_t)raw {sign} {limit}" if kind != INT64 else f"raw {sign} {limit}"
     elif is_low:
-        within = f"(raw > (uint64_t)INT64_MAX || (int64_t)raw >= {limit})"
+        within = joined("||", ["raw > (uint64_t)INT64_MAX", f"(int64_t)raw >= {limit}"])
     else:
-        within = f"(raw <= (uint64_t)INT64_MAX && (int64_t)raw <= {limit})"
+        within = joined("&&", ["raw <= (uint64_t)INT64_MAX", f"(int64_t)raw <= {limit}"])
     return f"{ratio}.denominator == 0u", within
 
 

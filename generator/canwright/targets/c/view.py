@@ -15,7 +15,8 @@ from ..base import header
 from .choices import ParameterView, parameter_access, parameters
 from .comments import errata
 from .conversions import ConversionView
-from .dispatch import AnswerView, RouteView, answers, routes
+from .dispatch import AnswerView, RouteView, UnpackView, answers, command_numbers, routes
+from .expressions import joined
 from .layouts import LayoutView, fields_named, layout_view
 from .messages import AddressView, Messages, MessageView, addresses
 from .names import Names, layouts, member
@@ -69,6 +70,7 @@ class FrameView(NamedTuple):
 class CommandView(NamedTuple):
     name: str
     enumerator: str
+    number: str
     heading: str
     doc: tuple[str, ...]
     code: MacroView | None
@@ -113,7 +115,8 @@ class DirectionView(NamedTuple):
     """Any message of one direction. `without_node` are the commands whose id contains no node."""
 
     word: str
-    routes: tuple[RouteView, ...]
+    identify: tuple[RouteView, ...]
+    decode: tuple[RouteView, ...]
     contents: tuple[ContentsView, ...]
     without_node: tuple[str, ...]
 
@@ -133,7 +136,7 @@ class DirectionView(NamedTuple):
 
     @property
     def has_nodes(self) -> bool:
-        return any(route.rule.has_nodes for route in self.routes)
+        return any(route.rule.has_nodes for route in self.decode)
 
     @property
     def show_parameters(self) -> bool:
@@ -213,6 +216,7 @@ def edition_view(edition: Edition) -> EditionView:
     names = Names(edition)
     used = layouts(edition)
     messages = Messages(names, edition)
+    numbers = command_numbers(edition)
     types_ = {view.name: view for view in types(names, edition)}
     views = {layout: layout_view(names, edition, layout, types_) for layout in used}
     return EditionView(
@@ -230,7 +234,9 @@ def edition_view(edition: Edition) -> EditionView:
         types=tuple(types_.values()),
         fields=tuple((names.upper("field", name), name) for name in fields_named(used)),
         layouts=tuple(views[layout] for layout in used if layout.shared),
-        commands=tuple(_command(names, edition, messages, command, views) for command in edition.commands),
+        commands=tuple(
+            _command(names, edition, messages, command, numbers[command.name], views) for command in edition.commands
+        ),
         effects=tuple(_effects(names, edition)),
         command_effects=tuple(_command_effects(names, edition)),
         availability=tuple(_availability(names, edition)),
@@ -257,7 +263,12 @@ def _facts(names: Names, edition: Edition) -> Iterator[MacroView]:
 
 
 def _command(
-    names: Names, edition: Edition, message_views: Messages, command: Command, views: Mapping[Layout, LayoutView]
+    names: Names,
+    edition: Edition,
+    message_views: Messages,
+    command: Command,
+    number: int,
+    views: Mapping[Layout, LayoutView],
 ) -> CommandView:
     messages = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
     code = None
@@ -282,6 +293,7 @@ def _command(
     return CommandView(
         name=command.name,
         enumerator=names.command(command.name),
+        number=f"0x{number:02X}",
         heading=english(command.title) + (f" ({command.manual})" if command.manual else ""),
         doc=tuple(_command_doc(edition, command)),
         code=code,
@@ -351,7 +363,7 @@ def _availability(names: Names, edition: Edition) -> list[AvailabilityView]:
                 if value.name not in values
             ]
             if lacking:
-                grouped.setdefault(" && ".join(lacking), []).append(names.command(command.name))
+                grouped.setdefault(joined("&&", lacking), []).append(names.command(command.name))
     return [AvailabilityView(tuple(commands), condition) for condition, commands in grouped.items()]
 
 
@@ -364,9 +376,19 @@ def _direction(
             enumerator = names.command(message.command)
             content = ContentView(enumerator, member(names.short(message.command)), f"With {enumerator}.")
             contents.setdefault(message.layout, []).append(content)
+    some = {layout: ContentsView(views[layout], tuple(commands)) for layout, commands in contents.items()}
+    unpack = {layout: _unpack(direction, content) for layout, content in some.items()}
     return DirectionView(
         word=direction.value,
-        routes=tuple(routes(names, edition, messages, direction)),
-        contents=tuple(ContentsView(views[layout], tuple(commands)) for layout, commands in contents.items()),
+        identify=tuple(routes(names, edition, messages, direction, {})),
+        decode=tuple(routes(names, edition, messages, direction, unpack)),
+        contents=tuple(some.values()),
         without_node=tuple(names.command(m.command) for m in edition.messages(direction) if not m.id.nodes),
     )
+
+
+def _unpack(direction: Direction, content: ContentsView) -> UnpackView:
+    layout = content.layout
+    given = [f"&{direction.value}->as.{content.member}"] if layout.members else []
+    given += ["frame", *(["parameters"] if layout.depends else [])]
+    return UnpackView(f"{layout.name}_unpack({', '.join(given)})", layout.depends)

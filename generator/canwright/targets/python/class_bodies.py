@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ...model.layout import Field, Layout, Variant
 from ...model.types import Parameter
 from . import bits, code, text, types
-from .fields import FieldView, constant_checks, field_view, places, varying
+from .fields import FieldView, constant_checks, field_view, positions, storage, varying
 from .imports import Imports
 
 
 @dataclass(frozen=True, kw_only=True)
-class VariantView:
-    """A variant of a layout: the names of its fields, and how they are read."""
+class ReadView:
+    """How the fields of a variant are read."""
 
-    names: code.Code
     constants: tuple[code.Code, ...]
     struct: str
     """The `struct` that reads the data; empty where each field is read separately."""
@@ -26,22 +25,24 @@ class VariantView:
 
 @dataclass(frozen=True, kw_only=True)
 class BodyView:
-    """The body of a class; `has_node` and `depends` decide its keywords.
-
-    `constants` are those of every case; they are checked before the case is chosen.
-    """
+    """The body of a class; `has_node` and `depends` decide its keywords."""
 
     fields: tuple[FieldView, ...]
     raws_python: code.Code
     """The declaration of the raw integers."""
     match_args: code.Code
-    constants: tuple[code.Code, ...]
-    cases: tuple[VariantView, ...]
-    variant_of: tuple[tuple[str, int], ...]
-    """Each value of the parameter that decides on the case, with the index of the case."""
+    types: code.Code
+    """The type of each field by name."""
     parameter: str
-    require: code.Code
-    """The statement that checks which optional fields are given."""
+    """The parameter that decides on the variant; empty where there is one variant only."""
+    variants: tuple[code.Code, ...]
+    """The names of the fields of each variant."""
+    variant_of: tuple[tuple[str, int], ...]
+    """Each value of that parameter, with the index of its variant."""
+    constants: tuple[code.Code, ...]
+    """The checks of the constants of all variants."""
+    reads: tuple[ReadView, ...]
+    """How each variant is read; one item where all are read in the same way."""
     to_raws: code.Code
     """The statement of the constructor that stores the raw integers."""
     has_node: bool
@@ -55,58 +56,80 @@ class ClassBodies:
     types: Mapping[str, types.TypeView]
     parameters: Mapping[str, Parameter]
     imports: Imports
+    sets: dict[tuple[str, ...], str] = field(default_factory=dict)
+    """The sets of parameter values that the bodies use, each with its name."""
 
     def body(self, layout: Layout, dlc: int, has_node: bool, nodes: Sequence[int]) -> BodyView:
         """The body for the fields of a layout, in frames of that length; `nodes` are those of elements of arrays."""
-        stored = varying(layout.fields)
+        stored = storage(layout)
+        depends, varies = depends_on_parameters(layout), len(layout.variants) > 1
         fields = tuple(
-            field_view(field, i, self.types[field.type.name], layout.manual, nodes, self.imports)
-            for i, field in enumerate(stored)
+            field_view(
+                field=one,
+                place=place,
+                only=self._set(layout, one) if varies and one.only else "",
+                type_=self.types[one.type.name],
+                manual_of_layout=layout.manual,
+                nodes=nodes,
+                imports=self.imports,
+            )
+            for one, place in stored.items()
         )
-        optional = [field.attribute for field in fields if field.optional]
+        raws = {view.place: self.imports.use("Any") if view.only else view.raw_python for view in fields}
+        to_raws = code.tuple_of((view.to_raw for view in fields), "self._raws = ")
+        if varies:
+            to_raws = code.call("self._raws = self._raws_of", (f"{view.attribute}={view.attribute}" for view in fields))
+        reads = tuple(self._read(variant, stored, dlc) for variant in layout.variants)
         return BodyView(
             fields=fields,
-            raws_python=code.Items(
-                "_raws: tuple[",
-                tuple(self.imports.use("Any") if field.optional else field.raw_python for field in fields) or ("()",),
-                "]",
-            ),
-            match_args=code.tuple_of((text.literal(field.attribute) for field in fields), "__match_args__ = "),
-            constants=tuple(constant_checks((f for f in layout.fields if not f.only), dlc, self.imports)),
-            cases=tuple(self._case(variant, stored, dlc) for variant in layout.variants),
+            raws_python=code.Items("_raws: tuple[", tuple(raws[place] for place in sorted(raws)) or ("()",), "]"),
+            match_args=code.tuple_of((text.literal(view.attribute) for view in fields), "__match_args__ = "),
+            types=code.dict_of((view.type for view in fields), "TYPES = "),
+            parameter=text.attribute(layout.parameter or "") if varies else "",
+            variants=tuple(_names(variant, stored) for variant in layout.variants),
             variant_of=tuple(
                 (key, i)
                 for i, one in enumerate(layout.variants)
                 for key in variant_values(layout, one, self.parameters)
             ),
-            parameter=text.attribute(layout.parameter or ""),
-            require=code.call("self._require", (f"{name}={name}" for name in optional)),
-            to_raws=code.tuple_of((field.to_raw for field in fields), "self._raws = "),
+            constants=tuple(constant_checks((f for f in layout.fields if not f.only), dlc, self.imports)),
+            reads=reads[:1] if len(set(reads)) == 1 else reads,
+            to_raws=to_raws,
             has_node=has_node,
-            depends=depends_on_parameters(layout),
+            depends=depends,
         )
 
-    def _case(self, variant: Variant, stored: Sequence[Field], dlc: int) -> VariantView:
-        own = varying(variant.fields)
-        found = places(own, stored)
-        ordered = [place.target for _, place in sorted(found, key=lambda item: item[1].first_byte)]
-        in_order = sorted((place for _, place in found), key=lambda place: place.first_byte)
-        pattern = bits.struct_format(in_order, dlc) or ""
-        reads: dict[Field, list[str]] = {}
-        for field, place in found:
-            read = f"found[{ordered.index(place.target)}]" if pattern else bits.read(place, dlc)
-            reads.setdefault(field, []).append(read)
+    def _set(self, layout: Layout, one: Field) -> str:
+        """The name of the set of parameter values under which a field exists."""
+        parameter = self.parameters[layout.parameter or ""]
+        values = tuple(types.parameter_key(parameter, value) for value in one.only)
+        return self.sets.setdefault(values, f"_ONLY_{len(self.sets) + 1}")
+
+    def _read(self, variant: Variant, stored: Mapping[Field, int], dlc: int) -> ReadView:
+        own = positions(varying(variant.fields), stored)
+        ordered = sorted((position for _, position in own), key=lambda position: position.first_byte)
+        pattern = bits.struct_format(ordered, dlc) or ""
+        reads: dict[int, list[str]] = {}
+        for one, position in own:
+            read = f"found[{ordered.index(position)}]" if pattern else bits.read(position, dlc)
+            reads.setdefault(stored[one], []).append(read)
+        arrays = {stored[one] for one, _ in own if one.is_array}
         raws = [
-            "None" if field not in reads else code.tuple_of(reads[field]) if field.is_array else reads[field][0]
-            for field in stored
+            code.tuple_of(reads[place]) if place in arrays else reads.get(place, ["None"])[0]
+            for place in range(max(stored.values(), default=-1) + 1)
         ]
-        is_whole = pattern and raws == [f"found[{i}]" for i in range(len(raws))]
-        return VariantView(
-            names=code.tuple_of(text.literal(text.attribute(field.name)) for field in own),
+        is_whole = pattern and raws == [f"found[{i}]" for i in range(len(ordered))]
+        return ReadView(
             constants=tuple(constant_checks((f for f in variant.fields if f.only), dlc, self.imports)),
             struct=pattern,
             raws=None if is_whole else code.tuple_of(raws, "self._raws = "),
         )
+
+
+def _names(variant: Variant, stored: Mapping[Field, int]) -> code.Code:
+    """The name of the field at each place; None where a variant has no field."""
+    names = {stored[field]: text.literal(text.attribute(field.name)) for field in varying(variant.fields)}
+    return code.tuple_of(names.get(place, "None") for place in range(max(stored.values(), default=-1) + 1))
 
 
 def variant_values(layout: Layout, variant: Variant, parameters: Mapping[str, Parameter]) -> tuple[str, ...]:

@@ -33,12 +33,12 @@ class Parts:
     """
 
     opening: str
-    parts: tuple[str, ...]
+    parts: tuple[Code, ...]
     closing: str = ""
     optional: bool = False
 
     def __str__(self) -> str:
-        whole = " ".join(self.parts)
+        whole = " ".join(map(str, self.parts))
         return f"{self.opening}{whole}{self.closing}" if self.optional else f"{self.opening}({whole}){self.closing}"
 
 
@@ -73,6 +73,6 @@ def laid_out(code: Code, indent: int = 0, after: int = 0) -> str:
     if isinstance(code, Items):
         lines = [f"{inner}{laid_out(item, indent + 4, 1)}," for item in code.items]
         return "\n".join([code.opening, *lines, margin + code.closing])
-    whole = inner + " ".join(code.parts)
-    lines = [whole] if len(whole) <= WIDTH else [inner + part for part in code.parts]
+    whole = inner + " ".join(map(str, code.parts))
+    lines = [whole] if len(whole) <= WIDTH else [inner + laid_out(part, indent + 4) for part in code.parts]
     return "\n".join([f"{code.opening}(", *lines, f"{margin}){code.closing}"])

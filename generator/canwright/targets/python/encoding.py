@@ -8,7 +8,7 @@ from ...model.layout import Space, Variant
 from ...model.message import Message
 from ...model.types import Order
 from . import bits, code, text
-from .fields import places, varying
+from .fields import positions, storage
 from .imports import Imports
 
 
@@ -24,7 +24,7 @@ class EncodeCaseView:
 
 @dataclass(frozen=True, kw_only=True)
 class EncodeView:
-    """How a message writes its data bytes: in each variant of its layout, which `parameter` decides."""
+    """How a message writes its data bytes: one case where all variants of its layout are written in the same way."""
 
     parameter: str
     cases: tuple[EncodeCaseView, ...]
@@ -33,16 +33,16 @@ class EncodeView:
 def encode_view(message: Message, imports: Imports, selector: str = "") -> EncodeView:
     """How a message writes its bytes; `selector` is the expression of the selector's value, if it is not constant."""
     layout = message.layout
+    cases = tuple(_case(message, variant, selector, imports) for variant in layout.variants)
     return EncodeView(
-        parameter=text.attribute(layout.parameter or ""),
-        cases=tuple(_case(message, variant, selector, imports) for variant in layout.variants),
+        parameter=text.attribute(layout.parameter or ""), cases=cases[:1] if len(set(cases)) == 1 else cases
     )
 
 
 def _case(message: Message, variant: Variant, selector: str, imports: Imports) -> EncodeCaseView:
     """One `pack`, or else an integer of each byte order."""
     keys = [bits.key_place(k)._replace(target=selector or f"0x{k.value:02X}") for k in message.keys]
-    fields = places(variant.fields, varying(message.layout.fields))
+    fields = positions(variant.fields, storage(message.layout))
     in_data = [p for p in (*keys, *(p for _, p in fields)) if p.space is Space.DATA]
     ordered = sorted(in_data, key=lambda p: p.first_byte)
     pattern = bits.struct_format(ordered, message.dlc)
@@ -83,7 +83,6 @@ def fixed_id(message: Message) -> int:
 
 def id_terms(message: Message) -> code.Code | None:
     """The assignment of the bits of the CAN id that fields fill; None for a message without fields in its id."""
-    in_id = [
-        place for _, place in places(message.layout.fields, varying(message.layout.fields)) if place.space is Space.ID
-    ]
-    return code.any_of("filled", [bits.write(place, message.dlc) for place in in_id]) if in_id else None
+    fields = positions(message.layout.fields, storage(message.layout))
+    in_id = [bits.write(position, message.dlc) for _, position in fields if position.space is Space.ID]
+    return code.any_of("filled", in_id) if in_id else None

@@ -11,6 +11,9 @@ from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
 from ...model.types import Parameter
+from ...semantics.decoder import Decoder, Rejection
+from ...semantics.exchange import check_reply
+from ...semantics.frame import CanFrame
 from ..base import Specification
 from . import text, types
 from .class_bodies import depends_on_parameters
@@ -20,10 +23,15 @@ from .imports import Imports
 class Example(NamedTuple):
     """A request and a frame that answers it; `known` are the arguments of `Parameters`."""
 
-    module: str
+    family: str
+    edition: str
     names: tuple[str, ...]
     known: str
     request: str
+    node: int
+    """The node of both; 1 if their ids have none."""
+    values: str
+    """The arguments of the request without node and parameters."""
     arguments: str
     reply: str
     reply_id: str
@@ -32,6 +40,8 @@ class Example(NamedTuple):
     field: str
     parameters: str
     """The last argument of calls that decode a frame; empty where no parameter is needed."""
+    reply_within_ms: str
+    """Empty where the specification gives no time."""
     is_full: bool
     """Whether the request has values too."""
 
@@ -56,10 +66,11 @@ def example(specifications: Sequence[Specification]) -> Example | None:
 
 def _examples(specification: Specification) -> Iterator[Example]:
     frames = specification.frames.of_command if specification.frames else {}
+    decoder = Decoder(specification.edition)
     for command in specification.edition.commands:
         sent = frames.get((command.name, Direction.REQUEST), ())
         answered = [f for f in frames.get((command.name, Direction.REPLY), ()) if f.values and not f.remote]
-        pairs = ((q, r) for q in sent for r in answered if _belong(q, r))
+        pairs = ((q, r) for q in sent for r in answered if _belong(q, r, decoder))
         for request, reply in pairs:
             made = _example(specification.edition, command, request, reply)
             if made:
@@ -67,10 +78,13 @@ def _examples(specification: Specification) -> Iterator[Example]:
                 break
 
 
-def _belong(request: GoldenFrame, reply: GoldenFrame) -> bool:
-    """Whether a reply may answer a request: same node, no contradicting parameters, and both can be encoded."""
+def _belong(request: GoldenFrame, reply: GoldenFrame, decoder: Decoder) -> bool:
+    """Whether a reply answers a request: same node, no contradicting parameters, and both can be encoded."""
     agree = all(reply.parameters.get(name, value) == value for name, value in request.parameters.items())
-    return agree and request.node == reply.node and not (request.decode_only or reply.decode_only)
+    if not agree or request.node != reply.node or request.decode_only or reply.decode_only:
+        return False
+    frames = (CanFrame(one.id, one.data, one.extended, one.remote) for one in (request, reply))
+    return not isinstance(check_reply(decoder, *frames), Rejection)
 
 
 def _example(edition: Edition, command: Command, request: GoldenFrame, reply: GoldenFrame) -> Example | None:
@@ -85,19 +99,24 @@ def _example(edition: Edition, command: Command, request: GoldenFrame, reply: Go
     given = {**request.parameters, **reply.parameters}
     parameters = [p for p in edition.parameters if p.name in given]
     known = [f"{text.attribute(p.name)}={_parameter(p, given)}" for p in parameters]
-    keywords = [f"{argument.keyword}={argument.value}" for argument in arguments]
+    values = [f"{argument.keyword}={argument.value}" for argument in arguments]
+    keywords = [f"node={request.node}"] if asked.id.nodes is not None else []
+    keywords += values
     if known and depends_on_parameters(asked.layout):
         keywords.append("parameters=known")
     classes = text.class_name(asked.name), text.class_name(answer.name)
-    names = {*classes, "CodecError", "decode_answer", "decode_reply"}
+    names = {*classes, "CodecError", "REPLY_WITHIN_MS", "decode_answer", "decode_reply"}
     names |= {argument.enum for argument in arguments if argument.enum}
     names |= {"Parameters"} if known else set()
     names |= {text.class_name(p.name) for p in parameters if p.is_choice and not p.is_numeric}
     return Example(
-        f"{edition.family}.{edition.identifier}",
+        edition.family,
+        edition.identifier,
         tuple(sorted(names)),
         ", ".join(known),
         classes[0],
+        1 if request.node is None else request.node,
+        ", ".join(values),
         ", ".join(keywords),
         classes[1],
         f"0x{reply.id:X}",
@@ -105,13 +124,14 @@ def _example(edition: Edition, command: Command, request: GoldenFrame, reply: Go
         reply.data.hex(" ").upper(),
         text.attribute(fields[0].name),
         ", known" if known else "",
+        "" if edition.bus.reply_within_ms is None else str(float(edition.bus.reply_within_ms)),
         bool(asked.layout.fields),
     )
 
 
 def _arguments(message: Message, frame: GoldenFrame, views: Mapping[str, types.TypeView]) -> list[Argument] | None:
-    """The arguments that make the message of a frame; None where a field has no value."""
-    arguments = [Argument("node", str(frame.node), "")] if message.id.nodes is not None else []
+    """The values that make the message of a frame; None where a field has no value."""
+    arguments: list[Argument] = []
     variant = message.layout.variant({name: str(value) for name, value in frame.parameters.items()})
     for field in (f for f in (variant.fields if variant else ()) if f.fixed is None):
         view = views[field.type.name]

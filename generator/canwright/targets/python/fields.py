@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from ...model.layout import Field
+from ...model.layout import Field, Layout
 from . import bits, code, docstrings, text, types
 from .imports import Imports
 
@@ -15,12 +15,12 @@ class FieldView:
     """A field that a user sets and reads."""
 
     attribute: str
-    index: int
+    place: int
     """Its position among the raw integers of the message."""
-    optional: bool
-    """Whether it exists under some values of a parameter only."""
-    python: str
-    """The type of its value."""
+    only: str
+    """The set of parameter values under which it exists; empty for a field that always exists."""
+    header: code.Code
+    """The first line of the property of its value."""
     raw_python: str
     """The type of its raw integer, or integers."""
     given: str
@@ -40,16 +40,23 @@ def varying(fields: Iterable[Field]) -> list[Field]:
 
 
 def field_view(
-    field: Field, index: int, type_: types.TypeView, manual_of_layout: str, nodes: Sequence[int], imports: Imports
+    field: Field,
+    place: int,
+    only: str,
+    type_: types.TypeView,
+    manual_of_layout: str,
+    nodes: Sequence[int],
+    imports: Imports,
 ) -> FieldView:
     """A field whose value is not fixed; `type_` is the view of its type, `nodes` are those of the elements of arrays."""
     attribute, use = text.attribute(field.name), imports.use
-    name, optional = text.literal(attribute), bool(field.only)
-    raw = "raw" if optional else f"self._raws[{index}]"
+    name = text.literal(attribute)
+    raw = "raw" if only else f"self._raws[{place}]"
     python, raw_python, given = type_.python, "int", f"{type_.enum} | int" if type_.enum else use("Real")
     type_item = f"{name}: {type_.constant}"
     if field.is_array:
-        of_one = types.inline_value(field.type, "one") or f"{type_.constant}.value(one, self._parameters, {name})"
+        inline = types.inline_value(field.type, "one") if not type_.enum else None
+        of_one = inline or code.call(f"{type_.constant}.value", ("one", "self._parameters", name))
         value: code.Code = code.Parts("return tuple", (of_one, f"for one in {raw}"))
         type_item = f"{name}: {use('ArrayType')}({type_.constant}, {len(field.elements)})"
         python, raw_python, given = f"tuple[{python}, ...]", "tuple[int, ...]", f"{use('Iterable')}[{given}]"
@@ -61,19 +68,15 @@ def field_view(
             else code.call(f"return {type_.constant}.value", (raw, "self._parameters", name))
         )
     of_type = f"self.TYPES[{name}]" if field.is_array else type_.constant
-    if optional:
-        to_raw = code.call("self._optional", (of_type, attribute, name))
-    else:
-        to_raw = code.call(f"{of_type}.raw", (attribute, "self._parameters", name))
     return FieldView(
         attribute=attribute,
-        index=index,
-        optional=optional,
-        python=python,
+        place=place,
+        only=only,
+        header=code.Items(f"def {attribute}(", ("self",), f") -> {python}:"),
         raw_python=raw_python,
         given=given,
         value=value,
-        to_raw=to_raw,
+        to_raw=code.call(f"{of_type}.raw", (attribute, "self._parameters", name)),
         type=type_item,
         doc=docstrings.of_field(field, type_.meaning, manual_of_layout, nodes),
     )
@@ -88,17 +91,25 @@ def constant_checks(fields: Iterable[Field], dlc: int, imports: Imports) -> Iter
                 yield code.call(imports.use("constant"), (read, str(field.demanded), text.literal(field.name)))
 
 
-def places(fields: Iterable[Field], stored: Sequence[Field]) -> list[tuple[Field, bits.RawPosition]]:
-    """Where each element of the fields is.
+def storage(layout: Layout) -> dict[Field, int]:
+    """The place of each field among the raw integers of a message; fields that never exist together share places."""
+    found: dict[Field, int] = {}
+    for field in varying(layout.fields):
+        beside = (other for variant in layout.variants if field in variant.fields for other in variant.fields)
+        found[field] = 1 + max((found[other] for other in beside if other in found), default=-1)
+    return found
 
-    Its target is its raw integer in `self._raws`, which has one for each of the `stored` fields, or that of a fixed
-    field.
+
+def positions(fields: Iterable[Field], stored: Mapping[Field, int]) -> list[tuple[Field, bits.RawPosition]]:
+    """Where each element of the fields is on the wire.
+
+    Its target is its raw integer, at the place where it is `stored`, or that of a fixed field.
     """
     found = []
     for field in fields:
         for i, element in enumerate(field.elements):
             if field.fixed is None:
-                target = f"self._raws[{stored.index(field)}]" + (f"[{i}]" if field.is_array else "")
+                target = f"self._raws[{stored[field]}]" + (f"[{i}]" if field.is_array else "")
                 found.append((field, bits.place(target, field, element)))
             else:
                 target = f"0x{field.fixed & (1 << field.type.width) - 1:X}"

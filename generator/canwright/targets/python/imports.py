@@ -10,8 +10,8 @@ PUBLIC = ("CodecError", "FieldAbsent", "Message", "Refusal", "Reply", "Request")
 _RUNTIME = {
     "_codec": (
         *PUBLIC,
-        *("ArrayType", "Bound", "EnumType", "FlagsType", "Float", "Number", "Real", "ToAll", "ToNode"),
-        *("check_choice", "check_number", "constant", "merge", "missing"),
+        *("ArrayType", "Bound", "EnumType", "FlagsType", "Float", "Integer", "Number", "Real"),
+        *("ToAll", "ToNode", "check_choice", "check_number", "constant", "merge", "missing"),
     ),
     "_dispatch": ("Answer", "DataByte", "Dispatcher", "Route", "Select", "data_length"),
 }

@@ -14,7 +14,10 @@ from .messages import MessageViews
 from .parameters import choice_view, parameter_view
 from .types import type_views
 
-CONSTANTS = ("AnyReply", "AnyRequest", "EDITION", "FAMILY", "SPEC_HASH", "UNKNOWN", "Parameters")
+CONSTANTS = (
+    *("EDITION", "FAMILY", "REPLY_WITHIN_MS", "SPEC_HASH", "UNKNOWN"),
+    *("AnyReply", "AnyRequest", "Parameters"),
+)
 FUNCTIONS = ("check_reply", "decode_answer", "decode_reply", "decode_request", "ids_of", "node_of")
 
 
@@ -24,10 +27,11 @@ def module_view(edition: Edition) -> dict[str, object]:
     readers = routes.Readers(imports)
     types = type_views(edition, imports)
     parameters = {parameter.name: parameter for parameter in edition.parameters}
-    classes = MessageViews(edition, ClassBodies(types=types, parameters=parameters, imports=imports))
+    class_bodies = ClassBodies(types=types, parameters=parameters, imports=imports)
+    classes = MessageViews(edition, class_bodies)
     bodies = [*(v.body for v in classes.layouts), *(m.body for m in classes.messages if m.body)]
     encodes = [*(v.encode for v in classes.layouts if v.encode), *(m.encode for m in classes.messages if m.encode)]
-    unpacked = _distinct(case.struct for body in bodies for case in body.cases)
+    unpacked = _distinct(case.struct for body in bodies for case in body.reads)
     packed = _distinct(case.struct for encode in encodes for case in encode.cases)
     choices = [choice_view(p) for p in edition.parameters if p.is_choice and not p.is_numeric]
     enums = [view for view in types.values() if view.enum]
@@ -50,6 +54,7 @@ def module_view(edition: Edition) -> dict[str, object]:
         "parameters": [parameter_view(parameter, imports) for parameter in edition.parameters],
         "enums": enums,
         "types": list(types.values()),
+        "sets": [code.Items(f"{name} = {{", values, "}") for values, name in class_bodies.sets.items()],
         "unpacked": unpacked,
         "packed": packed,
         "unpack": lambda pattern: f"_UNPACK_{unpacked.index(pattern) + 1}",
@@ -60,6 +65,7 @@ def module_view(edition: Edition) -> dict[str, object]:
         "request_routes": list(routes.route_views(edition, Direction.REQUEST, readers)),
         "reply_routes": list(routes.route_views(edition, Direction.REPLY, readers)),
         "answers": list(routes.answer_views(edition, readers)),
+        "reply_within_ms": None if edition.bus.reply_within_ms is None else float(edition.bus.reply_within_ms),
         "request_classes": routes.decoded_classes(edition, Direction.REQUEST),
         "reply_classes": routes.decoded_classes(edition, Direction.REPLY),
         "readers": readers,

@@ -70,7 +70,7 @@ def _view(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) ->
     elif type_.enum:
         declaration = code.call(imports.use("EnumType"), (enum,), f"{constant} = ")
     else:
-        kind = imports.use("Float" if type_.encoding is Encoding.FLOAT else "Number")
+        kind = imports.use("Float" if type_.encoding is Encoding.FLOAT else "Integer" if type_.is_plain else "Number")
         declaration = code.call(kind, _arguments(type_, parameters, imports), f"{constant} = ")
     return TypeView(
         constant=constant,

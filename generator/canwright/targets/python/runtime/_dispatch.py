@@ -166,8 +166,8 @@ MAX_IDS = 1 << 11
 """The most ids of a route that are listed; each 11-bit id fits in."""
 
 
-ById = dict[int, tuple[int | None, dict[int, Table], Route]]
-"""The node of each id, the table for each data length, and the route."""
+Tables = tuple[int | None, dict[int, Table]]
+"""The node of an id, and the table for each data length."""
 
 
 class Router(Generic[P, M]):
@@ -181,14 +181,15 @@ class Router(Generic[P, M]):
         self.direction = direction
         self.routes = tuple(routes)
         self._unknown = unknown
+        self._listed: dict[tuple[int, bool, bool], tuple[Route, int | None]] = {}
         kinds = [(extended, remote) for extended in (False, True) for remote in (False, True)]
-        self._listed: dict[tuple[bool, bool], ById] = {kind: {} for kind in kinds}
+        self._by_kind: dict[tuple[bool, bool], dict[int, Tables]] = {kind: {} for kind in kinds}
         for route in takewhile(_can_be_listed, self.routes):
             tables = {} if route.remote else route.tables()
-            by_id = self._listed[route.extended, route.remote]
             for can_id, node in route.ids():
-                by_id.setdefault(can_id, (node, tables, route))
-        self._by_id = self._listed[False, False]
+                self._listed.setdefault((can_id, route.extended, route.remote), (route, node))
+                self._by_kind[route.extended, route.remote].setdefault(can_id, (node, tables))
+        self._by_id = self._by_kind[False, False]
 
     def decode(
         self, can_id: int, data: Buffer, parameters: P | None = None, *, extended: bool = False, remote: bool = False
@@ -204,8 +205,8 @@ class Router(Generic[P, M]):
         node: int | None
         unpack: Unpack | None
         try:
-            by_id = self._listed[extended, remote] if extended or remote else self._by_id
-            node, tables, _ = by_id[can_id]
+            by_id = self._by_kind[extended, remote] if extended or remote else self._by_id
+            node, tables = by_id[can_id]
             position, cases = tables[len(data)]
             unpack = cases[data[position]]
         except KeyError:
@@ -218,10 +219,9 @@ class Router(Generic[P, M]):
 
     def find(self, can_id: int, extended: bool, remote: bool) -> tuple[Route, int | None]:
         """The route and the node of an id. Raises CodecError (unknown_id)."""
-        listed = self._listed.get((extended, remote), {}).get(can_id)
+        listed = self._listed.get((can_id, extended, remote))
         if listed is not None:
-            node, _, route = listed
-            return route, node
+            return listed
         for route in self.routes:
             if (route.extended, route.remote) == (extended, remote):
                 ours, node = route.node(can_id)
@@ -318,7 +318,7 @@ class Dispatcher(Generic[P, Q, M]):
 
     def decode_answer(
         self,
-        request: type[Request[R]],
+        request: type[Request[R]] | Request[R],
         can_id: int,
         data: Buffer,
         parameters: P | None = None,
@@ -326,15 +326,21 @@ class Dispatcher(Generic[P, Q, M]):
         extended: bool = False,
         remote: bool = False,
     ) -> R:
-        """Decodes the reply to a request of that class.
+        """Decodes the reply to a request; to any request of a class if a class is given.
 
-        Raises CodecError: unknown_code when the frame answers another request, not_answer when the class has no reply or
-        its replies come from other nodes; TypeError when `data` is not bytes-like.
+        Raises CodecError: not_answer when the frame does not answer the request, that no frame answers, or that goes to
+        other nodes; for a class, the reason for which the frame is not its reply. Raises TypeError when `data` is not
+        bytes-like.
         """
         data = bytes(memoryview(data))
-        answer = self._answer(request)
-        node = self._node_of_answer(answer, can_id, data, extended, remote)
-        answer.check_source(request, None, -1, node, can_id, data)
+        if isinstance(request, type):
+            answer = self._answer(request)
+            node = self._node_of_answer(answer, can_id, data, extended, remote)
+            answer.check_source(request, None, -1, node, can_id, data)
+        else:
+            answer = self._answer(type(request))
+            sent = (type(request), request.node, request.can_id, request.encode())
+            node = self._answering_node(*sent, can_id, data, extended, remote)
         known = self._unknown if parameters is None else parameters
         return cast(R, answer.reply.unpack(node, can_id, data, known))
 
@@ -357,10 +363,24 @@ class Dispatcher(Generic[P, Q, M]):
         request, reply = bytes(memoryview(request)), bytes(memoryview(reply))
         route, to = self.requests.find(request_id, extended, remote)
         sent = route.message(request_id, request)
+        kind = (extended if reply_extended is None else reply_extended, reply_remote)
+        self._answering_node(sent, to, request_id, request, reply_id, reply, *kind)
+
+    def _answering_node(
+        self,
+        sent: type[Message],
+        to: int | None,
+        request_id: int,
+        request: bytes,
+        reply_id: int,
+        reply: bytes,
+        extended: bool,
+        remote: bool,
+    ) -> int | None:
+        """The node that answers a request which was sent to node `to`. Raises CodecError (not_answer)."""
         answer = self._answer(sent)
-        reply_extended = extended if reply_extended is None else reply_extended
         try:
-            node = self._node_of_answer(answer, reply_id, reply, reply_extended, reply_remote)
+            node = self._node_of_answer(answer, reply_id, reply, extended, remote)
         except CodecError as error:
             raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
         mask = -1
@@ -369,6 +389,7 @@ class Dispatcher(Generic[P, Q, M]):
         answer.check_source(sent, to, mask, node, reply_id, reply)
         if answer.echo and reply != request:
             raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")
+        return node
 
     def _answer(self, request: type[Message]) -> Answer:
         """The reply to a request. Raises CodecError (not_answer) when it has none."""

@@ -54,27 +54,6 @@ canwright_status_t milliamperes(int32_t *milli, int16_t raw, const P(parameters_
 }
 #endif
 
-#if CASE == 7
-canwright_status_t any_request(P(any_request_t) * request, const canwright_frame_t *frame)
-{
-    return P(decode_request)(request, frame);
-}
-#endif
-
-#if CASE == 8
-canwright_status_t any_reply(P(any_reply_t) * reply, const canwright_frame_t *frame, const P(parameters_t) * parameters)
-{
-    return P(decode_reply)(reply, frame, parameters);
-}
-#endif
-
-#if CASE == 9
-canwright_status_t check(const canwright_frame_t *request, const canwright_frame_t *reply)
-{
-    return P(check_reply)(request, reply);
-}
-#endif
-
 #else
 
 enum { OK, UNKNOWN_ID, UNKNOWN_CODE, WRONG_LENGTH, OUT_OF_RANGE, UNKNOWN_NODE, NO_SCALE, MISSING_PARAMETER };

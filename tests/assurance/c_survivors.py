@@ -1,0 +1,199 @@
+"""Runs mutants of the generated C headers of one edition against everything that the conformance tests ask a header.
+
+The questions are asked of the original first, whose answers must agree with the model. A mutant is killed when the same
+program, given the same lines, prints anything else, stops, or takes too long.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import random
+import re
+import subprocess
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from canwright.project.loader import specification
+from canwright.targets import c as target
+from canwright.targets.base import Specification
+
+from ..compilers import SANITIZED, ZIG
+from ..conformance.adapter import Adapter, Refused, write_files
+from ..conformance.adapters.c import CAdapter
+from ..conformance.adapters.c_harness import harness, header_text
+from ..conformance.questions import Questions
+from ..conformance.runner import Runner
+from .c_mutants import CHOICE, Mutant, changed, functions, merged, mutants, used
+from .differential import compare
+
+MOST_LINES = 40_000
+"""So many lines of copies are compiled in one program."""
+
+SECONDS = 20
+"""A mutant that takes longer is killed."""
+
+QUICK = 2500
+"""So many random questions are asked first; survivors are asked whole rounds."""
+
+ROUNDS = 2
+
+
+class Recorder(CAdapter):
+    """Writes down what the program is asked."""
+
+    lines: list[str]
+
+    def _ask(self, *words: str) -> list[str] | Refused:
+        self.lines.append(" ".join(words))
+        return super()._ask(*words)
+
+
+class Subject:
+    """One edition: its headers, its program, and the questions to it."""
+
+    def __init__(self, spec: Path, folder: Path) -> None:
+        self.item = specification(spec)
+        self.folder = write_files(target.generate([self.item], {}), folder)
+        self.include = self.folder / "include" / self.item.edition.family
+        self.headers = {file.name: file.read_text("utf-8") for file in sorted(self.include.glob("*.h"))}
+        self._harness = self.folder / "harness.c"
+        self._harness.write_text(harness(self.item.edition, self.folder / "include"), "utf-8")
+        (self.folder / "choice.h").write_text(CHOICE, "utf-8")
+        self._programs = itertools.count()
+        original, errors = self._compile(self.headers)
+        assert original is not None, errors
+        recorder = Recorder(self.item.edition, original, header_text(self.item.edition, self.folder / "include"))
+        recorder.lines = []
+        _ask_everything(self.item, recorder)
+        self.quick = self._questions(recorder.lines, "quick")
+        recorder.lines = []
+        _ask_rounds(self.item, recorder)
+        self.thorough = self._questions(recorder.lines, "thorough")
+        self._answers = {file: self._run(original, 0, file) for file in (self.quick, self.thorough)}
+
+    def _questions(self, lines: Sequence[str], name: str) -> Path:
+        file = self.folder / name
+        file.write_text("\n".join(lines) + "\n", "utf-8")
+        return file
+
+    def mutants(self) -> list[Mutant]:
+        """All mutants of the headers, without those of functions that no question reaches."""
+        reached = used("\n".join(self.headers.values()), self._harness.read_text("utf-8"))
+        every = (mutant for name, text in self.headers.items() for mutant in mutants(name, text))
+        return [mutant for mutant in every if not mutant.function or mutant.function in reached]
+
+    def unused(self) -> list[str]:
+        """The functions that no question reaches."""
+        text = "\n".join(self.headers.values())
+        return sorted({one.name for one in functions(text)} - used(text, self._harness.read_text("utf-8")))
+
+    def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
+        """Those of some mutants that answer as the original does."""
+        inside = [mutant for mutant in chosen if mutant.function]
+        for part in self._parts(inside):
+            yield from self._survivors(dict(enumerate(part, 1)))
+        for mutant in chosen:
+            if not mutant.function:
+                texts = {**self.headers, mutant.file: changed(self.headers[mutant.file], mutant)}
+                program, _ = self._compile(texts)
+                if program is not None and not self._is_killed(program, 0):
+                    yield mutant
+
+    def _parts(self, chosen: Sequence[Mutant]) -> Iterator[list[Mutant]]:
+        part: list[Mutant] = []
+        lines = 0
+        sizes = {name: _sizes(text) for name, text in self.headers.items()}
+        for mutant in chosen:
+            lines += sizes[mutant.file][mutant.function]
+            part.append(mutant)
+            if lines > MOST_LINES:
+                yield part
+                part, lines = [], 0
+        if part:
+            yield part
+
+    def _survivors(self, chosen: dict[int, Mutant]) -> Iterator[Mutant]:
+        """Survivors of mutants in one program; those that do not compile are left out, one compilation after another."""
+        while chosen:
+            files = {
+                name: merged(text, {n: m for n, m in chosen.items() if m.file == name})
+                for name, text in self.headers.items()
+            }
+            program, errors = self._compile({name: file.text for name, file in files.items()})
+            if program is not None:
+                break
+            wrong = {files[name].lines.get(line, 0) for name, line in errors} - {0}
+            assert wrong, f"the program does not compile: {errors}"
+            chosen = {number: mutant for number, mutant in chosen.items() if number not in wrong}
+        else:
+            return
+        for number, mutant in chosen.items():
+            if not self._is_killed(program, number):
+                yield mutant
+        program.unlink()
+
+    def _compile(self, texts: Mapping[str, str]) -> tuple[Path | None, list[tuple[str, int]]]:
+        """The program with these headers; None with the places of errors when it does not compile."""
+        include = self.folder / str(next(self._programs))
+        for name, text in texts.items():
+            file = include / self.item.edition.family / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, "utf-8")
+        program = include / "program"
+        flags = (
+            "-w",
+            "-O0",
+            "-g0",
+            "-ferror-limit=0",
+            *SANITIZED,
+            f"-I{include}",
+            "-include",
+            self.folder / "choice.h",
+        )
+        try:
+            ZIG.run("gnu99", *flags, self._harness, "-o", program)
+        except AssertionError as error:
+            found = re.findall(r"^[^\n]*?([\w.]+\.h):(\d+):\d+: (?:fatal )?error:", str(error), re.MULTILINE)
+            return None, [(name, int(line)) for name, line in found]
+        return program, []
+
+    def _is_killed(self, program: Path, number: int) -> bool:
+        return any(self._run(program, number, file) != self._answers[file] for file in (self.quick, self.thorough))
+
+    @staticmethod
+    def _run(program: Path, number: int, questions: Path) -> bytes | None:
+        """What the program prints; None when it stops or takes too long."""
+        environment = {**os.environ, "MUTANT": str(number)}
+        with questions.open("rb") as lines:
+            try:
+                done = subprocess.run(
+                    [program], stdin=lines, capture_output=True, env=environment, timeout=SECONDS, check=False
+                )
+            except subprocess.TimeoutExpired:
+                return None
+        return None if done.returncode else done.stdout
+
+
+def _sizes(text: str) -> dict[str, int]:
+    """The lines of each function."""
+    return {one.name: text.count("\n", one.start, one.end) + 2 for one in functions(text)}
+
+
+def _ask_everything(item: Specification, adapter: CAdapter) -> None:
+    """The golden frames, the facts, and some random questions. Raises AssertionError for a wrong answer."""
+    assert item.frames is not None
+    report = Runner(item.edition, item.frames, adapter).run()
+    assert not report.failures, report.failures[:10]
+    wrong = adapter.wrong_facts()
+    assert not wrong, wrong[:10]
+    every = list(Questions(item.edition).round())
+    (comparison,) = compare(item, [adapter], random.Random(1).sample(every, min(len(every), QUICK)))
+    assert not comparison.disagreements, comparison.disagreements[:10]
+
+
+def _ask_rounds(item: Specification, adapter: Adapter) -> None:
+    """Some rounds of random questions. Raises AssertionError for a wrong answer."""
+    for seed in range(1, ROUNDS + 1):
+        (comparison,) = compare(item, [adapter], Questions(item.edition, seed).round())
+        assert not comparison.disagreements, comparison.disagreements[:10]

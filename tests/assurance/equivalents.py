@@ -1,0 +1,70 @@
+"""Mutants that are known to be equivalent to the original, each with a reason."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import yaml
+
+
+class HasKey(Protocol):
+    @property
+    def key(self) -> tuple[str, str, str]: ...
+
+
+@dataclass(frozen=True)
+class Equivalent:
+    """A pattern of mutants: function, line, and mutated line; `...` stands for any text."""
+
+    function: str
+    original: str
+    mutated: str
+    reason: str
+
+    def matches(self, mutant: HasKey) -> bool:
+        """Whether a mutant is of this pattern. Texts that `...` stands for are alike in both lines, from the left."""
+        function, original, mutated = mutant.key
+        if not re.fullmatch(_pattern(self.function), function):
+            return False
+        found = re.fullmatch(_pattern(self.original), original)
+        return found is not None and re.fullmatch(_filled(self.mutated, found.groups()), mutated) is not None
+
+
+def _pattern(text: str) -> str:
+    return "(.*?)".join(map(re.escape, text.split("...")))
+
+
+def _filled(text: str, groups: Sequence[str]) -> str:
+    """The mutated line: each `...` is what it is in the original; further ones are any text."""
+    parts = text.split("...")
+    fill = [*map(re.escape, groups), *[".*?"] * len(parts)]
+    return re.escape(parts[0]) + "".join(
+        between + re.escape(part) for between, part in zip(fill, parts[1:], strict=False)
+    )
+
+
+def read(file: Path) -> list[Equivalent]:
+    """The list of a file."""
+    return [Equivalent(**entry) for entry in yaml.safe_load(file.read_text("utf-8")) or []]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is wrong with a run: survivors that are not listed, entries that match a killed mutant, unneeded entries."""
+
+    unlisted: tuple[HasKey, ...]
+    killed: tuple[tuple[Equivalent, HasKey], ...]
+    listed: int
+
+
+def judge(mutants: Iterable[HasKey], survivors: Iterable[HasKey], listed: Sequence[Equivalent]) -> Verdict:
+    """Compares the survivors of some mutants with the list."""
+    alive = set(survivors)
+    unlisted = tuple(m for m in alive if not any(entry.matches(m) for entry in listed))
+    dead = (m for m in mutants if m not in alive)
+    killed = tuple((entry, m) for m in dead for entry in listed if entry.matches(m))
+    return Verdict(tuple(sorted(unlisted, key=lambda m: m.key)), killed, len(alive) - len(unlisted))

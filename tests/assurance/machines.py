@@ -1,0 +1,109 @@
+"""Machines that generated C runs on: compilers for them, and emulators that run the programs."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..compilers import ZIG_COMMAND
+
+PACKAGES: Mapping[str, str] = {
+    "arm-none-eabi-g++": "gcc-arm-none-eabi",
+    "avr-g++": "gcc-avr avr-libc",
+    "avr-gcc": "gcc-avr avr-libc",
+    "simavr": "simavr",
+}
+"""The Debian packages of tools; those of programs that begin with `qemu-` are in `qemu-user`."""
+
+
+class MissingToolError(Exception):
+    """A tool that is not installed; the message names its Debian package."""
+
+
+def tool(name: str) -> str:
+    """The path of a program. Raises MissingToolError."""
+    found = shutil.which(name)
+    if found is None:
+        package = "qemu-user" if name.startswith("qemu-") else PACKAGES[name]
+        raise MissingToolError(f"{name} is not installed; on Debian: apt-get install {package}")
+    return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class Machine:
+    """A kind of computer; `build` makes a program of one C source, `run` returns what it prints.
+
+    `properties` is what makes the machine worth a run.
+    """
+
+    name: str
+    properties: str
+
+    def build(self, source: Path, include: Path, program: Path) -> None:
+        raise NotImplementedError
+
+    def run(self, program: Path) -> str:
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Emulated(Machine):
+    """A Linux machine: zig compiles for it, and qemu runs the program; without `emulator` it runs directly."""
+
+    target: str
+    emulator: str = ""
+    flags: tuple[str, ...] = ()
+
+    def build(self, source: Path, include: Path, program: Path) -> None:
+        _run(
+            [
+                *ZIG_COMMAND,
+                "cc",
+                "-target",
+                self.target,
+                *self.flags,
+                *_FLAGS,
+                "-static",
+                f"-I{include}",
+                source,
+                "-o",
+                program,
+            ]
+        )
+
+    def run(self, program: Path) -> str:
+        return _run([*([tool(self.emulator)] if self.emulator else []), program])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Avr(Machine):
+    """An AVR microcontroller in simavr, which shows the bytes that the program sends to the first UART."""
+
+    mcu: str
+
+    def build(self, source: Path, include: Path, program: Path) -> None:
+        compiler = tool("avr-g++" if source.suffix == ".cpp" else "avr-gcc")
+        standard = "-std=gnu++11" if source.suffix == ".cpp" else "-std=c99"
+        _run([compiler, standard, f"-mmcu={self.mcu}", *_FLAGS, f"-I{include}", source, "-o", program])
+
+    def run(self, program: Path) -> str:
+        output = _run([tool("simavr"), "-m", self.mcu, "-f", "16000000", program])
+        lines = (_COLOUR.sub("", line).rstrip() for line in output.splitlines() if _COLOUR.search(line))
+        return "".join(f"{line.removesuffix('.')}\n" for line in lines if line.endswith("."))
+
+
+_COLOUR = re.compile(r"\x1b\[\d+m")
+"""simavr shows sent bytes in colour, and a line feed as a point."""
+
+_FLAGS = ("-Os", "-g0", "-Wall", "-Wextra", "-Werror")
+
+
+def _run(command: Sequence[str | Path]) -> str:
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False, errors="replace")
+    if done.returncode:
+        raise AssertionError(f"{' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
+    return done.stdout + done.stderr

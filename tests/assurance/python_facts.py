@@ -1,0 +1,253 @@
+"""Checks of a generated Python package besides frames: descriptions, names, ids, equality, text forms, several nodes."""
+
+from __future__ import annotations
+
+import copy
+import functools
+import itertools
+import pickle
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import IntEnum, IntFlag
+from fractions import Fraction
+from types import ModuleType
+from typing import Any
+
+from canwright.model.edition import Edition
+from canwright.model.layout import Space
+from canwright.model.message import Direction, Message
+from canwright.model.refusal import Refusal
+from canwright.targets.base import Specification
+from canwright.targets.python.text import attribute, class_name
+
+from ..conformance.adapters.python import PythonAdapter
+
+
+def check_package(item: Specification, module: ModuleType) -> None:
+    """Raises AssertionError for whatever is not as the model has it."""
+    edition = item.edition
+    assert (edition.family, edition.name, edition.hash) == (module.FAMILY, module.EDITION, module.SPEC_HASH)
+    _check_enums(edition, module)
+    _check_parameters(edition, module)
+    for message in edition.all_messages():
+        _check_class(edition, message, getattr(module, class_name(message.name)))
+        _check_ids(message, module)
+    messages = list(_messages(item, module))
+    for one in messages:
+        _check_value(one)
+    _check_all_differ(messages)
+    _check_nodes(edition, module, sys.modules[f"{edition.family}.nodes"])
+
+
+def _check_enums(edition: Edition, module: ModuleType) -> None:
+    for type_ in edition.types:
+        members = {m.name.upper(): m.value for m in type_.enum} or {m.name.upper(): 1 << m.value for m in type_.flags}
+        if members:
+            enum = getattr(module, class_name(type_.name))
+            assert issubclass(enum, IntEnum if type_.enum else IntFlag)
+            assert {name: int(one) for name, one in enum.__members__.items()} == members, enum
+
+
+def _check_parameters(edition: Edition, module: ModuleType) -> None:
+    """Each value of a choice and each limit of a number is accepted, and what is beside them is not."""
+    for parameter in edition.parameters:
+        name = attribute(parameter.name)
+        good: list[Any] = []
+        bad: list[Any] = []
+        if parameter.is_choice and parameter.is_numeric:
+            good = [value.number for value in parameter.values]
+            bad = [number + step for number in good for step in (-1, 1) if number + step not in good]
+        elif parameter.is_choice:
+            good = [getattr(module, class_name(parameter.name))(value.name) for value in parameter.values]
+            bad = ["nothing of this name"]
+        else:
+            low, high = parameter.minimum, parameter.maximum
+            good = [end for end in (low, high, Fraction(7, 2)) if end is not None and _within(end, low, high)]
+            bad = [end + step for end, step in ((low, -1), (high, 1)) if end is not None]
+            bad += [float("nan"), float("inf")]
+        for value in good:
+            assert getattr(module.Parameters(**{name: value}), name) == value
+        for value in bad:
+            _raises(ValueError, module.Parameters, **{name: value})
+    if edition.parameters:
+        assert module.Parameters() == module.UNKNOWN
+
+
+def _within(number: Fraction, low: Fraction | None, high: Fraction | None) -> bool:
+    return (low is None or number >= low) and (high is None or number <= high)
+
+
+def _check_class(edition: Edition, message: Message, cls: Any) -> None:
+    command = edition.command(message.command)
+    language = edition.languages[0]
+    assert (message.command, message.direction.value, message.dlc) == (cls.COMMAND, cls.DIRECTION, cls.DLC), cls
+    assert (message.id.extended, message.remote) == (cls.EXTENDED, cls.REMOTE), cls
+    in_id = sum(key.value << key.segments[0].low for key in message.keys if key.space is Space.ID and key.width)
+    assert not in_id or cls.ID & message.id.base == message.id.base
+    if not message.id_mask:
+        assert message.id.base == cls.ID
+    if message.id.nodes is None:
+        assert not hasattr(cls, "NODES")
+    else:
+        assert (message.id.nodes[0], message.id.nodes[-1]) == cls.NODES and message.id.node_step == cls.NODE_STEP
+    if command.code is not None and message.keys and message.direction is Direction.REQUEST and not message.id_mask:
+        assert getattr(cls, "CODE", command.code) == command.code, cls
+    if message.direction is Direction.REQUEST or command.request is None:
+        assert command.title[language] == cls.TITLE, cls
+        assert tuple(effect.name for effect in command.effects) == cls.EFFECTS, cls
+        assert tuple(setting.name for setting in command.limited_by) == cls.LIMITED_BY, cls
+        only = {name: tuple(_plain(value) for value in values) for name, values in cls.ONLY.items()}
+        assert only == {attribute(name): values for name, values in command.only.items()}, cls
+        assert command.manual == cls.MANUAL, cls
+
+
+def _plain(value: Any) -> str:
+    return str(getattr(value, "value", value))
+
+
+def _check_ids(message: Message, module: ModuleType) -> None:
+    """The node of the ids at both ends, and none beyond; the ids of these nodes."""
+    if message.id.nodes is None:
+        return
+    flags = {"extended": message.id.extended, "remote": message.remote}
+    direction = message.direction.value
+    for node in (message.id.nodes[0], message.id.nodes[-1]):
+        can_id = message.id.base + node * message.id.node_step
+        assert module.node_of(direction, can_id, **flags) == node
+        ids = module.ids_of(direction, node)
+        assert any(
+            (one ^ can_id) & ~mask == 0 and (extended, remote) == (message.id.extended, message.remote)
+            for one, mask, extended, remote in ids
+        ), (ids, can_id)
+    assert module.ids_of(direction, message.id.nodes[-1] + 1 << 20) == ()
+
+
+def _messages(item: Specification, module: ModuleType) -> Iterator[Any]:
+    """The messages of the golden frames."""
+    assert item.frames is not None
+    adapter = PythonAdapter(item.edition, module)
+    for frame in item.frames.frames:
+        known = adapter.parameters(frame.parameters)
+        decode = module.decode_request if frame.direction is Direction.REQUEST else module.decode_reply
+        yield decode(frame.id, frame.data, known, extended=frame.extended, remote=frame.remote)
+
+
+def _check_value(message: Any) -> None:
+    """A message equals its copies, cannot be changed, reads as it is, and knows its fields."""
+    cls, names = type(message), message.fields()
+    known = {"node": message.node, "parameters": message.parameters}
+    if isinstance(_outcome(message.check), Rejected):
+        for call in (message.encode, message.replace, functools.partial(cls.from_raw, **known, **message.raw())):
+            _raises(ValueError, call)
+        return
+    again = cls.from_raw(**known, **message.raw())
+    for other in (copy.copy(message), pickle.loads(pickle.dumps(message)), again, message.replace()):
+        assert message == other and not message != other and hash(message) == hash(other)  # noqa: SIM202
+        assert (other.node, other.parameters, other.raw()) == (message.node, message.parameters, message.raw())
+        assert other.encode_unchecked() == again.encode() and other.can_id == message.can_id
+    assert message != 1 and message.__eq__(1) is NotImplemented
+    assert message.raw() == {name: getattr(message, f"{name}_raw") for name in names}
+    values = {name: _outcome(getattr, message, name) for name in names}
+    assert message.values() == {name: None if isinstance(v, Rejected) else v for name, v in values.items()}
+    text = repr(message)
+    parts = [f"node={message.node}"] if message.node is not None else []
+    for name, value in values.items():
+        raw = isinstance(value, Rejected)
+        parts.append(f"{name}_raw={message.raw()[name]!r}" if raw else f"{name}={value!r}")
+        if not raw:
+            assert message.replace(**{name: value}).raw()[name] == message.raw()[name]
+            assert message.replace(**{name: value}) == message
+        _raises(AttributeError, setattr, message, name, value)
+        _raises(AttributeError, delattr, message, name)
+    assert text == f"{cls.__name__}({', '.join(parts)})"
+    for name in set(cls.TYPES) - set(names):
+        assert "it has" in str(_raises(AttributeError, getattr, message, name))
+        _raises(TypeError, message.replace, **{name: 0})
+    _raises(AttributeError, getattr, message, "no_such_field")
+    _raises(TypeError, message.replace, no_such_field=1)
+    _raises(TypeError, cls.from_raw, **known, **message.raw(), no_such_field=1)
+    _check_node(message)
+
+
+def _check_node(message: Any) -> None:
+    cls, raw, parameters = type(message), message.raw(), message.parameters
+    if not hasattr(cls, "NODES"):
+        assert message.node is None
+        _raises(TypeError, message.replace, node=1)
+        return
+    first, last = cls.NODES
+    for node in (first, last):
+        other = message.replace(node=node)
+        assert (other.node, other.raw(), other == message) == (node, raw, node == message.node)
+        assert other.can_id - message.can_id == (node - message.node) * cls.NODE_STEP
+    for node in (first - 1, last + 1, None):
+        found = _outcome(cls.from_raw, node=node, parameters=parameters, **raw)
+        assert found == Rejected(Refusal.UNKNOWN_NODE.value)
+    _raises(TypeError, cls.from_raw, node="1", parameters=parameters, **raw)
+
+
+def _check_all_differ(messages: list[Any]) -> None:
+    """Messages are equal exactly if their class, node and raw integers are."""
+    for one, other in itertools.pairwise(messages):
+        same = (type(one), one.node, one.raw()) == (type(other), other.node, other.raw())
+        assert (one == other) is same and (one != other) is not same
+        if same:
+            assert hash(one) == hash(other)
+
+
+def _check_nodes(edition: Edition, module: ModuleType, nodes: ModuleType) -> None:
+    """Frames are decoded as those of the node that they belong to; two nodes with one id are refused."""
+    make, bus_of = nodes.Node, nodes.Nodes
+    replies = [m for m in edition.messages(Direction.REPLY) if m.id.nodes is not None and len(m.id.nodes) > 1]
+    if not replies:
+        return
+    numbers = replies[0].id.nodes
+    assert numbers is not None
+    first, last = make(module, numbers[0]), make(module, numbers[-1])
+    assert repr(first) == f"Node({edition.name}, {numbers[0]})" and first.parameters == module.UNKNOWN
+    bus = bus_of([first, last])
+    assert list(bus) == [first, last]
+    _raises(ValueError, bus_of, [first, make(module, numbers[0])])
+    _raises(TypeError, make, module, numbers[0], object())
+    for message in edition.all_messages():
+        if message.id.nodes is None:
+            continue
+        name, flags = message.direction.value, {"extended": message.id.extended, "remote": message.remote}
+        for node in {numbers[0], numbers[1], numbers[-1]} & set(message.id.nodes):
+            can_id = message.id.base + node * message.id.node_step
+            data = bytes(0 if message.remote else message.dlc)
+            there = [one for one in (first, last) if one.node == node]
+            assert list(bus.nodes_of(name, can_id, **flags)) == there
+            wanted = _outcome(getattr(module, f"decode_{name}"), can_id, data, **flags)
+            for one in there:
+                assert _outcome(getattr(one, f"decode_{name}"), can_id, data, **flags) == wanted
+            found = _outcome(getattr(bus, f"decode_{name}"), can_id, data, **flags)
+            assert found == (wanted if there else Rejected(Refusal.UNKNOWN_ID.value)), (message.name, node)
+    for message in edition.all_messages():
+        if message.id.nodes == numbers and not message.layout.fields:
+            assert first.make(getattr(module, class_name(message.name))).node == numbers[0]
+    _raises(TypeError, first.make, nodes.Message)
+
+
+@dataclass(frozen=True)
+class Rejected:
+    """The reason for a rejection."""
+
+    reason: str
+
+
+def _outcome(call: Callable[..., Any], *arguments: Any, **named: Any) -> Any:
+    """The result, or the reason for a rejection."""
+    try:
+        return call(*arguments, **named)
+    except ValueError as error:
+        return Rejected(error.refusal.value)  # type: ignore[attr-defined]
+
+
+def _raises(error: type[BaseException], call: Callable[..., Any], *arguments: Any, **named: Any) -> BaseException:
+    try:
+        call(*arguments, **named)
+    except error as found:
+        return found
+    raise AssertionError(f"{call} accepts {arguments} {named}")

@@ -1,0 +1,324 @@
+"""Questions about a generated header besides frames: names, effects, limits, conversions, constants; and their answers.
+
+The header says which functions and macros there are; the answers are computed from the model.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from canwright.model.edition import Edition
+from canwright.model.layout import Field
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding, Type
+from canwright.semantics.decoder import Rejection, linear_of
+from canwright.semantics.encoder import Encoder
+from canwright.targets.c.names import Names, layouts
+
+from ..adapter import Parameters, assignment
+from .c_signatures import functions
+
+TEMPLATE = Path(__file__).with_name("c_facts.c.j2")
+
+_MACRO = re.compile(r"^#define (\w+)[ ]+(\(?-?(?:0x[0-9A-Fa-f]+|\d+)[uUlL]*\)?)[ ]*(?:/\*.*)?$", re.MULTILINE)
+_TYPE_FUNCTION = re.compile(r"(?P<stem>\w+?)_(?P<kind>valid|name|to_milli|from_milli|from_double)$")
+_ADDRESS_FUNCTION = re.compile(r"(?P<stem>\w+?)_(?P<direction>request|reply)_(?P<kind>id|node)$")
+
+_RAW = ("raw", "*raw")
+
+ARGUMENTS = {"parameters": "known", "raw": "raw", "value": "value", "id": "id", "node": "node", "found": "found"}
+
+
+@dataclass(frozen=True)
+class Fact:
+    """What the program is asked, in words and parameters, and the words of the answer."""
+
+    kind: str
+    name: str
+    parameters: Parameters
+    rest: tuple[str, ...]
+    answer: str
+
+
+class Facts:
+    """The facts of one header and its edition."""
+
+    def __init__(self, edition: Edition, header: str) -> None:
+        self._edition = edition
+        self._prefix = f"{edition.family}_{edition.identifier}_".lower()
+        self._functions = {
+            name.removeprefix(self._prefix): function
+            for name, function in functions(header).items()
+            if name.startswith(self._prefix)
+        }
+        self._macros = [match[1] for match in _MACRO.finditer(header) if not match[1].endswith(("_SPEC", "_VERSION"))]
+        names = self._names = Names(edition)
+        fields = dict.fromkeys(f.name for layout in layouts(edition) for f in layout.fields if f.fixed is None)
+        self._commands = {"": names.command("none"), **{c.name: names.command(c.name) for c in edition.commands}}
+        self._fields = {"": names.upper("field", "none"), **{name: names.upper("field", name) for name in fields}}
+        if names.lower("field_name") not in functions(header):
+            self._fields = {}
+        self._types = {names.type_stem(type_): type_ for type_ in edition.types}
+        self._chance = random.Random(1)
+
+    def code(self) -> str:
+        """The part of the program that answers."""
+        effects = self._functions.get("command_effects")
+        available = self._functions.get("command_available")
+        template = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+        return template.from_string(TEMPLATE.read_text("utf-8")).render(
+            prefix=self._prefix,
+            functions=[*self._type_functions(), *self._address_functions()],
+            commands=[{"name": name, "enumerator": one} for name, one in self._commands.items()],
+            fields=[{"name": name, "enumerator": one} for name, one in self._fields.items()],
+            effects=[{"name": name, "macro": macro} for name, macro in self._effects().items()] if effects else [],
+            available=available.call({"command": "COMMAND", "parameters": "known"}) if available else "",
+            macros=self._macros,
+        )
+
+    def _effects(self) -> dict[str, str]:
+        start = f"{self._prefix}effect_".upper()
+        return {one.removeprefix(start).lower(): one for one in self._macros if one.startswith(start)}
+
+    def _type_functions(self) -> Iterator[dict[str, Any]]:
+        for name, function in self._functions.items():
+            match = _TYPE_FUNCTION.match(name)
+            if match and match["kind"] in ("valid", "name", "from_double") and match["stem"] in self._types:
+                yield {
+                    "kind": match["kind"],
+                    "name": match["stem"],
+                    "call": function.call(ARGUMENTS),
+                    "type": next(
+                        t for p, t in zip(function.parameters, function.types, strict=True) if p in _RAW
+                    ).rstrip(" *"),
+                    "signed": self._types[match["stem"]].encoding is Encoding.SIGNED,
+                }
+
+    def _address_functions(self) -> Iterator[dict[str, Any]]:
+        for name, function in self._functions.items():
+            match = _ADDRESS_FUNCTION.match(name)
+            if match and all(p.lstrip("*") in ("id", "node", "found") for p in function.parameters):
+                yield {
+                    "kind": match["kind"],
+                    "name": f"{match['stem']}_{match['direction']}",
+                    "call": function.call(ARGUMENTS),
+                }
+
+    def all(self) -> Iterator[Fact]:
+        """All questions with their answers."""
+        for number, refusal in enumerate(("ok", *(refusal.value for refusal in Refusal))):
+            yield Fact("status", "-", {}, (str(number),), refusal)
+        yield Fact("status", "-", {}, ("99",), "?")
+        yield from self._of_commands()
+        for name in self._fields:
+            yield Fact("field", f"[{name}]", {}, (), f"[{name}]")
+        yield from self._of_macros()
+        for one in self._address_functions():
+            yield from self._of_address(one["kind"], one["name"])
+        for one in self._type_functions():
+            yield from self._of_type(one["kind"], one["name"])
+        for name in self._functions:
+            match = _TYPE_FUNCTION.match(name)
+            if match and match["kind"] == "to_milli" and match["stem"] in self._types:
+                yield from self._of_milli(self._types[match["stem"]])
+
+    def _assignments(self, *names: str) -> Iterator[Parameters]:
+        """All combinations of the values of some parameters, unknown included."""
+        if not names:
+            yield {}
+            return
+        parameter = self._edition.parameter(names[0])
+        values = [value.name for value in parameter.values] or ["1", "3.5", "900"]
+        for rest in self._assignments(*names[1:]):
+            yield rest
+            yield from ({**rest, parameter.name: value} for value in values)
+
+    def _of_commands(self) -> Iterator[Fact]:
+        effects = {name: 1 << place for place, name in enumerate(self._effects())}
+        has_effects, available = "command_effects" in self._functions, "command_available" in self._functions
+        only = dict.fromkeys(name for command in self._edition.commands for name in command.only) if available else {}
+        known = {command.name: command for command in self._edition.commands}
+        for name in self._commands:
+            command = known.get(name)
+            its = [effect.name for effect in command.effects] if command else []
+            mask = sum(effects[one] for one in its) if has_effects else 0
+            for parameters in self._assignments(*only):
+                words = [f"[{name}]"]
+                words += [f"{mask:X}", *(one for one in effects if one in its)] if has_effects else []
+                if available:
+                    words.append(str(int(command.available(assignment(parameters)) if command else True)))
+                yield Fact("command", f"[{name}]", parameters, (), " ".join(words))
+
+    def _of_macros(self) -> Iterator[Fact]:
+        """The constants whose values the model has."""
+        values = self._constants()
+        for name in self._macros:
+            if name in values:
+                yield Fact("macro", name, {}, (), str(values[name]))
+
+    def _constants(self) -> dict[str, int]:
+        found: dict[str, int] = {}
+        names = self._names
+        for place, name in enumerate(self._effects()):
+            found[names.upper("effect", name)] = 1 << place
+        for address in self._edition.addresses:
+            for direction in Direction:
+                rule = address.rule(direction)
+                if rule.nodes is not None:
+                    found[names.upper(address.name, "node_min")] = rule.nodes[0]
+                    found[names.upper(address.name, "node_max")] = rule.nodes[-1]
+                else:
+                    flag = 1 << 31 if rule.extended else 0
+                    found[names.upper(address.name, direction.value, "id")] = rule.base | flag
+        for command in self._edition.commands:
+            if command.code is not None:
+                found[self._names.upper(command.name, "code")] = command.code
+        for stem, type_ in self._types.items():
+            found |= {names.upper(stem, member.name): member.value for member in type_.enum}
+            found |= {names.upper(stem, flag.name): 1 << flag.value for flag in type_.flags}
+            span = type_.raw_range.constant
+            if span is not None and type_.encoding is not Encoding.FLOAT and type_.is_number:
+                low, high = type_.raw_limits
+                found[names.upper(stem, "raw_min")] = (
+                    low if span.low.parameter else max(low, math.ceil(span.low.constant))
+                )
+                found[names.upper(stem, "raw_max")] = (
+                    high if span.high.parameter else min(high, math.floor(span.high.constant))
+                )
+        return found
+
+    def _of_address(self, kind: str, name: str) -> Iterator[Fact]:
+        """Nodes and ids at both ends and beyond."""
+        address, _, direction = name.rpartition("_")
+        rule = self._edition.address(address).rule(Direction(direction))
+        if rule.nodes is None:
+            return
+        flag = 1 << 31 if rule.extended else 0
+        filled = 0
+        for message in self._edition.of_rule(Direction(direction), rule):
+            filled |= message.id_mask
+        nodes = {rule.nodes[0] - 1, rule.nodes[0], rule.nodes[0] + 1, rule.nodes[-1], rule.nodes[-1] + 1, 0, 2**32 - 1}
+        nodes |= {rule.nodes[-1] - 1, rule.nodes[len(rule.nodes) // 2]}
+        for node in sorted(node for node in nodes if node >= 0):
+            id_ = rule.base + node * rule.node_step | flag
+            if kind == "id":
+                answer = f"{id_:X}" if node in rule.nodes else Refusal.UNKNOWN_NODE.value
+                yield Fact("id", name, {}, (f"{node:X}",), answer)
+            for wrong in (0, 1, 2, rule.node_step // 2, 1 << 30, 1 << 31) if kind == "node" else ():
+                asked = (id_ ^ wrong) & 0xFFFFFFFF
+                rest = (asked & ~filled ^ flag) - rule.base
+                found = rest // rule.node_step
+                fits = rest % rule.node_step == 0 and found in rule.nodes
+                yield Fact("node", name, {}, (f"{asked:X}",), f"{found:X}" if fits else Refusal.UNKNOWN_ID.value)
+
+    def _of_type(self, kind: str, stem: str) -> Iterator[Fact]:
+        type_ = self._types[stem]
+        if kind == "name":
+            names = {member.value: member.name for member in type_.enum}
+            low, high = _container(type_)
+            near = {value + step for value in names for step in (-1, 0, 1)}
+            for raw in sorted(raw for raw in near if low <= raw <= high):
+                yield Fact("name", stem, {}, (str(raw),), names.get(raw, "NULL"))
+            return
+        if kind == "from_double":
+            yield from self._of_double(stem, type_)
+            return
+        for parameters in self._assignments(*type_.parameters, *type_.numbers):
+            encoder = Encoder(parameters)
+            for raw in self._raws(encoder, type_):
+                valid = encoder.rejects_raw(self._field(type_), raw) is None
+                yield Fact("valid", stem, parameters, (str(raw),), str(int(valid)))
+
+    def _field(self, type_: Type) -> Field:
+        return next(f for m in self._edition.all_messages() for f in m.layout.fields if f.type is type_)
+
+    def _raws(self, encoder: Encoder, type_: Type) -> list[int]:
+        """Raw integers at the ends of what is valid, of the bits and of the type in C, and beyond."""
+        low, high = type_.raw_limits
+        ends = {low, high, 0, *(member.value for member in type_.enum), *(1 << flag.value for flag in type_.flags)}
+        if type_.flags:
+            ends |= {1 << bit for bit in range(type_.width)}
+        span = type_.raw_range.at(encoder.assignment)
+        if span is not None:
+            numbers = {n: Fraction(v) for n, v in encoder.assignment.items() if n in type_.numbers}
+            for bound in (span.low.at(numbers), span.high.at(numbers)):
+                if bound is not None and type_.encoding is not Encoding.FLOAT:
+                    ends |= {math.floor(bound), math.ceil(bound)}
+                elif bound is not None:
+                    bits = encoder.nearest_raw(self._field(type_), bound)
+                    ends |= {bits} if isinstance(bits, int) else set()
+        least, most = _container(type_)
+        near = {end + step for end in (*ends, least, most) for step in (-1, 0, 1)}
+        near |= {self._chance.randint(low, high) for _ in range(4)}
+        return sorted(raw for raw in near if least <= raw <= most)
+
+    def _of_double(self, stem: str, type_: Type) -> Iterator[Fact]:
+        """The raw integers of doubles at, between and beyond the ends of a type."""
+        field = self._field(type_)
+        for parameters in self._assignments(*type_.parameters, *type_.numbers):
+            encoder = Encoder(parameters)
+            linear = linear_of(type_, encoder.assignment)
+            values: list[float] = [0.0, -0.0, 1e300, -1e300, 2.0**63, -(2.0**63), 2.0**64, 5e-324]
+            if linear is not None and type_.encoding is not Encoding.FLOAT:
+                ends = {raw + step for raw in self._raws(encoder, type_) for step in (-1, 0, 1)}
+                parts = (Fraction(0), Fraction(1, 2), Fraction(-1, 2))
+                values += [float((end + part) * linear.scale + linear.offset) for end in ends for part in parts]
+                values += [math.nextafter(value, way) for value in values[8:] for way in (-math.inf, math.inf)]
+            for value in dict.fromkeys(values):
+                found = encoder.nearest_raw(field, Fraction(value))
+                rejection = found if isinstance(found, Rejection) else encoder.rejects_raw(field, found)
+                answer = rejection.reason.value if rejection else str(found)
+                yield Fact("from_double", stem, parameters, (repr(value),), answer)
+            for text in ("nan", "inf", "-inf"):
+                found = encoder.nearest_raw(field, text)
+                assert isinstance(found, Rejection)
+                yield Fact("from_double", stem, parameters, (text,), found.reason.value)
+
+    def _of_milli(self, type_: Type) -> Iterator[Fact]:
+        """Thousandths of the ends of a type, and the raw integers of thousandths around them."""
+        field = self._field(type_)
+        for parameters in self._assignments(*type_.parameters, *type_.numbers):
+            encoder = Encoder(parameters)
+            at_zero = encoder.nearest_raw(field, Fraction(0))
+            low, high = type_.raw_limits
+            for raw in (raw for raw in self._raws(encoder, type_) if low <= raw <= high):
+                if isinstance(at_zero, Rejection):
+                    for direction in ("to", "from"):
+                        yield Fact("milli", type_.name, parameters, (direction, str(raw)), at_zero.reason.value)
+                    continue
+                linear = type_.linear.at(encoder.assignment)
+                assert linear is not None
+                numbers = {n: Fraction(v) for n, v in encoder.assignment.items() if n == linear.times}
+                linear = linear.at(numbers)
+                assert linear is not None
+                exact = (raw * linear.scale + linear.offset) * 1000
+                yield Fact("milli", type_.name, parameters, ("to", str(raw)), str(_rounded(exact)))
+                half = abs(linear.scale) * 500
+                near = {math.floor(exact + part) + step for part in (-half, 0, half) for step in (-1, 0, 1)}
+                for milli in sorted(near):
+                    found = encoder.nearest_raw(field, Fraction(milli, 1000))
+                    rejection = found if isinstance(found, Rejection) else encoder.rejects_raw(field, found)
+                    answer = rejection.reason.value if rejection else str(found)
+                    yield Fact("milli", type_.name, parameters, ("from", str(milli)), answer)
+
+
+def _rounded(number: Fraction) -> int:
+    size = math.floor(abs(number) + Fraction(1, 2))
+    return size if number >= 0 else -size
+
+
+def _container(type_: Type) -> tuple[int, int]:
+    """What the integer of C holds."""
+    width = next(w for w in (8, 16, 32, 64) if type_.width <= w)
+    if type_.encoding is Encoding.SIGNED:
+        return -(1 << (width - 1)), (1 << (width - 1)) - 1
+    return 0, (1 << width) - 1

@@ -1,0 +1,84 @@
+"""The generated C++17 header, compiled into a small program and driven through its overloads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from canwright.model.edition import Edition
+from canwright.model.layout import Field
+from canwright.model.types import Encoding
+from canwright.targets import c as target
+from canwright.targets.base import Specification
+from canwright.targets.c.cxx import CxxView, FieldView, cxx_view
+from canwright.targets.c.names import layouts
+from canwright.targets.c.view import edition_view
+
+from ...compilers import SANITIZED, WARNINGS, ZIG
+from ..adapter import write_files
+from .c import CAdapter
+
+TEMPLATE = Path(__file__).with_name("cxx_harness.cpp.j2")
+FLAGS = ("-O0", "-g0", "-fno-exceptions", "-fno-rtti", *SANITIZED)
+
+
+class CxxAdapter(CAdapter):
+    """Answers through `encode`, `decode`, `get`, `set` and `has`; the program speaks the protocol of that for C."""
+
+    name = "cxx"
+
+    @classmethod
+    def create(cls, specification: Specification, workdir: Path) -> CxxAdapter:
+        """Compiles a program around the generated header."""
+        folder = write_files(target.generate([specification], {}), workdir)
+        source = folder / "harness.cpp"
+        source.write_text(cxx_harness(specification.edition), "utf-8")
+        unit, program = folder / "harness.o", folder / "harness"
+        ZIG.run("c++17", *WARNINGS, *FLAGS, f"-I{folder / 'include'}", "-c", source, "-o", unit)
+        ZIG.run("c++17", *FLAGS, "-nostdlib++", unit, "-o", program)  # zig would first build the library, for a minute
+        return cls(specification.edition, program)
+
+
+def cxx_harness(edition: Edition) -> str:
+    """The text of the program."""
+    view = edition_view(edition)
+    names = cxx_view(edition, view)
+    with_fields = [fields for fields in map(_fields, layouts(edition)) if fields]
+    environment = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    return environment.from_string(TEMPLATE.read_text("utf-8")).render(
+        e=view,
+        x=names,
+        include=f"{edition.family}/{edition.identifier}",
+        choices={enum.name: enum.members for enum in names.enums},
+        messages=[message.name for message in edition.all_messages()],
+        commands=[message.command for message in edition.all_messages()],
+        structs=[
+            {"name": struct.name, "fields": [_field(names, *pair) for pair in zip(fields, struct.fields, strict=True)]}
+            for fields, struct in zip(with_fields, names.structs, strict=True)
+        ],
+    )
+
+
+def _fields(layout: Any) -> list[Field]:
+    return [field for field in layout.fields if field.fixed is None]
+
+
+def _field(names: CxxView, field: Field, view: FieldView) -> dict[str, Any]:
+    enums = {enum.name: enum for enum in names.enums}
+    tags = {tag.value: tag.name for tag in names.tags}
+    enum = enums.get(view.named or view.flags)
+    members = (*field.type.enum, *field.type.flags)
+    return {
+        "name": field.name,
+        "tag": tags[view.tag],
+        "member": view.member,
+        "kind": view.kind,
+        "signed": field.type.encoding is Encoding.SIGNED,
+        "places": [(f"[{i}]", f", {i}u") for i in range(view.length)] or [("", "")],
+        "named": view.named,
+        "flags": view.flags,
+        "has_names": enum is not None and bool(enum.name_function),
+        "members": [(m.name, e.name) for m, e in zip(members, enum.members, strict=True)] if enum else [],
+        "conversion": next((one for one in view.conversions if not one.ending), None),
+    }

@@ -1,0 +1,375 @@
+"""Questions to the targets of an edition, near the limits of every message and at random, and the comparison of answers."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import random
+import struct
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from canwright.model.edition import Edition
+from canwright.model.layout import Field, Space, bits_of
+from canwright.model.message import Direction, Key, Message
+from canwright.model.refusal import Refusal
+from canwright.model.types import Encoding, Parameter
+from canwright.semantics.decoder import Decoder, Rejection, linear_of
+from canwright.semantics.encoder import Encoder, Encoders
+from canwright.semantics.frame import wrong_constants
+from canwright.semantics.parameters import number
+
+from ..semantics.random_frames import random_frame
+from .adapter import Adapter, CanFrame, Decoded, Encoded, Parameters, Raw, Refused
+
+Answer = Decoded | Encoded | Refused | None
+
+NUMBERS = ("1", "6", "3.5", "0.25", "36")
+"""The values of number parameters; few, because a DBC is generated for each."""
+
+HUGE = (Fraction(2.0**63), Fraction(-(2.0**63)), Fraction(1e300), Fraction(-1e300), Fraction(2.0**-1074))
+
+
+@dataclass(frozen=True)
+class Question:
+    """A call of a method of `Adapter`; `kind` groups questions, as a target may be unable to answer some kinds."""
+
+    kind: str
+    task: str
+    arguments: tuple[Any, ...]
+
+    def ask(self, adapter: Adapter) -> Answer:
+        """The answer of a target. Raises Cannot."""
+        answer: Answer = getattr(adapter, self.task)(*self.arguments)
+        return answer
+
+
+class Questions:
+    """Questions about one edition. Equal seeds give equal questions.
+
+    Values are doubles, because C has no other numbers; with `fractions`, most of them are exact fractions.
+    """
+
+    def __init__(self, edition: Edition, seed: int = 1, *, fractions: bool = False) -> None:
+        self._edition = edition
+        self._chance = random.Random(seed)
+        self._decoder = Decoder(edition)
+        self._encoders = Encoders()
+        self._messages = list(edition.all_messages())
+        self._fractions = fractions
+        self._choices = [(p.name, list(_values(edition, p))) for p in edition.parameters]
+
+    def forever(self) -> Iterator[Question]:
+        """Round after round."""
+        while True:
+            yield from self.round()
+
+    def round(self) -> Iterator[Question]:
+        """Questions about every message: each limit of its id, its length, its keys, its fields and its reply."""
+        for message in self._messages:
+            yield from self._frames(message)
+            yield from self._raws(message)
+            yield from self._given_values(message)
+            if message.direction is Direction.REQUEST:
+                yield from self._replies(message)
+
+    def _parameters(self) -> Parameters:
+        """A value for most parameters."""
+        known = ((name, self._chance.choice(values)) for name, values in self._choices if self._chance.random() < 0.9)
+        return {name: value for name, value in known if value is not None}
+
+    def _nodes(self, message: Message) -> Sequence[int | None]:
+        """A node, both ends of the nodes, and beyond them."""
+        nodes = message.id.nodes
+        if nodes is None:
+            return (None,)
+        ends = (nodes[0], nodes[-1], nodes[-1] + 1, *((nodes[0] - 1,) if nodes[0] else ()), 1 << 32 - 1)
+        return (self._chance.choice(nodes), *ends)
+
+    def _node(self, message: Message) -> int | None:
+        return self._nodes(message)[0]
+
+    def _frames(self, message: Message) -> Iterator[Question]:
+        """Frames of a message, by itself and as a message that is expected."""
+        for frame in (*self._near(message), *self._random(message)):
+            known = self._parameters()
+            for direction in Direction:
+                yield Question("decode", "decode", (direction, frame, known, None))
+            yield Question("decode expected", "decode", (message.direction, frame, known, message.command))
+
+    def _near(self, message: Message) -> Iterator[CanFrame]:
+        """A frame of a message, and frames that differ from it in one part."""
+        chance = self._chance
+        frame = self._frame(message, self._node(message))
+        ids = frame.id & message.id_mask
+        for node in self._nodes(message)[:-1]:
+            if node is not None:
+                yield dataclasses.replace(frame, id=message.id.base + node * message.id.node_step | ids)
+        bits = 29 if message.id.extended else 11
+        for bit in (chance.randrange(bits), chance.randrange(bits), chance.randrange(29)):
+            yield dataclasses.replace(frame, id=frame.id ^ 1 << bit)
+        yield dataclasses.replace(frame, extended=not frame.extended)
+        yield dataclasses.replace(frame, remote=not frame.remote)
+        if not frame.remote:
+            for length in {0, 8, message.dlc - 1, message.dlc + 1} & set(range(9)):
+                yield dataclasses.replace(frame, data=frame.data[:length].ljust(length, b"\0"))
+            fixed = (f for f in message.layout.fields if f.fixed is not None)
+            parts = [(k.space, bits_of(k.segments)) for k in message.keys]
+            parts += [(f.space, e.bits) for f in fixed for e in f.elements]
+            for space, bits_ in parts:
+                yield _flipped(frame, space, chance.choice(list(bits_)))
+
+    def _random(self, message: Message) -> Iterator[CanFrame]:
+        """Frames with random data and frames with something of another message."""
+        for _ in range(4):
+            yield self._frame(message, self._node(message), noise=True)
+            yield random_frame(message, self._chance.choice(self._messages), self._chance)
+        yield CanFrame(self._chance.getrandbits(11), self._chance.randbytes(self._chance.randrange(9)))
+        yield CanFrame(self._chance.getrandbits(29), self._chance.randbytes(self._chance.randrange(9)), True)
+
+    def _frame(self, message: Message, node: int | None, noise: bool = False) -> CanFrame:
+        """A frame of a message, or of one of its accepted keys; with `noise`, bits without a meaning are random."""
+        encoder = self._encoders.under(self._known(message))
+        raws = {name: self._raw(encoder, field) for name, field in (encoder.fields(message) or {}).items()}
+        frame = encoder.encode_raws(message, node, raws)
+        assert isinstance(frame, CanFrame), frame
+        keys: list[tuple[Key, tuple[int, ...]]] = [(key, (key.value,)) for key in message.keys]
+        if keys and (message.accept or message.claims):
+            keys[0] = (keys[0][0], (*message.accept, *message.claims))
+        id_, word = frame.id, int.from_bytes(frame.data, "little")
+        if noise:
+            word |= self._chance.getrandbits(8 * len(frame.data) or 1)
+        for key, values in keys:
+            value = self._chance.choice(values)
+            for i, bit in enumerate(bits_of(key.segments)):
+                change = (value >> i & 1) << bit
+                if key.space is Space.ID:
+                    id_ = id_ & ~(1 << bit) | change
+                else:
+                    word = word & ~(1 << bit) | change
+        data = (word & (1 << 8 * len(frame.data)) - 1).to_bytes(len(frame.data), "little")
+        return dataclasses.replace(frame, id=id_, data=data)
+
+    def _known(self, message: Message) -> Parameters:
+        """Parameters under which the fields of a message are known."""
+        known = dict(self._parameters())
+        name = message.layout.parameter
+        if name is not None and name not in known:
+            known[name] = self._chance.choice(self._edition.parameter(name).values).name
+        return known
+
+    def _raw(self, encoder: Encoder, field: Field) -> Raw:
+        """A valid raw integer of a field, or a list for an array."""
+        raws = [self._chance.choice(self._valid(encoder, field)) for _ in field.elements]
+        return raws if field.is_array else raws[0]
+
+    def _valid(self, encoder: Encoder, field: Field) -> list[int]:
+        return [raw for raw in self._candidates(encoder, field) if encoder.rejects_raw(field, raw) is None] or [0]
+
+    def _candidates(self, encoder: Encoder, field: Field) -> list[int]:
+        """Raw integers at the limits of a field, beyond them, and between."""
+        type_, chance = field.type, self._chance
+        low, high = type_.raw_limits
+        ends = {low, high, 0, 1}
+        span = type_.raw_range.at(encoder.assignment)
+        if type_.encoding is Encoding.FLOAT:
+            near = [0.0, -0.0, 1.0, -1.0, chance.uniform(-10, 10), math.inf, -math.inf, math.nan, 3e38, 1e-40]
+            if span is not None:
+                numbers = [float(end.constant) for end in (span.low, span.high)]
+                near += [n for number in numbers for n in (number, number * 1.000001, number * 0.999999)]
+            bits = (encoder.nearest_raw(field, Fraction(n)) for n in near if math.isfinite(n))
+            return [*(b for b in bits if isinstance(b, int)), chance.getrandbits(type_.width), high, 0]
+        if span is not None:
+            numbers_ = {n: Fraction(v) for n, v in encoder.assignment.items() if n in type_.numbers}
+            for bound in (span.low.at(numbers_), span.high.at(numbers_)):
+                ends |= {math.floor(bound), math.ceil(bound)} if bound is not None else set()
+        ends |= {member.value for member in type_.enum} | {1 << flag.value for flag in type_.flags}
+        mask = sum(1 << flag.value for flag in type_.flags)
+        inner = [chance.getrandbits(type_.width) & mask] if mask else [chance.randint(low, high) for _ in range(4)]
+        bounds = sorted(ends)
+        inner += [chance.randint(a, b) for a, b in itertools.pairwise(bounds[1:-1]) if b - a > 2][:4]
+        return [*inner, *(near for end in bounds for near in (end - 1, end, end + 1))]
+
+    def _raws(self, message: Message) -> Iterator[Question]:
+        """Every limit of every field, one field at a time, and every limit of the node."""
+        known = self._parameters()
+        for node in self._nodes(message):
+            encoder = self._encoders.under(known)
+            raws = {name: self._raw(encoder, field) for name, field in (encoder.fields(message) or {}).items()}
+            if encoder.fields(message) is not None:
+                yield Question("encode raw", "encode_raw", (*_start(message), node, raws, known))
+        known = self._known(message)
+        encoder = self._encoders.under(known)
+        fields = encoder.fields(message) or {}
+        for name, field in fields.items():
+            for candidate in self._candidates(encoder, field):
+                raws = {other: self._raw(encoder, one) for other, one in fields.items()}
+                there = raws[name]
+                if isinstance(there, list):
+                    there[self._chance.randrange(len(there))] = candidate
+                else:
+                    raws[name] = candidate
+                yield Question("encode raw", "encode_raw", (*_start(message), self._node(message), raws, known))
+
+    def _given_values(self, message: Message) -> Iterator[Question]:
+        """Values at the limits of every field, ties, and what is no number."""
+        known = self._known(message)
+        encoder = self._encoders.under(known)
+        fields = encoder.fields(message) or {}
+        for name, field in fields.items():
+            for kind, candidate in self._values_of(encoder, field):
+                values = {other: self._value(encoder, one) for other, one in fields.items()}
+                values[name] = [candidate] * len(field.elements) if field.is_array else candidate
+                if all(value is not None for value in values.values()):
+                    yield Question(kind, "encode_values", (*_start(message), self._node(message), values, known))
+
+    def _value(self, encoder: Encoder, field: Field) -> Any:
+        """A valid value; None where the field has no scale."""
+        values = [
+            self._of_raw(encoder, field, self._chance.choice(self._valid(encoder, field))) for _ in field.elements
+        ]
+        return None if None in values else values if field.is_array else values[0]
+
+    def _of_raw(self, encoder: Encoder, field: Field, raw: int, steps: Fraction = Fraction(0)) -> Any:
+        """The value of a raw integer and a part of a step, as a double or as a fraction."""
+        type_ = field.type
+        if type_.enum:
+            return next((member.name for member in type_.enum if member.value == raw), type_.enum[0].name)
+        if type_.flags:
+            return [flag.name for flag in type_.flags if raw >> flag.value & 1]
+        linear = linear_of(type_, encoder.assignment)
+        if linear is None:
+            return None
+        exact = Fraction(_number(type_.encoding, type_.width, raw)) + steps
+        exact = exact * linear.scale + linear.offset
+        if self._fractions and self._chance.random() < 0.7:
+            return exact
+        return Fraction(float(exact))
+
+    def _values_of(self, encoder: Encoder, field: Field) -> Iterator[tuple[str, Any]]:
+        """Values of raw integers; values between them, ties included, and values that no raw integer has."""
+        type_ = field.type
+        half, little = Fraction(1, 2), Fraction(1, 1 << 20)
+        for raw in dict.fromkeys(self._candidates(encoder, field)):
+            yield "encode values", self._of_raw(encoder, field, raw)
+            if type_.is_number and type_.encoding is not Encoding.FLOAT:
+                sign = self._chance.choice((-1, 1))
+                for part in (half - little, half, half + little):
+                    yield "encode between", self._of_raw(encoder, field, raw, sign * part)
+        if type_.is_number:
+            yield from (("encode between", value) for value in ("nan", "inf", "-inf", *HUGE))
+
+    def _replies(self, message: Message) -> Iterator[Question]:
+        """Replies to a request, and frames that differ from them in one part.
+
+        The constants of the request are right: C rejects a request for them, Python and the reference decoder compare
+        no more than its id, its length and its keys.
+        """
+        pairs = itertools.chain(self._answers(message), self._requests(message))
+        for request, reply in pairs:
+            sent = self._decoder.identify(Direction.REQUEST, request)
+            if isinstance(sent, Rejection) or not wrong_constants(sent.message.layout.fields, request):
+                yield Question("answers", "answers", (request, reply))
+
+    def _answers(self, message: Message) -> Iterator[tuple[CanFrame, CanFrame]]:
+        """A request with replies from the nodes near its own, each also with a part changed."""
+        chance = self._chance
+        command = self._edition.command(message.command)
+        node = self._node(message)
+        request = self._frame(message, node, noise=True)
+        others = [m for m in self._messages if m.direction is Direction.REPLY]
+        for reply in (m for m in (command.reply, chance.choice(others) if others else None) if m is not None):
+            nodes = reply.id.nodes
+            to = command.from_each or ((node,) if nodes is not None and node in nodes else (None,))
+            near = {n + step for n in to if n is not None for step in (-1, 0, 1, 2, 4)} & set(nodes or ())
+            for one in (*sorted(near), *((chance.choice(nodes),) if nodes is not None else (None,))):
+                answer = self._frame(reply, one)
+                if command.is_echoed and reply is command.reply and chance.random() < 0.8:
+                    answer = dataclasses.replace(answer, data=request.data)
+                yield request, answer
+                yield from ((request, changed) for changed in self._changed(reply, answer))
+
+    def _changed(self, message: Message, frame: CanFrame) -> Iterator[CanFrame]:
+        """A frame with one bit changed, in each of some fields of the id and in each byte, and with another length."""
+        for field in (f for f in message.layout.fields if f.space is Space.ID):
+            yield _flipped(frame, Space.ID, field.elements[0].bits[0])
+        for byte in range(len(frame.data)):
+            yield _flipped(frame, Space.DATA, 8 * byte + self._chance.randrange(8))
+        for length in {len(frame.data) - 1, len(frame.data) + 1, 0} & set(range(9)):
+            yield dataclasses.replace(frame, data=frame.data[:length].ljust(length, b"\0"))
+
+    def _requests(self, message: Message) -> Iterator[tuple[CanFrame, CanFrame]]:
+        """Frames that are nearly a request, with its reply."""
+        reply = self._edition.command(message.command).reply or message
+        for frame in self._near(message):
+            yield frame, self._frame(reply, self._node(reply))
+
+
+def _start(message: Message) -> tuple[Direction, str]:
+    return message.direction, message.command
+
+
+def _values(edition: Edition, parameter: Parameter) -> Iterator[str]:
+    """The values of a choice, and some that a number can have."""
+    yield from (value.name for value in parameter.values)
+    if not parameter.is_choice:
+        for text in NUMBERS:
+            try:
+                number(edition, parameter, text)
+            except ValueError:
+                continue
+            yield text
+
+
+def _number(encoding: Encoding, width: int, raw: int) -> Fraction | int:
+    """The number that raw bits are."""
+    if encoding is not Encoding.FLOAT:
+        return raw
+    code = {32: ("<f", "<I"), 64: ("<d", "<Q")}[width]
+    found: float = struct.unpack(code[0], struct.pack(code[1], raw))[0]
+    return Fraction(found) if math.isfinite(found) else 0
+
+
+def _flipped(frame: CanFrame, space: Space, bit: int) -> CanFrame:
+    """A frame with another value of one bit."""
+    if space is Space.ID:
+        return dataclasses.replace(frame, id=frame.id ^ 1 << bit)
+    word = int.from_bytes(frame.data, "little") ^ 1 << bit
+    return dataclasses.replace(frame, data=(word & (1 << 8 * len(frame.data)) - 1).to_bytes(len(frame.data), "little"))
+
+
+def disagreement(wanted: Answer, found: Answer, tolerance: float = 0.0) -> str:
+    """The first part in which an answer differs from that of the reference; empty if they agree."""
+    if isinstance(wanted, Decoded) and isinstance(found, Decoded):
+        for part in ("command", "node", "raw"):
+            if getattr(wanted, part) != getattr(found, part):
+                return f"{part} {getattr(found, part)}, not {getattr(wanted, part)}"
+        return _differing(wanted.values, found.values, tolerance)
+    if isinstance(wanted, Refused) and isinstance(found, Refused):
+        names = wanted.field is not None and found.field not in (None, "") and wanted.says is not Refusal.UNKNOWN_NODE
+        if wanted.says is not found.says or (names and wanted.field != found.field):
+            return f"{found}, not {wanted}"
+        return ""
+    return "" if wanted == found else f"{found}, not {wanted}"
+
+
+def _differing(wanted: Mapping[str, Any], found: Mapping[str, Any], tolerance: float) -> str:
+    for name in {**wanted, **found}:
+        if name not in wanted or name not in found or not _same(wanted[name], found[name], tolerance):
+            if tolerance and wanted.get(name) is None and found.get(name) is None:
+                continue  # a target that is not exact cannot tell why there is no value
+            return f"{name} is {found.get(name, 'missing')!r}, not {wanted.get(name, 'missing')!r}"
+    return ""
+
+
+def _same(wanted: Any, found: Any, tolerance: float) -> bool:
+    if isinstance(wanted, list) and isinstance(found, list):
+        return len(wanted) == len(found) and all(_same(w, f, tolerance) for w, f in zip(wanted, found, strict=True))
+    if isinstance(found, float) and not math.isfinite(found):
+        return wanted is None
+    if isinstance(wanted, float) and isinstance(found, (int, float)):
+        return abs(found - wanted) <= tolerance * abs(wanted)
+    return bool(wanted == found)

@@ -1,0 +1,118 @@
+"""The self-test of every edition: it passes, it notices broken headers, and it runs on other machines."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from canwright.project.loader import specification
+from canwright.targets import c
+
+from ..assurance import machines
+from ..assurance.targets import MACHINES, Result, main, run, write
+from ..compilers import CORTEX_M0, STANDARDS, WARNINGS, ZIG, Compiler, build, each_compiler
+from ..spec_texts import MINIMAL, ROOT, SPECS, called
+from .test_c_compiles import MAIN
+
+STEPS = {"decode": 1, "fields": 2, "decode any": 3, "encode": 4, "reject frame": 5, "reject message": 6, "reply": 7}
+
+
+def result(source: Path) -> Result:
+    """The result on this machine."""
+    program = build([source], source.parent / "include", source.with_suffix(""))
+    output = subprocess.run([program], capture_output=True, text=True, check=True).stdout
+    return Result(*map(int, output.split()))
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_every_edition_passes(spec: Path, tmp_path: Path) -> None:
+    item = specification(spec)
+    assert item.frames is not None
+    cases, failures, first, step = result(write(item, tmp_path))
+    assert (failures, first, step) == (0, 0, 0)
+    assert cases >= len(item.frames.frames) + len(item.frames.exchanges)
+
+
+@pytest.mark.parametrize(
+    ("step", "pattern", "replacement"),
+    [
+        (
+            "decode",
+            r"(set_torque_request_decode\([^{]*\{\n)",
+            r"\1    if (frame->data[4] == 0x64u) { return CANWRIGHT_WRONG_CONSTANT; }\n",
+        ),
+        ("fields", r"(message->iq = [^;]*)frame->data\[5\]", r"\1frame->data[6]"),
+        (
+            "decode any",
+            r"(_decode_reply\([^{]*\{\n)",
+            r"\1    if (frame->dlc == 8u) { return CANWRIGHT_UNKNOWN_CODE; }\n",
+        ),
+        ("encode", r"frame->data\[5\] = ", "frame->data[6] = "),
+        ("reject frame", r"return CANWRIGHT_WRONG_LENGTH;", "return CANWRIGHT_UNKNOWN_CODE;"),
+        ("reject message", r"return CANWRIGHT_OUT_OF_RANGE;", "return CANWRIGHT_NOT_FINITE;"),
+        ("reply", r"answers \? CANWRIGHT_OK : CANWRIGHT_NOT_ANSWER", "CANWRIGHT_OK"),
+    ],
+)
+def test_a_broken_header_fails(step: str, pattern: str, replacement: str, tmp_path: Path) -> None:
+    source = write(specification(MAIN), tmp_path)
+    header = tmp_path / "include/mwd_motor/v2_35.h"
+    text, changes = re.subn(pattern, replacement, header.read_text("utf-8"))
+    assert changes
+    header.write_text(
+        text.replace("    bool answers = false;\n", "    bool answers = false; (void)answers;\n"), "utf-8"
+    )
+    found = result(source)
+    assert found.failures and found.first
+    assert found.step == STEPS[step]
+
+
+UNIT = """\
+#include <mwd_motor/v2_35_selftest.h>
+#include <mwd_motor/v2_36_2025_03_selftest.h>
+uint16_t test(canwright_selftest_t *result);
+uint16_t test(canwright_selftest_t *result)
+{
+    const uint16_t failures = mwd_motor_v2_35_selftest(result);
+    return failures != 0u ? failures : mwd_motor_v2_36_2025_03_selftest(result);
+}
+"""
+
+
+@each_compiler
+@pytest.mark.parametrize("standard", STANDARDS)
+def test_no_warning(standard: str, compiler: Compiler, tmp_path: Path) -> None:
+    """With two editions in one unit; zig compiles for a Cortex-M0 without any library."""
+    unit = tmp_path / "unit.c"
+    unit.write_text(UNIT, "utf-8")
+    language = ("-x", "c++") if standard.startswith("c++") else ()
+    machine = CORTEX_M0 if compiler is ZIG else ()
+    flags = (*machine, *WARNINGS, "-Os", f"-I{ROOT / 'generated/c/include'}", *language)
+    compiler.run(standard, *flags, "-c", unit, "-o", tmp_path / "unit.o")
+
+
+def test_without_golden_frames_there_is_none(tmp_path: Path) -> None:
+    spec = tmp_path / "v1.yaml"
+    spec.write_text(MINIMAL, "utf-8")
+    assert not [output for output in c.generate([specification(spec)], {}) if "v1_selftest" in output.path]
+
+
+def test_a_missing_tool_is_named_with_its_package(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    monkeypatch.setattr("tests.assurance.targets.SPECS", SPECS[-1:])
+    assert main(["avr"]) == 2
+    assert "avr-gcc is not installed; on Debian: apt-get install gcc-avr avr-libc" in capsys.readouterr().err
+    with pytest.raises(machines.MissingToolError, match="apt-get install qemu-user"):
+        machines.tool("qemu-s390x")
+
+
+@pytest.mark.machine
+@pytest.mark.parametrize("name", ["s390x", "powerpc", "arm", "avr"])
+def test_on_another_machine(name: str, tmp_path: Path) -> None:
+    machine = next(machine for machine in MACHINES if machine.name == name)
+    found = run(machine, write(specification(MAIN), tmp_path))
+    assert found.cases > 400
+    assert found.failures == 0
