@@ -3,10 +3,16 @@
  * @file
  * MS, MF, MH and MG motors on CAN: values in their units, as floating point.
  *
- * A conversion to `float` or `double` returns the exact value of a raw integer, rounded once to the nearest number. A
- * conversion from them takes the given number for what it is exactly and stores the nearest raw integer, ties away from
- * zero; a value that does not fit, NaN and infinity are rejected. The functions for `float` never use `double`, which does
- * not exist where it has fewer than 64 bits.
+ * From a value: minus the offset, times the denominator of the scale, divided by its numerator, each operation rounded;
+ * then the nearest raw integer, ties away from zero. So 0.15 at 0.1 per LSB is 2. From 2^51 LSB on, a `double` is
+ * converted exactly. A value that does not fit, NaN and infinity are rejected.
+ *
+ * From a raw integer to `double`: rounded once, to the nearest number, if the products of raw integer, scale and
+ * parameter fit in 64 bits, else wrong by at most 4 * 2^-52 of the magnitudes of value and offset together.
+ *
+ * The functions for `float` never use `double`. They divide once if the products fit in 24 bits, so the result is the
+ * nearest number. Otherwise the error in either direction is at most 7 * 2^-24 of the magnitudes of value and offset
+ * together, 11 * 2^-24 with a parameter as a factor of the scale.
  *
  * Neither is true with -ffast-math, which lets the compiler ignore NaN and round differently. An x87 unit, and
  * -fsingle-precision-constant, can change the last bit of a value that is converted to `double`.
