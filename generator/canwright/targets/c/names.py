@@ -37,7 +37,7 @@ TYPE_ENDINGS = (
     *("_to_milli", "_from_milli", "_to_float", "_from_float", "_to_double", "_from_double"),
 )
 SCALE_MACROS = ("UNIT", "SCALE_NUM", "SCALE_DEN", "OFFSET_NUM", "OFFSET_DEN")
-LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack", "_show", "_matches")
+LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack", "_print", "_matches")
 MESSAGE_ENDINGS = ("_encode", "_decode")
 ADDRESS_ENDINGS = (
     *("_request_id", "_request_node", "_request_filter"),
