@@ -68,6 +68,11 @@ class Mutant:
     """The line of the first change, before and after it."""
 
     @property
+    def is_runtime(self) -> bool:
+        """Whether the header is the same for every protocol."""
+        return self.file.startswith("canwright")
+
+    @property
     def key(self) -> tuple[str, str, str]:
         """What identifies it when the header is generated again."""
         return self.function, self.original, self.mutated

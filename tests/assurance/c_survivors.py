@@ -14,12 +14,13 @@ import subprocess
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets import c as target
 from canwright.targets.base import Specification
 
 from ..compilers import SANITIZED, ZIG
-from ..conformance.adapter import Adapter, Refused, write_files
+from ..conformance.adapter import Adapter, CanFrame, Refused, write_files
 from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.c_harness import harness, header_text
 from ..conformance.questions import Questions
@@ -78,15 +79,13 @@ class Subject:
         return file
 
     def mutants(self) -> list[Mutant]:
-        """All mutants of the headers, without those of functions that no question reaches."""
+        """The mutants of the headers, without those of functions that no question reaches."""
         reached = used("\n".join(self.headers.values()), self._harness.read_text("utf-8"))
-        every = (mutant for name, text in self.headers.items() for mutant in mutants(name, text))
-        return [mutant for mutant in every if not mutant.function or mutant.function in reached]
+        return [mutant for mutant in self.all_mutants() if not mutant.function or mutant.function in reached]
 
-    def unused(self) -> list[str]:
-        """The functions that no question reaches."""
-        text = "\n".join(self.headers.values())
-        return sorted({one.name for one in functions(text)} - used(text, self._harness.read_text("utf-8")))
+    def all_mutants(self) -> list[Mutant]:
+        """All mutants of the headers."""
+        return [mutant for name, text in self.headers.items() for mutant in mutants(name, text)]
 
     def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
         """Those of some mutants that answer as the original does."""
@@ -187,6 +186,13 @@ def _ask_everything(item: Specification, adapter: CAdapter) -> None:
     assert not report.failures, report.failures[:10]
     wrong = adapter.wrong_facts()
     assert not wrong, wrong[:10]
+    for frame in item.frames.frames:  # `tests/targets/test_c_print.py` compares these with the model
+        adapter.text(frame.direction, CanFrame(frame.id, frame.data, frame.extended, frame.remote), frame.parameters)
+    for address in item.edition.addresses:
+        for direction in Direction:
+            for node in address.rule(direction).nodes or ():
+                if item.edition.of_rule(direction, address.rule(direction)):
+                    adapter.filter(address.name, direction, node)
     every = list(Questions(item.edition).round())
     (comparison,) = compare(item, [adapter], random.Random(1).sample(every, min(len(every), QUICK)))
     assert not comparison.disagreements, comparison.disagreements[:10]

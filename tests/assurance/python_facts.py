@@ -124,13 +124,19 @@ def _check_ids(message: Message, module: ModuleType) -> None:
 
 
 def _messages(item: Specification, module: ModuleType) -> Iterator[Any]:
-    """The messages of the golden frames."""
+    """The messages of the golden frames, and of these with one byte changed, whose values are often invalid."""
     assert item.frames is not None
     adapter = PythonAdapter(item.edition, module)
     for frame in item.frames.frames:
         known = adapter.parameters(frame.parameters)
         decode = module.decode_request if frame.direction is Direction.REQUEST else module.decode_reply
-        yield decode(frame.id, frame.data, known, extended=frame.extended, remote=frame.remote)
+        for byte in (None, *range(len(frame.data))):
+            data = bytearray(frame.data)
+            if byte is not None:
+                data[byte] ^= 0xFF
+            found = _outcome(decode, frame.id, data, known, extended=frame.extended, remote=frame.remote)
+            if not isinstance(found, Rejected):
+                yield found
 
 
 def _check_value(message: Any) -> None:

@@ -17,6 +17,9 @@ OPERATORS: dict[type[ast.operator], ast.operator] = {
     one: other() for pair in _PAIRS for one, other in itertools.permutations(pair)
 }
 OPERATORS |= {ast.Div: ast.Mult(), ast.Mod: ast.Mult(), ast.BitXor: ast.BitOr()}
+RUNTIME = ("_codec.py", "_dispatch.py", "nodes.py")
+"""The modules that are mutated besides the edition; the others convert for other packages."""
+
 WORDS = {"little": "big", "big": "little"}
 
 _FORMAT = re.compile(r"[<>][0-9xbBhHiIlLqQfds]+")
@@ -34,6 +37,11 @@ class Mutant:
     new: str
     original: str
     mutated: str
+
+    @property
+    def is_runtime(self) -> bool:
+        """Whether the module is the same for every protocol."""
+        return self.file in RUNTIME
 
     @property
     def key(self) -> tuple[str, str, str]:

@@ -24,10 +24,7 @@ from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Answer, Question, Questions, disagreement
 from ..conformance.runner import Runner
 from .python_facts import check_package
-from .python_mutants import Mutant, changed, mutants
-
-MUTATED = ("_codec.py", "_dispatch.py", "nodes.py")
-"""The modules of the runtime that are mutated besides the edition; others convert for other packages."""
+from .python_mutants import RUNTIME, Mutant, changed, mutants
 
 SECONDS = 60
 """A mutant that takes longer is killed."""
@@ -103,18 +100,13 @@ class Subject:
         return sys.modules[self._module]
 
     def mutants(self) -> list[Mutant]:
-        """All mutants of the edition and the runtime, without those of functions that are not called."""
-        return [m for m in self._all() if not m.line or (m.file, m.line) in self._called]
+        """The mutants of the edition and the runtime, without those of functions that are not called."""
+        return [m for m in self.all_mutants() if not m.line or (m.file, m.line) in self._called]
 
-    def unused(self) -> list[str]:
-        """The functions that are not called."""
-        left = (m for m in self._all() if m.line and (m.file, m.line) not in self._called)
-        return sorted({f"{m.file}:{m.function}" for m in left})
-
-    def _all(self) -> Iterator[Mutant]:
-        for file in (*MUTATED, f"{self.item.edition.identifier}.py"):
-            if file in self._texts:
-                yield from mutants(file, self._texts[file])
+    def all_mutants(self) -> list[Mutant]:
+        """All mutants of the edition and the runtime."""
+        files = (*RUNTIME, f"{self.item.edition.identifier}.py")
+        return [mutant for file in files for mutant in mutants(file, self._texts[file])]
 
     def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
         """Those of some mutants with which every answer is right."""

@@ -185,15 +185,21 @@ class Facts:
         for stem, type_ in self._types.items():
             found |= {names.upper(stem, member.name): member.value for member in type_.enum}
             found |= {names.upper(stem, flag.name): 1 << flag.value for flag in type_.flags}
-            span = type_.raw_range.constant
-            if span is not None and type_.encoding is not Encoding.FLOAT and type_.is_number:
+            linear = type_.linear.constant
+            if linear is not None:
+                found[names.upper(stem, "scale_num")] = linear.scale.numerator
+                found[names.upper(stem, "scale_den")] = linear.scale.denominator
+                found[names.upper(stem, "offset_num")] = linear.offset.numerator
+                found[names.upper(stem, "offset_den")] = linear.offset.denominator
+            spans = {"": type_.raw_range.constant, **{f"_{n}": span for n, span in type_.raw_range.cases.items()}}
+            for case, span in spans.items() if type_.encoding is not Encoding.FLOAT else ():
                 low, high = type_.raw_limits
-                found[names.upper(stem, "raw_min")] = (
-                    low if span.low.parameter else max(low, math.ceil(span.low.constant))
-                )
-                found[names.upper(stem, "raw_max")] = (
-                    high if span.high.parameter else min(high, math.floor(span.high.constant))
-                )
+                if span is not None and span.low.parameter is None:
+                    low = max(low, math.ceil(span.low.constant))
+                if span is not None and span.high.parameter is None:
+                    high = min(high, math.floor(span.high.constant))
+                found[names.upper(stem, f"raw_min{case}")] = low
+                found[names.upper(stem, f"raw_max{case}")] = high
         return found
 
     def _of_address(self, kind: str, name: str) -> Iterator[Fact]:

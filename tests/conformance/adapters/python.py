@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib
+import math
 import sys
 from collections.abc import Mapping, Sequence
 from enum import IntEnum, IntFlag
+from fractions import Fraction
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
@@ -55,6 +57,7 @@ class PythonAdapter(Adapter):
     name = "python"
     cannot: ClassVar[Mapping[str, str]] = {
         "expected": "a frame that is no answer is decoded by itself; no function expects one class and checks for it",
+        "not_asked": "the reply of a node that a request to several nodes does not ask is no answer",
     }
 
     def __init__(self, edition: Edition, module: ModuleType) -> None:
@@ -94,7 +97,13 @@ class PythonAdapter(Adapter):
             return decode(frame.id, frame.data, known, **flags)
         request = getattr(module, class_name(f"{expected}_request"))
         if is_answer:
-            return module.decode_answer(request, frame.id, frame.data, known, **flags)
+            try:
+                return module.decode_answer(request, frame.id, frame.data, known, **flags)
+            except ValueError as error:
+                asks_several = expected is not None and self.edition.command(expected).from_each
+                if asks_several and getattr(error, "refusal", "") == Refusal.NOT_ANSWER.value:
+                    raise Cannot("not_asked") from None
+                raise
         node = module.node_of(direction.value, frame.id, **flags)
         return request.unpack(node, frame.id, frame.data, known)
 
@@ -211,10 +220,10 @@ class PythonAdapter(Adapter):
         if isinstance(value, list):
             if field.type.flags:
                 return self._flags(field.type.name, [str(v) for v in value])
-            return [float(v) for v in value]
+            return [_number(v) for v in value]
         if isinstance(value, str) and field.type.enum:
             return getattr(self._module, class_name(field.type.name))[value.upper()]
-        return float(value)
+        return _number(value)
 
     def _flags(self, type_name: str, names: Sequence[str]) -> int:
         enum = getattr(self._module, class_name(type_name))
@@ -235,3 +244,9 @@ def _value(value: Any) -> Value:
     if isinstance(value, IntEnum):
         return value.name.lower()
     return float(value)
+
+
+def _number(value: ExactValue | Fraction | str) -> float | Fraction:
+    """A number as a float where that is exact, and as a fraction otherwise."""
+    number = float(str(value)) if isinstance(value, str) else float(value)  # type: ignore[arg-type]
+    return value if isinstance(value, Fraction) and math.isfinite(number) and number != value else number
