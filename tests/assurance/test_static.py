@@ -16,7 +16,7 @@ SPEC = MINIMAL.replace("reply: echo", "reply: {state: {at: 1, raw: u8}, level: {
 OVERRUN = "message->state = frame->data[1];", "message->state = frame->data[message->level - message->level + 9];"
 OMITTED = "    message->state = frame->data[1];\n", ""
 MISPLACED = "frame->data[1]", "(&frame->dlc)[frame->data[1]]"
-OCTAL = "message->state = frame->data[1];", "message->state = 017;"
+UNCLEAR = "message->state = frame->data[1];", "message->state = (uint8_t)(frame->data[1] + 2u * 3u);"
 NULL = "    message->state = frame->data[1];\n", "    message->state = *(uint8_t *)NULL;\n"
 
 
@@ -35,10 +35,10 @@ def _plant(header: Header, old: str, new: str) -> None:
 def test_misra_reports_a_violation_without_a_deviation(headers: list[Header]) -> None:
     allowed = {"2.5", "15.5", "19.2"}
     violations = [finding for finding in misra.findings(headers) if finding.rule not in allowed]
-    _plant(headers[0], *OCTAL)
+    _plant(headers[0], *UNCLEAR)
     planted = set(misra.findings(headers)) - set(violations)
-    assert {finding.rule for finding in planted} - allowed == {"7.1"}
-    assert any("7.1" in problem for problem in misra.problems(sorted(planted), allowed))
+    assert "12.1" in {finding.rule for finding in planted}
+    assert any("12.1" in problem for problem in misra.problems(sorted(planted), allowed))
     assert list(misra.problems([], {"15.5"})) == ["rule 15.5 has a deviation but no violation"]
 
 

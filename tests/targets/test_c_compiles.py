@@ -71,7 +71,8 @@ def test_no_warning(compiler: Compiler, standard: str, units: Path, tmp_path: Pa
     for level in LEVELS[:1] if is_once else LEVELS:
         compiler.run(standard, *flags, "-Wswitch-enum", level, units / "everything.c")
     if not is_once:
-        compiler.run(standard, *flags, "-O3", units / "program.c")
+        for level in ("-O1", "-O3"):  # GCC finds other variables that may be uninitialized at each
+            compiler.run(standard, *flags, level, units / "program.c")
 
 
 @each_compiler

@@ -57,6 +57,7 @@ def test_mypy_strict_and_pyright_find_a_missing_case_and_nothing_else(tmp_path: 
     write(tmp_path, SPEC)
     use = tmp_path / "use.py"
     use.write_text(
+        "from typing import Literal\n"
         "from mwd_motor.v2_35 import (CodecError, MotionFeedback, Parameters, Refusal, Reply, ReadEncoderReply, ReadEncoderRequest, Series,\n"
         "    SetTorqueRequest, decode_answer, decode_reply)\n"
         "known = Parameters(series=Series.MG, encoder_bits=18)\n"
@@ -72,6 +73,12 @@ def test_mypy_strict_and_pyright_find_a_missing_case_and_nothing_else(tmp_path: 
         "    SetTorqueRequest(node=1, iq=40, parameters=known)\n"
         "except CodecError as error:\n"
         "    out: bool = error.refusal is Refusal.OUT_OF_RANGE\n"
+        "changed: SetTorqueRequest = request.replace(iq=1)\n"
+        "bits: Literal[14, 15, 18] | None = known.encoder_bits\n"
+        "unit: str = SetTorqueRequest.TYPES['iq'].unit\n"
+        "match request:\n"
+        "    case SetTorqueRequest(current):\n"
+        "        value: float = current\n"
     )
     replies = [m for m in specification(SPEC).edition.messages(Direction.REPLY) if m.claims or not m.keys]
     others = [class_name(m.name) for m in replies if m.layout.name != "motion_feedback"]
@@ -80,7 +87,7 @@ def test_mypy_strict_and_pyright_find_a_missing_case_and_nothing_else(tmp_path: 
         (tmp_path / f"{name}.py").write_text(MATCH.replace("CASES", f"case {listed}: return 0"))
     (tmp_path / "pyrightconfig.json").write_text('{"typeCheckingMode": "strict", "pythonVersion": "3.10"}')
     for command in (
-        ("mypy", "--strict", "--no-incremental", "."),
+        ("mypy", "--strict", "--warn-unreachable", "--no-incremental", "."),
         ("basedpyright", "--level", "error", "--pythonpath", sys.executable),
     ):
         result = subprocess.run(

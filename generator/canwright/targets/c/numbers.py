@@ -36,7 +36,8 @@ class Integer(NamedTuple):
         """A number of this type, the same on every platform."""
         if not self.signed:
             return self._unsigned(str(number), number)
-        ends = dict(zip(self.limits, (f"INT{self.width}_MIN", f"INT{self.width}_MAX"), strict=True))
+        least = "(-INT64_MAX - 1)" if self.width == 64 else "INT32_MIN"
+        ends = dict(zip(self.limits, (least, f"INT{self.width}_MAX"), strict=True))
         return ends.get(number, str(number)) if self.width >= 32 else str(number)
 
     def bits(self, number: int) -> str:

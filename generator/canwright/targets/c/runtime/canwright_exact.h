@@ -61,7 +61,7 @@ typedef struct {
 /** The magnitude of an integer. */
 static inline uint64_t canwright_magnitude(int64_t number)
 {
-    return number < 0 ? 0u - (uint64_t)number : (uint64_t)number;
+    return (number < 0) ? (0u - (uint64_t)number) : (uint64_t)number;
 }
 
 /** Sets a wide integer. */
@@ -83,10 +83,10 @@ static inline int canwright_wide_length(const canwright_wide_t *wide)
     unsigned i = CANWRIGHT_WORDS;
     int length;
     uint32_t top;
-    while (i > 1u && wide->word[i - 1u] == 0u) {
+    while ((i > 1u) && (wide->word[i - 1u] == 0u)) {
         i--;
     }
-    length = (int)(i - 1u) * 32;
+    length = 32 * ((int)i - 1);
     for (top = wide->word[i - 1u]; top != 0u; top >>= 1) {
         length++;
     }
@@ -100,12 +100,13 @@ static inline void canwright_wide_left(canwright_wide_t *wide, int count)
     const unsigned words = (unsigned)count / 32u;
     const unsigned bits = (unsigned)count % 32u;
     unsigned i;
-    for (i = CANWRIGHT_WORDS; i-- > 0u;) {
-        uint64_t pair = i >= words ? (uint64_t)wide->word[i - words] << 32 : 0u;
-        if (i > words) {
-            pair |= wide->word[i - words - 1u];
+    for (i = CANWRIGHT_WORDS; i > 0u; i--) {
+        const unsigned to = i - 1u;
+        uint64_t pair = (to >= words) ? ((uint64_t)wide->word[to - words] << 32) : 0u;
+        if (to > words) {
+            pair |= wide->word[to - words - 1u];
         }
-        wide->word[i] = (uint32_t)((pair << bits) >> 32);
+        wide->word[to] = (uint32_t)((pair << bits) >> 32);
     }
 }
 
@@ -119,14 +120,16 @@ static inline void canwright_wide_right(canwright_wide_t *wide, int count)
     unsigned i;
     for (i = 0u; i < CANWRIGHT_WORDS; i++) {
         const unsigned from = i + words;
-        uint64_t pair = from < CANWRIGHT_WORDS ? wide->word[from] : 0u;
-        if (from + 1u < CANWRIGHT_WORDS) {
+        uint64_t pair = (from < CANWRIGHT_WORDS) ? wide->word[from] : 0u;
+        if ((from + 1u) < CANWRIGHT_WORDS) {
             pair |= (uint64_t)wide->word[from + 1u] << 32;
         }
         if (i < words) {
             left |= wide->word[i];
         } else if (i == words) {
             left |= wide->word[i] & ((UINT32_C(1) << bits) - 1u);
+        } else {
+            /* This word stays. */
         }
         wide->word[i] = (uint32_t)(pair >> bits);
     }
@@ -140,9 +143,9 @@ CANWRIGHT_NONNULL
 static inline bool canwright_wide_less(const canwright_wide_t *one, const canwright_wide_t *other)
 {
     unsigned i;
-    for (i = CANWRIGHT_WORDS; i-- > 0u;) {
-        if (one->word[i] != other->word[i]) {
-            return one->word[i] < other->word[i];
+    for (i = CANWRIGHT_WORDS; i > 0u; i--) {
+        if (one->word[i - 1u] != other->word[i - 1u]) {
+            return one->word[i - 1u] < other->word[i - 1u];
         }
     }
     return false;
@@ -211,8 +214,8 @@ static inline bool canwright_wide_divide(uint64_t *whole, canwright_wide_t *abov
     if (canwright_wide_length(below) <= 32) {
         uint64_t rest = 0u;
         unsigned i;
-        for (i = CANWRIGHT_WORDS; i-- > 0u;) {
-            rest = (rest << 32) | above->word[i];
+        for (i = CANWRIGHT_WORDS; i > 0u; i--) {
+            rest = (rest << 32) | above->word[i - 1u];
             lost |= *whole >> 32;
             *whole = (*whole << 32) | (rest / below->word[0]);
             rest %= below->word[0];
@@ -253,8 +256,8 @@ static inline void canwright_term_single(canwright_term_t *term, uint32_t bits)
 {
     const uint32_t exponent = (bits >> 23) & 0xFFu;
     const uint32_t fraction = bits & 0x7FFFFFu;
-    canwright_wide_set(&term->size, exponent == 0u ? fraction : fraction | 0x800000u);
-    term->exponent = (exponent == 0u ? 1 : (int)exponent) - 150;
+    canwright_wide_set(&term->size, (exponent == 0u) ? fraction : (fraction | 0x800000u));
+    term->exponent = ((exponent == 0u) ? 1 : (int)exponent) - 150;
     term->negative = (bits >> 31) != 0u;
 }
 
@@ -264,8 +267,8 @@ static inline void canwright_term_double(canwright_term_t *term, uint64_t bits)
 {
     const uint64_t exponent = (bits >> 52) & 0x7FFu;
     const uint64_t fraction = bits & UINT64_C(0xFFFFFFFFFFFFF);
-    canwright_wide_set(&term->size, exponent == 0u ? fraction : fraction | UINT64_C(0x10000000000000));
-    term->exponent = (exponent == 0u ? 1 : (int)exponent) - 1075;
+    canwright_wide_set(&term->size, (exponent == 0u) ? fraction : (fraction | UINT64_C(0x10000000000000)));
+    term->exponent = ((exponent == 0u) ? 1 : (int)exponent) - 1075;
     term->negative = (bits >> 63) != 0u;
 }
 
@@ -290,9 +293,9 @@ static inline void canwright_term_add(canwright_term_t *sum, canwright_term_t *o
 {
     const int length = canwright_wide_length(&sum->size) + sum->exponent;
     const int other_length = canwright_wide_length(&other->size) + other->exponent;
-    const int lowest = (length > other_length ? length : other_length) - CANWRIGHT_SUM_BITS;
-    const int exponent = sum->exponent < other->exponent ? sum->exponent : other->exponent;
-    canwright_term_align(sum, exponent > lowest ? exponent : lowest);
+    const int lowest = ((length > other_length) ? length : other_length) - CANWRIGHT_SUM_BITS;
+    const int exponent = (sum->exponent < other->exponent) ? sum->exponent : other->exponent;
+    canwright_term_align(sum, (exponent > lowest) ? exponent : lowest);
     canwright_term_align(other, sum->exponent);
     if (sum->negative == other->negative) {
         canwright_wide_add(&sum->size, &other->size);
@@ -351,11 +354,11 @@ static inline bool canwright_nearest(uint64_t *nearest, canwright_quotient_t *qu
     canwright_term_t *above = &quotient->above;
     const int length = canwright_wide_length(&above->size);
     const int difference = length + above->exponent - canwright_wide_length(&quotient->below);
-    if (length == 0 || difference < -1) { /* less than one half */
+    if ((length == 0) || (difference < -1)) { /* less than one half */
         *nearest = 0u;
         return true;
     }
-    if (difference > 64 || !canwright_wide_divide(nearest, &above->size, &quotient->below, above->exponent)) {
+    if ((difference > 64) || !canwright_wide_divide(nearest, &above->size, &quotient->below, above->exponent)) {
         return false;
     }
     canwright_wide_left(&above->size, 1);
@@ -371,10 +374,14 @@ CANWRIGHT_NONNULL
 static inline bool canwright_nearest_signed(int64_t *nearest, canwright_quotient_t *quotient)
 {
     uint64_t size;
-    if (!canwright_nearest(&size, quotient) || size > (UINT64_C(1) << 63) - (quotient->above.negative ? 0u : 1u)) {
+    if (!canwright_nearest(&size, quotient) || (size > ((UINT64_C(1) << 63) - (quotient->above.negative ? 0u : 1u)))) {
         return false;
     }
-    *nearest = !quotient->above.negative || size == 0u ? (int64_t)size : -(int64_t)(size - 1u) - 1;
+    *nearest = (int64_t)size;
+    if (quotient->above.negative && (size != 0u)) {
+        size -= 1u;
+        *nearest = -(int64_t)size - 1;
+    }
     return true;
 }
 
@@ -382,7 +389,7 @@ static inline bool canwright_nearest_signed(int64_t *nearest, canwright_quotient
 CANWRIGHT_NONNULL
 static inline bool canwright_nearest_unsigned(uint64_t *nearest, canwright_quotient_t *quotient)
 {
-    return canwright_nearest(nearest, quotient) && (!quotient->above.negative || *nearest == 0u);
+    return canwright_nearest(nearest, quotient) && (!quotient->above.negative || (*nearest == 0u));
 }
 
 #if defined(__cplusplus) && defined(__GNUC__)

@@ -42,9 +42,10 @@ CANWRIGHT_NONNULL
 static inline uint64_t canwright_rounded(canwright_quotient_t *quotient, unsigned precision)
 {
     const bool is_single = precision == CANWRIGHT_SINGLE;
-    const int lowest = is_single ? -149 : -1074;
+    const unsigned place = precision - 1u;
+    int lowest = -1074;
     const uint64_t infinity = is_single ? UINT64_C(0x7F800000) : UINT64_C(0x7FF0000000000000);
-    const uint64_t sign = is_single ? UINT64_C(0x80000000) : UINT64_C(0x8000000000000000);
+    const uint64_t sign = is_single ? (uint64_t)0x80000000u : 0x8000000000000000u;
     canwright_term_t *above = &quotient->above;
     const int length = canwright_wide_length(&above->size);
     const int shift = 62 + canwright_wide_length(&quotient->below) - length;
@@ -53,6 +54,9 @@ static inline uint64_t canwright_rounded(canwright_quotient_t *quotient, unsigne
     uint64_t whole;
     uint64_t rest;
     uint64_t half;
+    if (is_single) {
+        lowest = -149;
+    }
     if (length == 0) {
         return 0u;
     }
@@ -63,7 +67,7 @@ static inline uint64_t canwright_rounded(canwright_quotient_t *quotient, unsigne
     if ((whole >> 62) != 0u) {
         count++;
     }
-    if (exponent + count < lowest) {
+    if ((exponent + count) < lowest) {
         count = lowest - exponent;
     }
     if (count > 63) {
@@ -74,11 +78,12 @@ static inline uint64_t canwright_rounded(canwright_quotient_t *quotient, unsigne
     half = UINT64_C(1) << ((unsigned)count - 1u);
     rest = whole & ((half << 1) - 1u);
     whole >>= (unsigned)count;
-    if (rest > half || (rest == half && (whole & 1u) != 0u)) {
+    if ((rest > half) || ((rest == half) && ((whole & 1u) != 0u))) {
         whole++;
     }
-    whole += (uint64_t)(exponent + count - lowest) << (precision - 1u);
-    return (whole < infinity ? whole : infinity) | (above->negative ? sign : 0u);
+    exponent += count - lowest;
+    whole += (uint64_t)exponent << place;
+    return ((whole < infinity) ? whole : infinity) | (above->negative ? sign : 0u);
 }
 
 /** The bits of the value of a raw number, rounded to this precision. */
@@ -105,8 +110,8 @@ static inline uint64_t canwright_raw_bits(
 CANWRIGHT_NONNULL
 static inline bool canwright_is_identity(const canwright_linear_t *linear)
 {
-    return linear->factor == 1 && linear->addend == 0 && linear->divisor == 1 && linear->ratio.numerator == 1 &&
-        linear->ratio.denominator == 1u;
+    return (linear->factor == 1) && (linear->addend == 0) && (linear->divisor == 1) &&
+        (linear->ratio.numerator == 1) && (linear->ratio.denominator == 1u);
 }
 
 /** The raw integer nearest to a value, if it is from `lowest` to `highest`. */
@@ -119,7 +124,7 @@ static inline canwright_status_t canwright_signed_from_term(int64_t *nearest, co
     if (!canwright_nearest_signed(nearest, &raw)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
-    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
 /** The raw integer nearest to a value, if it is from `lowest` to `highest`. */
@@ -132,7 +137,7 @@ static inline canwright_status_t canwright_unsigned_from_term(uint64_t *nearest,
     if (!canwright_nearest_unsigned(nearest, &raw)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
-    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
 /** The bits of a 32-bit number. */
@@ -164,7 +169,7 @@ static inline float canwright_float_of_bits(uint32_t bits)
 /** The magnitude of a number. */
 static inline float canwright_float_magnitude(float number)
 {
-    return number < 0.0f ? -number : number;
+    return (number < 0.0f) ? -number : number;
 }
 
 /** The value of the integer of a sign and a magnitude. */
@@ -177,10 +182,10 @@ static inline float canwright_integer_to_float(bool negative, uint64_t raw, cons
     const float numerator = (float)linear->ratio.numerator;
     const float below = (float)linear->divisor * (float)linear->ratio.denominator;
     const float size = (float)raw;
-    const float most = (size * canwright_float_magnitude(factor) + canwright_float_magnitude(addend)) * numerator;
+    const float most = ((size * canwright_float_magnitude(factor)) + canwright_float_magnitude(addend)) * numerator;
     canwright_term_t term;
-    if (most < limit && below < limit) {
-        return ((negative ? -size : size) * factor + addend) * numerator / below;
+    if ((most < limit) && (below < limit)) {
+        return (((negative ? -size : size) * factor) + addend) * numerator / below;
     }
     canwright_term_integer(&term, raw, negative);
     return canwright_float_of_bits((uint32_t)canwright_value_bits(&term, linear, CANWRIGHT_SINGLE));
@@ -212,16 +217,16 @@ static inline bool canwright_float_decides(int64_t *nearest, float value, const 
     const float error = (canwright_float_magnitude(scaled) + canwright_float_magnitude(addend)) *
         (1.0f / 1048576.0f / canwright_float_magnitude(per));
     float rest;
-    if (!(steps > -1048576.0f && steps < 1048576.0f)) {
+    if (!((steps > -1048576.0f) && (steps < 1048576.0f))) {
         return false;
     }
     *nearest = (int32_t)steps;
     rest = steps - (float)(int32_t)*nearest;
-    if (canwright_float_magnitude(rest) + error < 0.5f) {
+    if ((canwright_float_magnitude(rest) + error) < 0.5f) {
         return true;
     }
-    *nearest += rest < 0.0f ? -1 : 1;
-    return canwright_float_magnitude(rest) - error > 0.5f;
+    *nearest += (rest < 0.0f) ? -1 : 1;
+    return (canwright_float_magnitude(rest) - error) > 0.5f;
 }
 
 /** The raw integer nearest to a value, ties away from zero. */
@@ -235,7 +240,7 @@ static inline canwright_status_t canwright_signed_from_float(
         return CANWRIGHT_NOT_FINITE;
     }
     if (canwright_float_decides(nearest, value, linear)) {
-        return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+        return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
     }
     canwright_term_single(&term, bits);
     return canwright_signed_from_term(nearest, &term, linear, lowest, highest);
@@ -254,7 +259,8 @@ static inline canwright_status_t canwright_unsigned_from_float(
     }
     if (canwright_float_decides(&decided, value, linear)) {
         *nearest = (uint64_t)decided;
-        return decided >= 0 && *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+        return ((decided >= 0) && (*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK
+                                                                                 : CANWRIGHT_OUT_OF_RANGE;
     }
     canwright_term_single(&term, bits);
     return canwright_unsigned_from_term(nearest, &term, linear, lowest, highest);
@@ -267,10 +273,11 @@ static inline canwright_status_t canwright_unsigned_from_float(
 CANWRIGHT_NONNULL
 static inline float canwright_narrow_to_float(int64_t raw, const canwright_linear_t *linear)
 {
-    const int64_t dividend = raw * linear->factor + linear->addend;
+    const int64_t dividend = (raw * linear->factor) + linear->addend;
     uint64_t size = canwright_magnitude(dividend);
     const uint64_t divisor = (uint64_t)linear->divisor;
     uint32_t exponent = 127u;
+    uint64_t sticky;
     float value;
     if (size == 0u) {
         return 0.0f;
@@ -279,8 +286,9 @@ static inline float canwright_narrow_to_float(int64_t raw, const canwright_linea
         exponent--;
     }
     /* The quotient has at least 31 bits; the lowest one stands for the remainder. */
-    value = (float)(size / divisor | (size % divisor != 0u ? 1u : 0u)) * canwright_float_of_bits(exponent << 23);
-    return dividend < 0 ? -value : value;
+    sticky = (size / divisor) | (((size % divisor) != 0u) ? 1u : 0u);
+    value = (float)sticky * canwright_float_of_bits(exponent << 23);
+    return (dividend < 0) ? -value : value;
 }
 
 /**
@@ -293,9 +301,10 @@ static inline canwright_status_t canwright_narrow_from_float(
 {
     const uint32_t bits = canwright_bits_of_float(value);
     const uint32_t biased = (bits >> 23) & 0xFFu;
-    const int shift = 150 - (biased == 0u ? 1 : (int)biased); /* value = size * 2^-shift */
-    const int kept = shift < 0 ? 0 : shift > 24 ? 24 : shift;
-    uint64_t size = (uint64_t)(biased == 0u ? bits & 0x7FFFFFu : (bits & 0x7FFFFFu) | 0x800000u);
+    const int shift = 150 - ((biased == 0u) ? 1 : (int)biased); /* value = size * 2^-shift */
+    const int kept = (shift < 0) ? 0 : ((shift > 24) ? 24 : shift);
+    const int down = shift - kept;
+    uint64_t size = (uint64_t)((biased == 0u) ? (bits & 0x7FFFFFu) : ((bits & 0x7FFFFFu) | 0x800000u));
     int64_t dividend;
     int64_t divisor = linear->factor * (INT64_C(1) << kept);
     if (!canwright_is_finite32(bits)) {
@@ -303,23 +312,26 @@ static inline canwright_status_t canwright_narrow_from_float(
     }
     size *= (uint64_t)linear->divisor;
     if (shift < 0) {
-        if (shift < -62 || size > UINT64_C(0x3FFFFFFFFFFFFFFF) >> -shift) {
+        const int up = -shift;
+        if ((up > 62) || (size > (0x3FFFFFFFFFFFFFFFu >> (unsigned)up))) {
             return CANWRIGHT_OUT_OF_RANGE;
         }
-        size <<= -shift;
-    } else if (shift - kept > 55) { /* all bits of a product of 55 bits are too low; one of them stands for the rest */
-        size = size != 0u ? 1u : 0u;
-    } else if (shift > kept) {
-        const uint64_t low = size & ((UINT64_C(1) << (shift - kept)) - 1u);
-        size = size >> (shift - kept) | (low != 0u ? 1u : 0u);
+        size <<= (unsigned)up;
+    } else if (down > 55) { /* all bits of a product of 55 bits are too low; one of them stands for the rest */
+        size = (size != 0u) ? UINT64_C(1) : UINT64_C(0);
+    } else if (down > 0) {
+        const uint64_t low = size & ((UINT64_C(1) << (unsigned)down) - 1u);
+        size = (size >> (unsigned)down) | ((low != 0u) ? 1u : 0u);
+    } else {
+        /* The size is exact. */
     }
-    dividend = ((bits >> 31) != 0u ? -(int64_t)size : (int64_t)size) - linear->addend * (INT64_C(1) << kept);
+    dividend = (((bits >> 31) != 0u) ? -(int64_t)size : (int64_t)size) - (linear->addend * (INT64_C(1) << kept));
     if (divisor < 0) {
         divisor = -divisor;
         dividend = -dividend;
     }
     *nearest = canwright_divide64(dividend, divisor);
-    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
 /** The value of the 32-bit number that has these bits. */
@@ -328,7 +340,7 @@ static inline float canwright_bits32_to_float(uint32_t bits, const canwright_lin
 {
     canwright_term_t term;
     if (canwright_is_identity(linear) || !canwright_is_finite32(bits)) {
-        return canwright_float_of_bits(linear->factor < 0 ? bits ^ 0x80000000u : bits);
+        return canwright_float_of_bits((linear->factor < 0) ? (bits ^ 0x80000000u) : bits);
     }
     canwright_term_single(&term, bits);
     return canwright_float_of_bits((uint32_t)canwright_value_bits(&term, linear, CANWRIGHT_SINGLE));
@@ -340,8 +352,10 @@ static inline float canwright_bits64_to_float(uint64_t bits, const canwright_lin
 {
     canwright_term_t term;
     if (!canwright_is_finite64(bits)) {
-        const uint32_t sign = ((bits >> 63) != 0u) != (linear->factor < 0) ? 0x80000000u : 0u;
-        return canwright_float_of_bits(sign | ((bits << 12) != 0u ? 0x7FC00000u : 0x7F800000u));
+        const bool negative = (bits >> 63) != 0u;
+        const bool reversed = linear->factor < 0;
+        const uint32_t sign = (negative != reversed) ? 0x80000000u : 0u;
+        return canwright_float_of_bits(sign | (((bits << 12) != 0u) ? 0x7FC00000u : 0x7F800000u));
     }
     canwright_term_double(&term, bits);
     return canwright_float_of_bits((uint32_t)canwright_value_bits(&term, linear, CANWRIGHT_SINGLE));
@@ -385,7 +399,7 @@ static inline canwright_status_t canwright_bits32_from_float(
         return canwright_is_finite32(*bits) ? CANWRIGHT_OK : CANWRIGHT_NOT_FINITE;
     }
     status = canwright_bits64_from_float(&wide, value, linear);
-    return status == CANWRIGHT_OK ? canwright_bits32_of_bits64(bits, wide) : status;
+    return (status == CANWRIGHT_OK) ? canwright_bits32_of_bits64(bits, wide) : status;
 }
 
 #if CANWRIGHT_HAS_DOUBLE
@@ -419,7 +433,7 @@ static inline double canwright_double_of_bits(uint64_t bits)
 /** The magnitude of a number. */
 static inline double canwright_double_magnitude(double number)
 {
-    return number < 0.0 ? -number : number;
+    return (number < 0.0) ? -number : number;
 }
 
 /** The value of the integer of a sign and a magnitude. */
@@ -432,10 +446,10 @@ static inline double canwright_integer_to_double(bool negative, uint64_t raw, co
     const double numerator = (double)linear->ratio.numerator;
     const double below = (double)linear->divisor * (double)linear->ratio.denominator;
     const double size = (double)raw;
-    const double most = (size * canwright_double_magnitude(factor) + canwright_double_magnitude(addend)) * numerator;
+    const double most = ((size * canwright_double_magnitude(factor)) + canwright_double_magnitude(addend)) * numerator;
     canwright_term_t term;
-    if (most < limit && below < limit) {
-        return ((negative ? -size : size) * factor + addend) * numerator / below;
+    if ((most < limit) && (below < limit)) {
+        return (((negative ? -size : size) * factor) + addend) * numerator / below;
     }
     canwright_term_integer(&term, raw, negative);
     return canwright_double_of_bits(canwright_value_bits(&term, linear, CANWRIGHT_DOUBLE));
@@ -467,16 +481,16 @@ static inline bool canwright_double_decides(int64_t *nearest, double value, cons
     const double error = (canwright_double_magnitude(scaled) + canwright_double_magnitude(addend)) *
         (1.0 / 562949953421312.0 / canwright_double_magnitude(per));
     double rest;
-    if (!(steps > -1125899906842624.0 && steps < 1125899906842624.0)) {
+    if (!((steps > -1125899906842624.0) && (steps < 1125899906842624.0))) {
         return false;
     }
     *nearest = (int64_t)steps;
     rest = steps - (double)(int64_t)*nearest;
-    if (canwright_double_magnitude(rest) + error < 0.5) {
+    if ((canwright_double_magnitude(rest) + error) < 0.5) {
         return true;
     }
-    *nearest += rest < 0.0 ? -1 : 1;
-    return canwright_double_magnitude(rest) - error > 0.5;
+    *nearest += (rest < 0.0) ? -1 : 1;
+    return (canwright_double_magnitude(rest) - error) > 0.5;
 }
 
 /** The raw integer nearest to a value, ties away from zero. */
@@ -490,7 +504,7 @@ static inline canwright_status_t canwright_signed_from_double(
         return CANWRIGHT_NOT_FINITE;
     }
     if (canwright_double_decides(nearest, value, linear)) {
-        return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+        return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
     }
     canwright_term_double(&term, bits);
     return canwright_signed_from_term(nearest, &term, linear, lowest, highest);
@@ -509,7 +523,8 @@ static inline canwright_status_t canwright_unsigned_from_double(
     }
     if (canwright_double_decides(&decided, value, linear)) {
         *nearest = (uint64_t)decided;
-        return decided >= 0 && *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+        return ((decided >= 0) && (*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK
+                                                                                 : CANWRIGHT_OUT_OF_RANGE;
     }
     canwright_term_double(&term, bits);
     return canwright_unsigned_from_term(nearest, &term, linear, lowest, highest);
@@ -521,7 +536,7 @@ static inline double canwright_bits32_to_double(uint32_t bits, const canwright_l
 {
     canwright_term_t term;
     if (canwright_is_identity(linear) || !canwright_is_finite32(bits)) {
-        return (double)canwright_float_of_bits(linear->factor < 0 ? bits ^ 0x80000000u : bits);
+        return (double)canwright_float_of_bits((linear->factor < 0) ? (bits ^ 0x80000000u) : bits);
     }
     canwright_term_single(&term, bits);
     return canwright_double_of_bits(canwright_value_bits(&term, linear, CANWRIGHT_DOUBLE));
@@ -533,7 +548,7 @@ static inline double canwright_bits64_to_double(uint64_t bits, const canwright_l
 {
     canwright_term_t term;
     if (canwright_is_identity(linear) || !canwright_is_finite64(bits)) {
-        return canwright_double_of_bits(linear->factor < 0 ? bits ^ UINT64_C(0x8000000000000000) : bits);
+        return canwright_double_of_bits((linear->factor < 0) ? (bits ^ 0x8000000000000000u) : bits);
     }
     canwright_term_double(&term, bits);
     return canwright_double_of_bits(canwright_value_bits(&term, linear, CANWRIGHT_DOUBLE));
@@ -569,7 +584,7 @@ static inline canwright_status_t canwright_bits32_from_double(
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    if (!(number > -limit && number < limit)) {
+    if (!((number > -limit) && (number < limit))) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *bits = canwright_bits_of_float((float)number);
