@@ -99,7 +99,7 @@ class Questions:
 
     def _frames(self, message: Message) -> Iterator[Question]:
         """Frames of a message, by itself and as a message that is expected."""
-        for frame in (*self._near(message), *self._random(message)):
+        for frame in (*self._near(message), *self._random(message), *self._with_fields(message)):
             known = self._parameters()
             for direction in Direction:
                 yield Question("decode", "decode", (direction, frame, known, None))
@@ -126,6 +126,17 @@ class Questions:
             parts += [(f.space, e.bits) for f in fixed for e in f.elements]
             for space, bits_ in parts:
                 yield _flipped(frame, space, chance.choice(list(bits_)))
+
+    def _with_fields(self, message: Message) -> Iterator[CanFrame]:
+        """Frames with raw integers at the limits of each field and beyond them, one field at a time."""
+        encoder = self._encoders.under(self._known(message))
+        for field in (encoder.fields(message) or {}).values():
+            for raw in dict.fromkeys(self._candidates(encoder, field)):
+                frame = self._frame(message, self._node(message))
+                for i, bit in enumerate(self._chance.choice(field.elements).bits):
+                    if not frame.remote and _bit(frame, field.space, bit) != raw >> i & 1:
+                        frame = _flipped(frame, field.space, bit)
+                yield frame
 
     def _random(self, message: Message) -> Iterator[CanFrame]:
         """Frames with random data and frames with something of another message."""
@@ -186,7 +197,9 @@ class Questions:
                 numbers = [float(end.constant) for end in (span.low, span.high)]
                 near += [n for number in numbers for n in (number, number * 1.000001, number * 0.999999)]
             bits = (encoder.nearest_raw(field, Fraction(n)) for n in near if math.isfinite(n))
-            return [*(b for b in bits if isinstance(b, int)), chance.getrandbits(type_.width), high, 0]
+            infinity, sign = {32: 0xFF << 23, 64: 0x7FF << 52}[type_.width], 1 << type_.width - 1
+            special = (infinity, infinity | sign, infinity | 1, infinity - 1, sign, 1)
+            return [*(b for b in bits if isinstance(b, int)), chance.getrandbits(type_.width), high, 0, *special]
         if span is not None:
             numbers_ = {n: Fraction(v) for n, v in encoder.assignment.items() if n in type_.numbers}
             for bound in (span.low.at(numbers_), span.high.at(numbers_)):
@@ -329,6 +342,10 @@ def _number(encoding: Encoding, width: int, raw: int) -> Fraction | int:
     code = {32: ("<f", "<I"), 64: ("<d", "<Q")}[width]
     found: float = struct.unpack(code[0], struct.pack(code[1], raw))[0]
     return Fraction(found) if math.isfinite(found) else 0
+
+
+def _bit(frame: CanFrame, space: Space, bit: int) -> int:
+    return (frame.id if space is Space.ID else int.from_bytes(frame.data, "little")) >> bit & 1
 
 
 def _flipped(frame: CanFrame, space: Space, bit: int) -> CanFrame:
