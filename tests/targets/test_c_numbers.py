@@ -17,6 +17,7 @@ from canwright.project.loader import specification
 from ..assurance.floating import SINGLE, bits_of, number_of
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Refused
 from ..conformance.adapters.c import CAdapter
+from ..float_rule import bits_of_double, raw_of_double
 
 TYPES = {
     "falling": "{raw: i16, scale: -0.3, offset: 5}",
@@ -39,6 +40,8 @@ TYPES = {
 }
 SIZES = ("small", "big", "huge")
 ROUNDS = 60
+SINGLE_ERROR = Fraction(7, 1 << 24)
+"""The bound of conversions in single precision, relative to the magnitudes of value and offset."""
 
 
 def spec() -> str:
@@ -103,7 +106,8 @@ def test_from_value_to_raw(name: str, size: str, made: tuple[Edition, CAdapter])
             continue
         between = Fraction(number) + Fraction(chance.choice(["0", "0.3", "0.5"]))
         value = float(between * linear.scale + linear.offset)
-        wanted = _nearest(type_, (Fraction(value) - linear.offset) / linear.scale)
+        is_float = type_.encoding is Encoding.FLOAT
+        wanted = bits_of_double(value, type_, linear) if is_float else raw_of_double(value, linear)
         answer = target.encode_values(Direction.REQUEST, f"{name}_command", 2, {"it": Fraction(value)}, known)
         if wanted is None or not _within(type_, wanted, size):
             assert answer == Refused(Refusal.OUT_OF_RANGE, "it"), (name, value, wanted)
@@ -159,12 +163,25 @@ def test_single_precision(name: str, size: str, made: tuple[Edition, CAdapter]) 
     known: Parameters = {"size": size, "ratio": "7/2"}
     for raw in _raws(type_, random.Random(name)):
         value = raw * linear.scale + linear.offset
-        assert target.single(name, "to", raw, known) == bits_of(value, SINGLE), (name, raw)
+        error = SINGLE_ERROR * (abs(raw * linear.scale) + abs(linear.offset))
+        found = target.single(name, "to", raw, known)
+        assert isinstance(found, int)
+        assert abs(number_of(found, SINGLE) - value) <= error, (name, raw)
+        factor, addend, divisor = linear.as_quotient
+        if max(max(map(abs, type_.raw_limits)) * abs(factor) + abs(addend), divisor) <= 1 << 24:
+            assert found == bits_of(value, SINGLE), (name, raw)
         for steps in (Fraction(raw), raw + Fraction(1, 2)):
             bits = bits_of(steps * linear.scale + linear.offset, SINGLE)
-            back = _round((number_of(bits, SINGLE) - linear.offset) / linear.scale)
-            wanted = back if _within(type_, back, size) else Refused(Refusal.OUT_OF_RANGE)
-            assert target.single(name, "from", bits, known) == wanted, (name, raw)
+            number = number_of(bits, SINGLE)
+            back = (number - linear.offset) / linear.scale
+            error = SINGLE_ERROR * (abs(number) + abs(linear.offset)) / abs(linear.scale)
+            near = [_round(back - error), _round(back + error)]
+            answer = target.single(name, "from", bits, known)
+            if isinstance(answer, int):
+                assert _within(type_, answer, size) and min(near) <= answer <= max(near), (name, raw)
+            else:
+                assert answer == Refused(Refusal.OUT_OF_RANGE)
+                assert not all(_within(type_, one, size) for one in near), (name, raw)
 
 
 def _headers(edition: Edition) -> list[str]:
@@ -218,17 +235,6 @@ def _number(type_: Type, raw: int) -> float | int:
     code = {32: ("<f", "<I"), 64: ("<d", "<Q")}[type_.width]
     number: float = struct.unpack(code[0], struct.pack(code[1], raw))[0]
     return number
-
-
-def _nearest(type_: Type, steps: Fraction) -> int | None:
-    if type_.encoding is not Encoding.FLOAT:
-        return _round(steps)
-    code = {32: ("<f", "<I"), 64: ("<d", "<Q")}[type_.width]
-    try:
-        bits: int = struct.unpack(code[1], struct.pack(code[0], float(steps)))[0]
-    except OverflowError:
-        return None
-    return bits
 
 
 def _round(number: Fraction) -> int:

@@ -10,7 +10,6 @@ from decimal import Decimal
 from enum import Enum, IntEnum, IntFlag
 from fractions import Fraction
 from functools import lru_cache
-from math import floor
 from operator import index
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 Real = int | float | Fraction | Decimal
-"""A number that is given as a value; it is taken exactly."""
+"""A number that is given as a value: a float counts as rounded, the others are exact."""
 
 MAX_DATA = 8
 """The most data bytes of a frame."""
@@ -208,16 +207,25 @@ class FieldType:
         return (low, high) if low <= high else (high, low)
 
 
-Fast = tuple[float, float, int, int]
-"""A conversion by floats: raw integers per unit, raw integer of the value 0 plus a half, smallest and largest raw."""
+Steps = tuple[float, float, float]
+"""Offset, denominator and numerator of a scale: raw = (value - offset) * denominator / numerator."""
 
-FAST_LIMIT = 1 << 32
-"""The largest raw integers and offsets that are converted by floats.
+COARSE = 1 << 51
+"""From here on, a quotient of floats is too coarse for the nearest integer, and the exact quotient is used."""
 
-`floor(value * steps + zero)` is the nearest raw integer unless rounding errors move the sum across an integer. There
-are five roundings: of an integer value, `steps`, `zero`, product and sum. Each is at most 2**-53 of a number below
-2**34, so all of them are less than 0.001. A sum that is closer to an integer than that is not used.
-"""
+
+def steps_of(scale: Scale) -> Steps:
+    """The floats of a scale."""
+    numerator, denominator, offset = scale
+    return rounded(offset), rounded(denominator), rounded(numerator)
+
+
+def rounded(number: int | Fraction) -> float:
+    """The nearest float, infinity beyond the largest one."""
+    try:
+        return float(number)
+    except OverflowError:
+        return math.inf if number > 0 else -math.inf
 
 
 class Number(FieldType):
@@ -230,12 +238,11 @@ class Number(FieldType):
     """
 
     __slots__ = (
-        "_by",
+        "_exact",
         "_fast",
-        "_fast_by",
         "_lines",
+        "_scales",
         "_span",
-        "_steps",
         "high",
         "limits",
         "limits_by",
@@ -263,17 +270,16 @@ class Number(FieldType):
         self.times: Any = times
         self.limits: Any = limits
         self.limits_by = limits_by
-        self._lines: dict[Any, Line | None] = (
-            {key: line_of(one) for key, one in scale.items()} if isinstance(scale, Mapping) else {None: line_of(scale)}
-        )
-        self._steps = self._exact_steps() if scale_by else {}
-        self._by = scale_by or limits_by
-        self._fast_by = self._fast_conversions()
-        self._fast = self._fast_by.get(None)
+        scales = scale if isinstance(scale, Mapping) else {None: scale}
+        self._lines: dict[Any, Line | None] = {key: line_of(one) for key, one in scales.items()}
+        self._scales: dict[Any, Steps] = {key: steps_of(one) for key, one in scales.items() if one is not None}
+        self._exact = self._exact_steps() if scale_by else {}
         self._span: tuple[int, int] | None = None
         always = None if limits_by else self._limits_at(None)
         if not limits_by and not any(bound.parameter for bound in always or ()):
             self._span = self._span_within(always, None)
+        span = None if times else self._span
+        self._fast = span and (max(span[0], 1 - COARSE), min(span[1], COARSE - 1))
 
     def _exact_steps(self) -> dict[Any, float]:
         """The scales that are exact floats, by the parameter; raw integers are too, so a product is rounded once."""
@@ -288,27 +294,6 @@ class Number(FieldType):
             and line[2].bit_count() == 1
             and max(line[0], line[2], largest) <= 1 << 53
         }
-
-    def _fast_conversions(self) -> dict[Any, Fast]:
-        """The conversions that floats do with certainty, by the value of the parameter; by None without one."""
-        if self.scale_by and self.limits_by and self.scale_by != self.limits_by:
-            return {}
-        found: dict[Any, Fast] = {}
-        for key in self._lines if self.scale_by else self.limits if self.limits_by else (None,):
-            line = self._lines[key if self.scale_by else None]
-            limits = self.limits.get(key) if self.limits_by else self.limits
-            times = self.times.get(key) if self.scale_by and self.times else self.times
-            if line is None or times or (limits and any(bound.parameter for bound in limits)):
-                continue
-            factor, addend, divisor = line
-            low, high = self._span_within(limits, None)
-            try:
-                steps, zero = divisor / factor, 0.5 - addend / factor
-            except OverflowError:
-                continue
-            if max(-low, high, abs(zero)) <= FAST_LIMIT:
-                found[key] = (steps, zero, low, high)
-        return found
 
     def _line_at(self, parameters: object, field: str) -> Line:
         """The line under these parameters. Raises CodecError (missing_parameter, no_scale, out_of_range)."""
@@ -325,7 +310,7 @@ class Number(FieldType):
 
     def value(self, raw: int, parameters: object, field: str) -> float:
         """The value of a raw integer, rounded to the nearest float. Raises CodecError when it has none."""
-        step = self._steps.get(getattr(parameters, self.scale_by)) if self.scale_by else None
+        step = self._exact.get(getattr(parameters, self.scale_by)) if self.scale_by else None
         if step is not None:
             return raw * step
         factor, addend, divisor = self._line_at(parameters, field)
@@ -338,33 +323,47 @@ class Number(FieldType):
     def raw(self, value: Real, parameters: object, field: str) -> int:
         """The raw integer nearest to a value, ties away from zero. Raises CodecError when the value is rejected.
 
-        The value is taken exactly: a float as the binary number that it is, a Fraction and a Decimal as themselves.
+        An int, a Fraction and a Decimal are exact. A float is divided by the scale as a float, so 0.15 at a scale of 0.1
+        is 2, as it looks, although the float 0.15 is less than that; from 2**51 on, it is exact as well.
         """
-        fast = self._fast
-        if fast is None and self._by:
-            fast = self._fast_by.get(getattr(parameters, self._by))
-        if fast is not None and (type(value) is float or type(value) is int):
-            steps, zero, low, high = fast
-            try:
-                quotient = value * steps + zero
-                raw = floor(quotient)
-            except (OverflowError, ValueError):
-                return self._exact_raw(value, parameters, field)
-            if 0.001 < quotient - raw < 0.999 and low <= raw <= high:
-                return raw
-        return self._exact_raw(value, parameters, field)
+        if self._fast is not None and type(value) is float:
+            steps = self._scales.get(getattr(parameters, self.scale_by) if self.scale_by else None)
+            if steps is not None:
+                offset, denominator, numerator = steps
+                quotient = (value - offset) * denominator / numerator
+                low, high = self._fast
+                if low <= quotient <= high:
+                    raw = int(quotient)
+                    rest = quotient - raw
+                    return raw + (rest >= 0.5) - (rest <= -0.5)
+        return self._raw(value, parameters, field)
 
-    def _exact_raw(self, value: Real, parameters: object, field: str) -> int:
+    def _raw(self, value: Real, parameters: object, field: str) -> int:
+        """The same without shortcuts."""
         factor, addend, divisor = self._line_at(parameters, field)
         try:
             numerator, denominator = ratio(value, field)
-            raw = nearest(numerator * divisor - addend * denominator, denominator * factor)
+            quotient = self._quotient(value, parameters, field) if isinstance(value, float) else math.inf
+            if abs(quotient) < COARSE:
+                raw = nearest(*quotient.as_integer_ratio())
+            else:
+                raw = nearest(numerator * divisor - addend * denominator, denominator * factor)
         except OverflowError:
             raise self._out_of_range(shown(value) + self._suffix, parameters, field) from None
         low, high = self.raw_range(parameters)
         if not low <= raw <= high:
             raise self._out_of_range(shown(value) + self._suffix, parameters, field)
         return raw
+
+    def _quotient(self, value: float, parameters: object, field: str) -> float:
+        """The raw number of a value, each operation rounded; infinite where a number is too large for this."""
+        key = getattr(parameters, self.scale_by) if self.scale_by else None
+        times = self.times.get(key) if self.scale_by and self.times else self.times
+        if times:
+            above, below = above_zero(parameters, times, field)
+            value = value * rounded(below) / rounded(above)
+        offset, denominator, numerator = self._scales[key]
+        return (value - offset) * denominator / numerator
 
     def check(self, raw: int, parameters: object, field: str) -> int:
         """The raw integer itself. Raises CodecError when it is out of range, TypeError when it is no integer."""
@@ -454,23 +453,21 @@ class Float(Number):
         self._number = struct.Struct("<f" if width == 32 else "<d")
 
     def value(self, raw: int, parameters: object, field: str) -> float:
-        """The scaled float with this bit pattern, rounded to the nearest float."""
-        factor, addend, divisor = self._line_at(parameters, field)
+        """The scaled float with this bit pattern; each operation is rounded."""
+        self._line_at(parameters, field)
         number: float = self._number.unpack(self._bits.pack(raw))[0]
-        if (factor, addend, divisor) == (1, 0, 1) or not math.isfinite(number):
-            return number if factor > 0 else -number
-        try:
-            return float((Fraction(number) * factor + addend) / divisor)
-        except OverflowError:
-            return math.copysign(math.inf, number * factor)
+        offset, denominator, numerator = self._scales[getattr(parameters, self.scale_by) if self.scale_by else None]
+        scaled = number * numerator / denominator
+        return scaled + offset if offset else scaled
 
     def raw(self, value: Real, parameters: object, field: str) -> int:
-        """The bit pattern of the nearest float. Raises CodecError when the value is rejected."""
-        factor, addend, divisor = self._line_at(parameters, field)
+        """The bit pattern of the nearest float; each operation is rounded. Raises CodecError when it is rejected."""
+        self._line_at(parameters, field)
         try:
-            numerator, denominator = ratio(value, field)
-            exact = Fraction(numerator * divisor - addend * denominator, denominator * factor)
-            number = float(value) if (factor, addend, divisor) == (1, 0, 1) else float(exact)
+            ratio(value, field)
+            number = self._quotient(float(value), parameters, field)
+            if not math.isfinite(number):
+                raise OverflowError
             bits: int = self._bits.unpack(self._number.pack(number))[0]
         except OverflowError:
             text = f"{field}={shown(value)} is too large for its float"

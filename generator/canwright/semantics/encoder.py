@@ -50,16 +50,10 @@ class Encoder:
         self._nearest: dict[Field, Callable[[Fraction], int | Rejection]] = {}
 
     def fields(self, message: Message) -> dict[str, Field] | None:
-        """The fields of a message by name, without constants; None if they depend on a missing parameter.
-
-        Fields that always exist are first, because every target checks them first.
-        """
+        """The fields of a message by name, without constants; None if they depend on a missing parameter."""
         if message not in self._fields:
             variant = message.layout.variant(self.assignment)
-            fields = None
-            if variant is not None:
-                ordered = sorted(variant.fields, key=lambda field: bool(field.only))
-                fields = {field.name: field for field in ordered if field.fixed is None}
+            fields = None if variant is None else {f.name: f for f in variant.fields if f.fixed is None}
             self._fields[message] = fields
         return self._fields[message]
 

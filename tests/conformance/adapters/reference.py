@@ -10,11 +10,13 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
+from canwright.model.types import Type
 from canwright.semantics.decoder import Decoder, Rejection, Value as ModelValue
 from canwright.semantics.encoder import Encoders
 from canwright.semantics.exchange import check_reply
 from canwright.targets.base import Specification
 
+from ...float_rule import effective
 from ..adapter import (
     Adapter,
     CanFrame,
@@ -79,12 +81,33 @@ class ReferenceAdapter(Adapter):
         values: Mapping[str, ExactValue],
         parameters: Parameters,
     ) -> Encoded | Refused:
+        """Fractions that are doubles are converted as targets convert doubles."""
         encoder = self._encoders.under(parameters)
-        return _encoded(encoder.encode_values(self.message_of(direction, command), node, values))
+        message = self.message_of(direction, command)
+        fields = {field.name: field for field in message.layout.fields}
+        given = {
+            name: _as_double(value, fields[name].type, encoder.assignment) if name in fields else value
+            for name, value in values.items()
+        }
+        return _encoded(encoder.encode_values(message, node, given))
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         found = check_reply(self._decoder, request, reply)
         return _refused(found) if isinstance(found, Rejection) else None
+
+
+def _as_double(value: ExactValue, type_: Type, known: Mapping[str, str]) -> ExactValue:
+    if isinstance(value, list):
+        return [_one_as_double(one, type_, known) for one in value]
+    return _one_as_double(value, type_, known)
+
+
+def _one_as_double(value: Fraction | str, type_: Type, known: Mapping[str, str]) -> Fraction | str:
+    linear = type_.linear.at(known)
+    if not isinstance(value, Fraction) or linear is None:
+        return value
+    times = Fraction(known.get(linear.times or "", 1))
+    return effective(value, type_, linear, times) if times > 0 else value
 
 
 def _refused(rejection: Rejection) -> Refused:

@@ -3,10 +3,16 @@
  * @file
  * MS, MF, MH and MG motors on CAN: values in their units, as floating point.
  *
- * A conversion to `float` or `double` returns the exact value of a raw integer, rounded once to the nearest number. A
- * conversion from them takes the given number for what it is exactly and stores the nearest raw integer, ties away from
- * zero; a value that does not fit, NaN and infinity are rejected. The functions for `float` never use `double`, which does
- * not exist where it has fewer than 64 bits.
+ * From a value: minus the offset, times the denominator of the scale, divided by its numerator, each operation rounded;
+ * then the nearest raw integer, ties away from zero. So 0.15 at 0.1 per LSB is 2. From 2^51 LSB on, a `double` is
+ * converted exactly. A value that does not fit, NaN and infinity are rejected.
+ *
+ * From a raw integer to `double`: rounded once, to the nearest number, if the products of raw integer, scale and
+ * parameter fit in 64 bits, else wrong by at most 4 * 2^-52 of the magnitudes of value and offset together.
+ *
+ * The functions for `float` never use `double`. They divide once if the products fit in 24 bits, so the result is the
+ * nearest number. Otherwise the error in either direction is at most 7 * 2^-24 of the magnitudes of value and offset
+ * together, 11 * 2^-24 with a parameter as a factor of the scale.
  *
  * Neither is true with -ffast-math, which lets the compiler ignore NaN and round differently. An x87 unit, and
  * -fsingle-precision-constant, can change the last bit of a value that is converted to `double`.
@@ -40,10 +46,9 @@ static inline float mwd_motor_v2_35_temperature_to_float(int8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_temperature_from_float(int8_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -128, 127);
+    status = canwright_signed32_from_float(&nearest, value, value, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -61,10 +66,9 @@ static inline float mwd_motor_v2_35_voltage_to_float(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_voltage_from_float(uint16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 10, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_float(&nearest, value, value * 10.0f, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -82,10 +86,9 @@ static inline float mwd_motor_v2_35_power_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_power_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -850, 850);
+    status = canwright_signed32_from_float(&nearest, value, value, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -103,10 +106,10 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_to_float(
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_SERIES_MF:
-        *value = (float)raw * 33.0f / 4096.0f;
+        *value = ((float)raw * 33.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_SERIES_MG:
-        *value = (float)raw * 33.0f / 2048.0f;
+        *value = ((float)raw * 33.0f) / 2048.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -118,24 +121,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_torque_current_from_float(
     int16_t *raw, float value, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_SERIES_MS:
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 33.0f, -2048, 2048);
+        break;
     case MWD_MOTOR_V2_35_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 33.0f, -2048, 2048);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -149,17 +146,16 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_float(
 /** broadcast_current: Torque current in the broadcast, A. */
 static inline float mwd_motor_v2_35_broadcast_current_to_float(int16_t raw)
 {
-    return (float)raw * 2.0f / 125.0f;
+    return ((float)raw * 2.0f) / 125.0f;
 }
 
 /** The nearest raw value. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {2, 0, 125, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -2000, 2000);
+    status = canwright_signed32_from_float(&nearest, value, (value * 125.0f) / 2.0f, -2000, 2000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -177,10 +173,9 @@ static inline float mwd_motor_v2_35_phase_current_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_phase_current_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 64, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value * 64.0f, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -198,10 +193,9 @@ static inline float mwd_motor_v2_35_speed_i16_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_i16_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -212,22 +206,20 @@ static inline canwright_status_t mwd_motor_v2_35_speed_i16_from_float(int16_t *r
 /** speed_setpoint: Target speed, deg/s. */
 static inline float mwd_motor_v2_35_speed_setpoint_to_float(int32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_narrow_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -241,10 +233,9 @@ static inline float mwd_motor_v2_35_speed_limit_to_float(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_limit_from_float(uint16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -262,44 +253,40 @@ static inline float mwd_motor_v2_35_acceleration_to_float(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_acceleration_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
 /** angle_i32: Angle, deg. */
 static inline float mwd_motor_v2_35_angle_i32_to_float(int32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_narrow_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
 /** single_turn_angle: Single-turn angle, deg. */
 static inline float mwd_motor_v2_35_single_turn_angle_to_float(uint32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_narrow_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -308,8 +295,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_float(ui
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -320,8 +306,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_float(ui
 /** single_turn_position: Single-turn angle of the output, deg. */
 static inline float mwd_motor_v2_35_single_turn_position_to_float(uint32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_narrow_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -331,8 +316,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_float
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -346,8 +330,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_float
 /** multi_turn_angle: Multi-turn angle, deg. */
 static inline float mwd_motor_v2_35_multi_turn_angle_to_float(int64_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_narrow_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -356,8 +339,7 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_float(int
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -372,13 +354,13 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_to_float(
 {
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
-        *value = (float)raw * 45.0f / 2048.0f;
+        *value = ((float)raw * 45.0f) / 2048.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
-        *value = (float)raw * 45.0f / 4096.0f;
+        *value = ((float)raw * 45.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
-        *value = (float)raw * 45.0f / 8192.0f;
+        *value = ((float)raw * 45.0f) / 8192.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -390,27 +372,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_float(
     uint16_t *raw, float value, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
-        {
-            static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 45.0f, 0, 65535);
+        break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
-        {
-            static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 45.0f, 0, 65535);
+        break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
-        {
-            static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 8192.0f) / 45.0f, 0, 65535);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -434,10 +407,9 @@ static inline float mwd_motor_v2_35_gain_to_float(uint8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_gain_from_float(uint8_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 255);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 255);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -457,10 +429,9 @@ static inline double mwd_motor_v2_35_temperature_to_double(int8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_temperature_from_double(int8_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -128, 127);
+    status = canwright_signed32_from_double(&nearest, value, value, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -478,10 +449,9 @@ static inline double mwd_motor_v2_35_voltage_to_double(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_voltage_from_double(uint16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 10, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_double(&nearest, value, value * 10.0, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -499,10 +469,9 @@ static inline double mwd_motor_v2_35_power_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_power_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -850, 850);
+    status = canwright_signed32_from_double(&nearest, value, value, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -520,10 +489,10 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_to_double(
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_SERIES_MF:
-        *value = (double)raw * 33.0 / 4096.0;
+        *value = ((double)raw * 33.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_SERIES_MG:
-        *value = (double)raw * 33.0 / 2048.0;
+        *value = ((double)raw * 33.0) / 2048.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -535,24 +504,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_SERIES_MS:
     case MWD_MOTOR_V2_35_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_35_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 33.0, -2048, 2048);
+        break;
     case MWD_MOTOR_V2_35_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 33.0, -2048, 2048);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -566,17 +529,16 @@ static inline canwright_status_t mwd_motor_v2_35_torque_current_from_double(
 /** broadcast_current: Torque current in the broadcast, A. */
 static inline double mwd_motor_v2_35_broadcast_current_to_double(int16_t raw)
 {
-    return (double)raw * 2.0 / 125.0;
+    return ((double)raw * 2.0) / 125.0;
 }
 
 /** The nearest raw value. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_broadcast_current_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {2, 0, 125, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2000, 2000);
+    status = canwright_signed32_from_double(&nearest, value, (value * 125.0) / 2.0, -2000, 2000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -594,10 +556,9 @@ static inline double mwd_motor_v2_35_phase_current_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_phase_current_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 64, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value * 64.0, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -615,10 +576,9 @@ static inline double mwd_motor_v2_35_speed_i16_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_i16_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -636,14 +596,13 @@ static inline double mwd_motor_v2_35_speed_setpoint_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_setpoint_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -657,10 +616,9 @@ static inline double mwd_motor_v2_35_speed_limit_to_double(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_speed_limit_from_double(uint16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -678,14 +636,13 @@ static inline double mwd_motor_v2_35_acceleration_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_acceleration_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -699,14 +656,13 @@ static inline double mwd_motor_v2_35_angle_i32_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_angle_i32_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -722,8 +678,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_angle_from_double(u
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_double(&nearest, value, value * 100.0, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -744,8 +699,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_doubl
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_double(&nearest, value, value * 100.0, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -759,9 +713,7 @@ static inline canwright_status_t mwd_motor_v2_35_single_turn_position_from_doubl
 /** multi_turn_angle: Multi-turn angle, deg. */
 static inline double mwd_motor_v2_35_multi_turn_angle_to_double(int64_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return ((raw >= -9007199254740992)
-        && (raw <= 9007199254740992)) ? ((double)raw / 100.0) : canwright_signed_to_double(raw, &linear);
+    return canwright_quotient_signed(raw, UINT64_C(100));
 }
 
 /** The nearest raw value. */
@@ -770,8 +722,8 @@ static inline canwright_status_t mwd_motor_v2_35_multi_turn_angle_from_double(in
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_corrected_signed_from_double(&nearest, value, value * 100.0, UINT64_C(100), UINT64_C(0),
+        UINT64_C(1), -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -786,13 +738,13 @@ static inline canwright_status_t mwd_motor_v2_35_encoder_position_to_double(
 {
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
-        *value = (double)raw * 45.0 / 2048.0;
+        *value = ((double)raw * 45.0) / 2048.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
-        *value = (double)raw * 45.0 / 4096.0;
+        *value = ((double)raw * 45.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
-        *value = (double)raw * 45.0 / 8192.0;
+        *value = ((double)raw * 45.0) / 8192.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -804,27 +756,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_encoder_position_from_double(
     uint16_t *raw, double value, const mwd_motor_v2_35_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_35_ENCODER_BITS_14:
-        {
-            static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 45.0, 0, 65535);
+        break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_15:
-        {
-            static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 45.0, 0, 65535);
+        break;
     case MWD_MOTOR_V2_35_ENCODER_BITS_18:
-        {
-            static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 8192.0) / 45.0, 0, 65535);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -848,10 +791,9 @@ static inline double mwd_motor_v2_35_gain_to_double(uint8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_gain_from_double(uint8_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 255);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 255);
     if (status != CANWRIGHT_OK) {
         return status;
     }

@@ -3,10 +3,16 @@
  * @file
  * MS, MF, MH and MG motors on CAN: values in their units, as floating point.
  *
- * A conversion to `float` or `double` returns the exact value of a raw integer, rounded once to the nearest number. A
- * conversion from them takes the given number for what it is exactly and stores the nearest raw integer, ties away from
- * zero; a value that does not fit, NaN and infinity are rejected. The functions for `float` never use `double`, which does
- * not exist where it has fewer than 64 bits.
+ * From a value: minus the offset, times the denominator of the scale, divided by its numerator, each operation rounded;
+ * then the nearest raw integer, ties away from zero. So 0.15 at 0.1 per LSB is 2. From 2^51 LSB on, a `double` is
+ * converted exactly. A value that does not fit, NaN and infinity are rejected.
+ *
+ * From a raw integer to `double`: rounded once, to the nearest number, if the products of raw integer, scale and
+ * parameter fit in 64 bits, else wrong by at most 4 * 2^-52 of the magnitudes of value and offset together.
+ *
+ * The functions for `float` never use `double`. They divide once if the products fit in 24 bits, so the result is the
+ * nearest number. Otherwise the error in either direction is at most 7 * 2^-24 of the magnitudes of value and offset
+ * together, 11 * 2^-24 with a parameter as a factor of the scale.
  *
  * Neither is true with -ffast-math, which lets the compiler ignore NaN and round differently. An x87 unit, and
  * -fsingle-precision-constant, can change the last bit of a value that is converted to `double`.
@@ -40,10 +46,9 @@ static inline float mwd_motor_v2_36_2025_03_temperature_to_float(int8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_temperature_from_float(int8_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -128, 127);
+    status = canwright_signed32_from_float(&nearest, value, value, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -61,10 +66,9 @@ static inline float mwd_motor_v2_36_2025_03_voltage_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_voltage_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -82,10 +86,9 @@ static inline float mwd_motor_v2_36_2025_03_bus_current_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -103,10 +106,9 @@ static inline float mwd_motor_v2_36_2025_03_power_i16_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_power_i16_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -850, 850);
+    status = canwright_signed32_from_float(&nearest, value, value, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -124,10 +126,9 @@ static inline float mwd_motor_v2_36_2025_03_output_power_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_output_power_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -1000, 1000);
+    status = canwright_signed32_from_float(&nearest, value, value, -1000, 1000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -145,10 +146,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_to_float
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        *value = (float)raw * 33.0f / 4096.0f;
+        *value = ((float)raw * 33.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        *value = (float)raw * 33.0f / 2048.0f;
+        *value = ((float)raw * 33.0f) / 2048.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -160,24 +161,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_float(
     int16_t *raw, float value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 33.0f, -2048, 2048);
+        break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 33.0f, -2048, 2048);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -198,10 +193,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        *value = (float)raw * 33.0f / 4096.0f;
+        *value = ((float)raw * 33.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        *value = (float)raw * 33.0f / 2048.0f;
+        *value = ((float)raw * 33.0f) / 2048.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -213,24 +208,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current_from_float(
     int16_t *raw, float value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 33.0f, -32768, 32767);
+        break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 33.0f, -32768, 32767);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -251,10 +240,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_to_float(
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        *value = (float)raw * 33.0f / 4096.0f;
+        *value = ((float)raw * 33.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        *value = (float)raw * 33.0f / 2048.0f;
+        *value = ((float)raw * 33.0f) / 2048.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -266,24 +255,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_float(
     int16_t *raw, float value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 33.0f, -32768, 32767);
+        break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 33.0f, -32768, 32767);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -304,10 +287,9 @@ static inline float mwd_motor_v2_36_2025_03_speed_i16_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_i16_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -318,22 +300,20 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_i16_from_float(in
 /** speed_setpoint: Target speed, deg/s. */
 static inline float mwd_motor_v2_36_2025_03_speed_setpoint_to_float(int32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_narrow_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_setpoint_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -347,10 +327,9 @@ static inline float mwd_motor_v2_36_2025_03_speed_limit_to_float(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_limit_from_float(uint16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -361,30 +340,27 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_limit_from_float(
 /** angle_i32: Angle, deg. */
 static inline float mwd_motor_v2_36_2025_03_angle_i32_to_float(int32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_narrow_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_i32_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value * 100.0f, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
 /** single_turn_angle: Single-turn angle, deg. */
 static inline float mwd_motor_v2_36_2025_03_single_turn_angle_to_float(uint32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_narrow_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -393,8 +369,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -405,8 +380,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_
 /** single_turn_position: Single-turn angle of the output, deg. */
 static inline float mwd_motor_v2_36_2025_03_single_turn_position_to_float(uint32_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_narrow_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -416,8 +390,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -431,8 +404,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
 /** multi_turn_angle: Multi-turn angle, deg. */
 static inline float mwd_motor_v2_36_2025_03_multi_turn_angle_to_float(int64_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return canwright_narrow_to_float(raw, &linear);
+    return (float)raw / 100.0f;
 }
 
 /** The nearest raw value. */
@@ -441,8 +413,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_f
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_signed64_from_float(&nearest, value, value * 100.0f, -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -457,13 +428,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_to_flo
 {
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
-        *value = (float)raw * 45.0f / 2048.0f;
+        *value = ((float)raw * 45.0f) / 2048.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
-        *value = (float)raw * 45.0f / 4096.0f;
+        *value = ((float)raw * 45.0f) / 4096.0f;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
-        *value = (float)raw * 45.0f / 8192.0f;
+        *value = ((float)raw * 45.0f) / 8192.0f;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -475,27 +446,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_float(
     uint16_t *raw, float value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
-        {
-            static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 2048.0f) / 45.0f, 0, 65535);
+        break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
-        {
-            static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 4096.0f) / 45.0f, 0, 65535);
+        break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
-        {
-            static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_float(&nearest, value, (value * 8192.0f) / 45.0f, 0, 65535);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -519,10 +481,9 @@ static inline float mwd_motor_v2_36_2025_03_gain_to_float(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_gain_from_float(uint16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 2000);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 2000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -541,10 +502,9 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_output_limit_from_float(
     int16_t *raw, float value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_float(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -565,14 +525,13 @@ static inline float mwd_motor_v2_36_2025_03_speed_bound_to_float(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_bound_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 600000);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 600000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -586,14 +545,13 @@ static inline float mwd_motor_v2_36_2025_03_angle_bound_to_float(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_bound_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -607,14 +565,13 @@ static inline float mwd_motor_v2_36_2025_03_max_angle_to_float(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_max_angle_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 2147483647);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -628,10 +585,9 @@ static inline float mwd_motor_v2_36_2025_03_current_ramp_to_float(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_current_ramp_from_float(int16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 30000);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 30000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -649,14 +605,13 @@ static inline float mwd_motor_v2_36_2025_03_speed_ramp_to_float(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_ramp_from_float(int32_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 600000);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 600000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -670,10 +625,9 @@ static inline float mwd_motor_v2_36_2025_03_align_ratio_to_float(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_align_ratio_from_float(uint16_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -691,10 +645,9 @@ static inline float mwd_motor_v2_36_2025_03_driver_id_to_float(uint8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_driver_id_from_float(uint8_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 32);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 32);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -714,8 +667,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_u32_from_float(uint32_t
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_float(&nearest, value, value, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -733,10 +685,9 @@ static inline float mwd_motor_v2_36_2025_03_u8_to_float(uint8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_u8_from_float(uint8_t *raw, float value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_narrow_from_float(&nearest, value, &linear, 0, 255);
+    status = canwright_signed32_from_float(&nearest, value, value, 0, 255);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -756,10 +707,9 @@ static inline double mwd_motor_v2_36_2025_03_temperature_to_double(int8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_temperature_from_double(int8_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -128, 127);
+    status = canwright_signed32_from_double(&nearest, value, value, -128, 127);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -777,10 +727,9 @@ static inline double mwd_motor_v2_36_2025_03_voltage_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_voltage_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -798,10 +747,9 @@ static inline double mwd_motor_v2_36_2025_03_bus_current_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_bus_current_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -819,10 +767,9 @@ static inline double mwd_motor_v2_36_2025_03_power_i16_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_power_i16_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -850, 850);
+    status = canwright_signed32_from_double(&nearest, value, value, -850, 850);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -840,10 +787,9 @@ static inline double mwd_motor_v2_36_2025_03_output_power_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_output_power_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -1000, 1000);
+    status = canwright_signed32_from_double(&nearest, value, value, -1000, 1000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -861,10 +807,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_to_doubl
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        *value = (double)raw * 33.0 / 4096.0;
+        *value = ((double)raw * 33.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        *value = (double)raw * 33.0 / 2048.0;
+        *value = ((double)raw * 33.0) / 2048.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -876,24 +822,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 33.0, -2048, 2048);
+        break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -2048, 2048);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 33.0, -2048, 2048);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -914,10 +854,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        *value = (double)raw * 33.0 / 4096.0;
+        *value = ((double)raw * 33.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        *value = (double)raw * 33.0 / 2048.0;
+        *value = ((double)raw * 33.0) / 2048.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -929,24 +869,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_measured_torque_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 33.0, -32768, 32767);
+        break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 33.0, -32768, 32767);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -967,10 +901,10 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_to_double
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        *value = (double)raw * 33.0 / 4096.0;
+        *value = ((double)raw * 33.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        *value = (double)raw * 33.0 / 2048.0;
+        *value = ((double)raw * 33.0) / 2048.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -982,24 +916,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_phase_current_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
         return CANWRIGHT_NO_SCALE;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
-        {
-            static const canwright_linear_t linear = {33, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 33.0, -32768, 32767);
+        break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
-        {
-            static const canwright_linear_t linear = {33, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 33.0, -32768, 32767);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -1020,10 +948,9 @@ static inline double mwd_motor_v2_36_2025_03_speed_i16_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_i16_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1041,14 +968,13 @@ static inline double mwd_motor_v2_36_2025_03_speed_setpoint_to_double(int32_t ra
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_setpoint_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -1062,10 +988,9 @@ static inline double mwd_motor_v2_36_2025_03_speed_limit_to_double(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_limit_from_double(uint16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1083,14 +1008,13 @@ static inline double mwd_motor_v2_36_2025_03_angle_i32_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_i32_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value * 100.0, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -1106,8 +1030,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_angle_from_
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_double(&nearest, value, value * 100.0, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1128,8 +1051,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_double(&nearest, value, value * 100.0, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1143,9 +1065,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_single_turn_position_fr
 /** multi_turn_angle: Multi-turn angle, deg. */
 static inline double mwd_motor_v2_36_2025_03_multi_turn_angle_to_double(int64_t raw)
 {
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    return ((raw >= -9007199254740992)
-        && (raw <= 9007199254740992)) ? ((double)raw / 100.0) : canwright_signed_to_double(raw, &linear);
+    return canwright_quotient_signed(raw, UINT64_C(100));
 }
 
 /** The nearest raw value. */
@@ -1154,8 +1074,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_multi_turn_angle_from_d
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -36028797018963968, 36028797018963967);
+    status = canwright_corrected_signed_from_double(&nearest, value, value * 100.0, UINT64_C(100), UINT64_C(0),
+        UINT64_C(1), -36028797018963968, 36028797018963967);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1170,13 +1090,13 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_to_dou
 {
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
-        *value = (double)raw * 45.0 / 2048.0;
+        *value = ((double)raw * 45.0) / 2048.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
-        *value = (double)raw * 45.0 / 4096.0;
+        *value = ((double)raw * 45.0) / 4096.0;
         return CANWRIGHT_OK;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
-        *value = (double)raw * 45.0 / 8192.0;
+        *value = ((double)raw * 45.0) / 8192.0;
         return CANWRIGHT_OK;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
@@ -1188,27 +1108,18 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_encoder_position_from_double(
     uint16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
     switch ((int)parameters->encoder_bits) {
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_14:
-        {
-            static const canwright_linear_t linear = {45, 0, 2048, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 2048.0) / 45.0, 0, 65535);
+        break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_15:
-        {
-            static const canwright_linear_t linear = {45, 0, 4096, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 4096.0) / 45.0, 0, 65535);
+        break;
     case MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_16:
-        {
-            static const canwright_linear_t linear = {45, 0, 8192, {1, 1u}};
-            status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
-            break;
-        }
+        status = canwright_signed32_from_double(&nearest, value, (value * 8192.0) / 45.0, 0, 65535);
+        break;
     default:
         return CANWRIGHT_MISSING_PARAMETER;
     }
@@ -1232,10 +1143,9 @@ static inline double mwd_motor_v2_36_2025_03_gain_to_double(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_gain_from_double(uint16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 2000);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 2000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1254,10 +1164,9 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_output_limit_from_double(
     int16_t *raw, double value, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -32768, 32767);
+    status = canwright_signed32_from_double(&nearest, value, value, -32768, 32767);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1278,14 +1187,13 @@ static inline double mwd_motor_v2_36_2025_03_speed_bound_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_bound_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 600000);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 600000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -1299,14 +1207,13 @@ static inline double mwd_motor_v2_36_2025_03_angle_bound_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_angle_bound_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, -2147483648, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value, INT32_MIN, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -1320,14 +1227,13 @@ static inline double mwd_motor_v2_36_2025_03_max_angle_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_max_angle_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 2147483647);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, INT32_MAX);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -1341,10 +1247,9 @@ static inline double mwd_motor_v2_36_2025_03_current_ramp_to_double(int16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_current_ramp_from_double(int16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 30000);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 30000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1362,14 +1267,13 @@ static inline double mwd_motor_v2_36_2025_03_speed_ramp_to_double(int32_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_speed_ramp_from_double(int32_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 600000);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 600000);
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    *raw = (int32_t)nearest;
+    *raw = nearest;
     return CANWRIGHT_OK;
 }
 
@@ -1383,10 +1287,9 @@ static inline double mwd_motor_v2_36_2025_03_align_ratio_to_double(uint16_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_align_ratio_from_double(uint16_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 65535);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 65535);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1404,10 +1307,9 @@ static inline double mwd_motor_v2_36_2025_03_driver_id_to_double(uint8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_driver_id_from_double(uint8_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 32);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 32);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1427,8 +1329,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_u32_from_double(uint32_
 {
     int64_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 4294967295);
+    status = canwright_signed64_from_double(&nearest, value, value, 0, 4294967295);
     if (status != CANWRIGHT_OK) {
         return status;
     }
@@ -1446,10 +1347,9 @@ static inline double mwd_motor_v2_36_2025_03_u8_to_double(uint8_t raw)
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_u8_from_double(uint8_t *raw, double value)
 {
-    int64_t nearest;
+    int32_t nearest;
     canwright_status_t status;
-    static const canwright_linear_t linear = {1, 0, 1, {1, 1u}};
-    status = canwright_signed_from_double(&nearest, value, &linear, 0, 255);
+    status = canwright_signed32_from_double(&nearest, value, value, 0, 255);
     if (status != CANWRIGHT_OK) {
         return status;
     }

@@ -1,11 +1,9 @@
-"""Conversions between raw integers and the unit as floating point: exact, or rounded once.
-
-If the format represents every integer of the calculation, it is one expression; otherwise functions of the runtime
-calculate with wide integers where needed.
-"""
+"""Conversions between raw integers and the unit as floating point: one operation a step, chosen at generation time."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from fractions import Fraction
 from typing import NamedTuple
 
 from ...model.types import Encoding, Linear, Type
@@ -13,8 +11,14 @@ from .choices import Choice, choose
 from .conversions import MISSING_PARAMETER, NO_SCALE, ConversionView, Formula, ratio
 from .expressions import joined, operand
 from .names import Names
-from .numbers import INT64, UINT64, Integer, integer
+from .numbers import INT64, UINT64, Integer, common, integer
+from .ratios import ABOVE, BELOW
 from .validity import Condition, constant_limits, has_constant_limits
+
+COARSE = 1 << 51
+"""Raw integers from here on are too many for the precision of a quotient of doubles."""
+CORRECTABLE = 1 << 45
+"""The limit of the numerator and denominator of a scale for `canwright_corrected`."""
 
 
 class Format(NamedTuple):
@@ -24,9 +28,10 @@ class Format(NamedTuple):
     suffix: str
     exact: int
 
-    def literal(self, number: int) -> str:
-        """An integer up to `exact` as a literal of this type."""
-        return f"{float(number)!r}{self.suffix}"
+    def literal(self, number: Fraction | int) -> str:
+        """The nearest number of this type as a literal."""
+        literal = f"{float(number)!r}{self.suffix}"
+        return f"({literal})" if number < 0 else literal
 
 
 SINGLE = Format("float", "f", 1 << 24)
@@ -43,78 +48,141 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
     """Conversions to the unit in a floating-point type; None without a scale, or with one that is too precise."""
     if not type_.is_number or not any(linear for _, linear in type_.linear.distinct()) or lacks_floating(type_):
         return None
-    kind, is_float = integer(type_), type_.encoding is Encoding.FLOAT
-    wide = kind if is_float else UINT64 if kind == UINT64 else INT64
+    is_float = type_.encoding is Encoding.FLOAT
 
     def to(linear: Linear | None) -> Formula:
-        return _to(linear, type_, format_) if linear else NO_SCALE
+        return Formula(number=_value(linear, type_, format_), ratio=ratio(linear)) if linear else NO_SCALE
 
     def from_(linear: Linear | None) -> Formula:
-        if linear is None:
-            return NO_SCALE
-        limits = "" if is_float else "".join(f", {wide.literal(end)}" for end in constant_limits(type_))
-        low, high = constant_limits(type_)
-        function = _function(linear, type_, format_, (2 * low - 2, 2 * high + 2))
-        call = f"canwright_{function}_from_{format_.name}(&nearest, value, &linear{limits})"
-        return Formula(number=call, ratio=ratio(linear), linear=initializer(linear))
+        return Formula(number=_nearest(linear, type_, format_), ratio=ratio(linear)) if linear else NO_SCALE
 
     return ConversionView(
         kind=format_.name,
         to=choose(names, type_.linear, to, MISSING_PARAMETER),
         to_fails=type_.linear.parameter is not None or bool(type_.times),
         from_=choose(names, type_.linear, from_, MISSING_PARAMETER),
-        wide=wide.name,
+        wide=_wide(type_).name,
         check=valid if is_float or not has_constant_limits(type_) else None,
     )
 
 
-def _to(linear: Linear, type_: Type, format_: Format) -> Formula:
-    function = _function(linear, type_, format_, integer(type_).limits)
-    number = f"canwright_{function}_to_{format_.name}(raw, &linear)"
-    if type_.encoding is not Encoding.FLOAT and linear.times is None:
-        if linear.is_identity:
-            return Formula(number=f"({format_.name})raw")
-        factor, addend, divisor = linear.as_quotient
-        largest = max(map(abs, type_.raw_limits)) * abs(factor) + abs(addend)
-        if max(largest, divisor) <= format_.exact:
-            return Formula(number=_expression(linear, format_))
-        most = (format_.exact - abs(addend)) // abs(factor)
-        if format_ is DOUBLE and divisor <= format_.exact and most > 0:
-            number = f"({_within(integer(type_), most)}) ? ({_expression(linear, format_)}) : {number}"
-    return Formula(number=number, ratio=ratio(linear), linear=initializer(linear))
+def _wide(type_: Type) -> Integer:
+    """The type of the nearest raw integer; for floats, of their bits."""
+    if type_.encoding is Encoding.FLOAT:
+        return integer(type_)
+    return common(*integer(type_).limits) or UINT64
 
 
-def _within(kind: Integer, most: int) -> str:
-    """The condition for raw integers of at most this magnitude."""
-    low = [f"raw >= {kind.literal(-most)}"] if kind.signed else []
-    return joined("&&", [*low, f"raw <= {kind.literal(most)}"])
-
-
-def _function(linear: Linear, type_: Type, format_: Format, limits: tuple[int, int]) -> str:
-    """The functions of the runtime for a scale: of raw integers within `limits`, those with 64 bits if they are enough."""
+def _value(linear: Linear, type_: Type, format_: Format) -> str:
+    """The value: one operation for each factor and offset, without those that change nothing."""
+    if type_.encoding is Encoding.FLOAT:
+        raw = f"canwright_float_of_bits{'' if type_.width == 32 else '64'}(raw)"
+        if format_ is DOUBLE:
+            raw = f"(double){raw}" if type_.width == 32 else "canwright_double_of_bits(raw)"
+        return _scaled(raw, linear, format_)
+    raw = f"({format_.name})raw"
     factor, addend, divisor = linear.as_quotient
-    is_narrow = (
-        (raw_kind(type_), format_, linear.times) == ("signed", SINGLE, None)
-        and max(abs(factor), divisor) < 1 << 31
-        and abs(addend) < 1 << 37
-        and INT64.holds(*(raw * factor + addend for raw in limits))
-    )
-    return "narrow" if is_narrow else raw_kind(type_)
+    above, below = (1, 1) if linear.times is None else (ABOVE, BELOW)
+    greatest = (max(map(abs, type_.raw_limits)) * abs(factor) + abs(addend)) * above
+    is_exact = max(greatest, divisor * below) <= format_.exact
+    integral = None if is_exact or format_ is SINGLE else _integral(linear, type_)
+    if linear.times is not None:
+        dividend = _dividend(raw, factor, addend, format_.literal)
+        multiple = f"canwright_multiple_{format_.name}(&{ratio(linear)}, {dividend}, {format_.literal(divisor)})"
+        return integral or multiple
+    if is_exact:
+        dividend = _dividend(raw, factor, addend, format_.literal)
+        if divisor == 1:
+            return dividend
+        return f"{operand(dividend)} / {format_.literal(divisor)}"
+    return integral or _scaled(raw, linear, format_)
 
 
-def _expression(linear: Linear, format_: Format) -> str:
-    """The value, without operations that change nothing. A raw integer of 0 without an offset is 0, never -0."""
-    factor, addend, divisor = linear.as_quotient
-    product = f"({format_.name})raw" + (f" * {format_.literal(abs(factor))}" if abs(factor) != 1 else "")
+def _scaled(raw: str, linear: Linear, format_: Format) -> str:
+    """The value of a number with factor, divisor and offset of the scale, each rounded."""
+    above, below = linear.scale.numerator, linear.scale.denominator
+    scaled = raw + (f" * {format_.literal(above)}" if above != 1 else "")
+    scaled = f"{operand(scaled)} / {format_.literal(below)}" if below != 1 else scaled
+    return f"{operand(scaled)} + {format_.literal(linear.offset)}" if linear.offset else scaled
+
+
+def _dividend(raw: str, factor: int, addend: int, literal: Callable[[int], str]) -> str:
+    """`raw * factor + addend`. A raw integer of 0 without an addend is 0, never -0."""
+    product = raw + (f" * {literal(abs(factor))}" if abs(factor) != 1 else "")
     if factor < 0:
-        dividend = f"{format_.literal(addend)} - {operand(product)}"
-    elif addend:
-        dividend = f"{operand(product)} {'+' if addend > 0 else '-'} {format_.literal(abs(addend))}"
+        return f"{literal(addend)} - {operand(product)}"
+    return f"{operand(product)} {'+' if addend > 0 else '-'} {literal(abs(addend))}" if addend else product
+
+
+def _integral(linear: Linear, type_: Type) -> str | None:
+    """The value as a quotient of 64-bit integers, rounded once; None if they are too small for most raw integers.
+
+    Where only the raw integers next to the limits of the type need more than 64 bits, these are divided as doubles.
+    """
+    factor, addend, divisor = linear.as_quotient
+    above, below = (1, 1) if linear.times is None else (ABOVE, BELOW)
+    kind = UINT64 if not integer(type_).signed and factor > 0 and addend >= 0 else INT64
+    least, most = (limit // above for limit in kind.limits)
+    spans = [sorted((_toward_zero(least - a, factor), _toward_zero(most - a, factor))) for a in (0, addend)]
+    low, high = max(span[0] for span in spans), min(span[1] for span in spans)
+    if divisor * below > 1 << 63 or not kind.holds(factor, addend) or low > 0 or high < 0:
+        return None
+    source = "raw" if integer(type_) == kind else f"({kind.name})raw"
+    dividend = _dividend(source, factor, addend, kind.literal)
+    divided = f"canwright_quotient_{'' if kind.signed else 'un'}signed"
+    if linear.times is None:
+        exact = f"(double)({dividend})" if divisor == 1 else f"{divided}({dividend}, {UINT64.literal(divisor)})"
     else:
-        dividend = product
-    if divisor == 1:
-        return dividend
-    return (f"({dividend})" if addend or factor < 0 else dividend) + f" / {format_.literal(divisor)}"
+        number = ratio(linear)
+        product = f"{operand(dividend)} * {'' if kind.signed else '(uint64_t)'}{number}.numerator"
+        exact = f"{divided}({product}, {UINT64.literal(divisor)} * {number}.denominator)"
+    ends = [f"raw >= {integer(type_).literal(low)}"] if low > type_.raw_limits[0] else []
+    ends += [f"raw <= {integer(type_).literal(high)}"] if high < type_.raw_limits[1] else []
+    if not ends:
+        return exact
+    rough = _scaled("(double)raw", linear, DOUBLE)
+    if linear.times is not None:
+        dividend = _dividend("(double)raw", factor, addend, DOUBLE.literal)
+        rough = f"canwright_multiple_double(&{ratio(linear)}, {dividend}, {DOUBLE.literal(divisor)})"
+    return f"({joined('&&', ends)}) ? {exact} : {operand(rough)}"
+
+
+def _toward_zero(dividend: int, divisor: int) -> int:
+    size = abs(dividend) // abs(divisor)
+    return size if (dividend < 0) == (divisor < 0) else -size
+
+
+def _nearest(linear: Linear, type_: Type, format_: Format) -> str:
+    """The call that stores the nearest raw integer: from minus offset, times denominator, divided by numerator."""
+    scale, offset = linear.scale, linear.offset
+    steps = "value" if linear.times is None else f"canwright_share_{format_.name}(value, &{ratio(linear)})"
+    steps = f"({steps} - {format_.literal(offset)})" if offset > 0 else steps
+    steps = f"({steps} + {format_.literal(-offset)})" if offset < 0 else steps
+    steps = f"{operand(steps)} * {format_.literal(scale.denominator)}" if scale.denominator != 1 else steps
+    steps = f"{operand(steps)} / {format_.literal(scale.numerator)}" if scale.numerator != 1 else steps
+    if type_.encoding is Encoding.FLOAT:
+        return f"canwright_bits{type_.width}_from_{format_.name}(&nearest, value, {steps})"
+    wide = _wide(type_)
+    limits = constant_limits(type_)
+    ends = ", ".join(wide.literal(end) for end in limits)
+    sign = "signed" if wide.signed else "unsigned"
+    if format_ is DOUBLE and max(map(abs, limits)) >= COARSE and (line := _line(linear)):
+        return f"canwright_corrected_{sign}_from_double(&nearest, value, {steps}, {line}, {ends})"
+    return f"canwright_{sign}{wide.width}_from_{format_.name}(&nearest, value, {steps}, {ends})"
+
+
+def _line(linear: Linear) -> str:
+    """Divisor, addend and factor as arguments of `canwright_corrected`; empty if these are too large for it."""
+    factor, addend, divisor = linear.as_quotient
+    above, below = (1, 1) if linear.times is None else (ABOVE, BELOW)
+    if max(abs(factor) * above, divisor * below) > CORRECTABLE or abs(addend) > abs(factor) << 64:
+        return ""
+    sign = 1 if factor > 0 else -1
+    numbers = [UINT64.literal(number % (1 << 64)) for number in (sign * divisor, sign * addend, abs(factor))]
+    if linear.times is not None:
+        ends = ("denominator", "numerator", "numerator")
+        numbers = [f"{number} * (uint64_t){ratio(linear)}.{end}" for number, end in zip(numbers, ends, strict=True)]
+    return ", ".join(numbers)
 
 
 def initializer(linear: Linear) -> str:
