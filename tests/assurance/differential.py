@@ -7,7 +7,7 @@ not, alike. Frames are near those of each message: its id, length, codes, consta
 data of random bits, and frames that are wholly random; parameters and nodes vary. Equal seeds give equal questions.
 
 Not covered: what a DBC cannot express, which is counted by name below each line; several wrong fields in one message,
-of which targets may report different ones; exchanges whose request has a wrong constant. The documents are compared with golden frames only.
+of which targets may report different ones. The documents are compared with golden frames only.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from ..conformance.questions import Answer, Question, Questions, disagreement
 from ..spec_texts import ROOT, SPECS, called
 
 TARGETS = ("c", "python", "dbc")
-FRAMES = 1_000_000
+QUESTIONS = 1_000_000
 SHOWN = 20
 """So many disagreements of a target are listed."""
 
@@ -107,7 +107,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--frames", type=int, default=FRAMES, help="questions for each edition (default %(default)s)")
+    parser.add_argument(
+        "--questions", type=int, default=QUESTIONS, help="so many for each edition (default %(default)s)"
+    )
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--edition", action="append", help="as v2.35 or lamp/v1 (default: all editions of spec/)")
     parser.add_argument("--targets", default=",".join(TARGETS), help="(default %(default)s)")
@@ -122,7 +124,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with tempfile.TemporaryDirectory() as folder:
             adapters = [ADAPTERS[name].create(item, Path(folder)) for name in given.targets.split(",")]
             questions = Questions(item.edition, given.seed).forever()
-            comparisons = compare(item, adapters, itertools.islice(questions, given.frames))
+            comparisons = compare(item, adapters, itertools.islice(questions, given.questions))
         print("\n".join(_report(called(file), comparisons)), flush=True)
         failed = failed or any(one.disagreements for one in comparisons)
     return int(failed)

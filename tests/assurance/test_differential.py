@@ -31,7 +31,7 @@ class _Careless(ReferenceAdapter):
 
 def test_a_wrong_answer_is_reported(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setitem(ADAPTERS, "python", _Careless)
-    assert main(["--frames", "200", "--edition", "v2.35", "--targets", "python"]) == 1
+    assert main(["--questions", "3000", "--edition", "v2.35", "--targets", "python"]) == 1
     assert "wrong_length" in capsys.readouterr().out
 
 

@@ -98,16 +98,25 @@ _REASONS = {"length": Refusal.WRONG_LENGTH, "keys": Refusal.UNKNOWN_CODE}
 def _fields(found: Identified, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
     """The fields of a message; rejected if a constant differs or a parameter that decides on the fields is missing."""
     layout = found.message.layout
+    wrong = rejects_constants(found.message, frame, assignment)
+    if wrong is not None:
+        return wrong
     variant = layout.variant(assignment)
-    present = variant.fields if variant else (field for field in layout.fields if not field.only)
-    wrong = wrong_constants(present, frame)
-    if wrong:
-        text = f"the constant `{wrong[0].name}` is not {wrong[0].fixed}"
-        return Rejection(Refusal.WRONG_CONSTANT, text, wrong[0].name)
     if variant is None:
         text = f"the fields of {found.message.name} depend on `{layout.parameter}`, which is missing"
         return Rejection(Refusal.MISSING_PARAMETER, text)
     return Decoded(*found, variant, raws(variant, frame), values(variant, frame, assignment))
+
+
+def rejects_constants(message: Message, frame: CanFrame, assignment: Assignment) -> Rejection | None:
+    """The rejection of a frame of a message in which a constant differs; None for a frame with all its constants."""
+    variant = message.layout.variant(assignment)
+    present = variant.fields if variant else (field for field in message.layout.fields if not field.only)
+    wrong = wrong_constants(present, frame)
+    if not wrong:
+        return None
+    text = f"the constant `{wrong[0].name}` is not {wrong[0].fixed}"
+    return Rejection(Refusal.WRONG_CONSTANT, text, wrong[0].name)
 
 
 def values(variant: Variant, frame: CanFrame, assignment: Assignment) -> dict[str, Value | list[Value]]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..model.message import Direction
 from ..model.refusal import Refusal
-from .decoder import Decoder, Identified, Rejection
+from .decoder import Decoder, Identified, Rejection, rejects_constants
 from .frame import CanFrame, difference, node_of, read_bits
 
 
@@ -15,6 +15,9 @@ def check_reply(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identif
     sent = decoder.identify(Direction.REQUEST, request)
     if isinstance(sent, Rejection):
         return sent
+    invalid = rejects_constants(sent.message, request, {})
+    if invalid is not None:
+        return invalid
     command = decoder.edition.command(sent.message.command)
     expected = command.reply
     if expected is None:

@@ -363,8 +363,17 @@ class Dispatcher(Generic[P, Q, M]):
         request, reply = bytes(memoryview(request)), bytes(memoryview(reply))
         route, to = self.requests.find(request_id, extended, remote)
         sent = route.message(request_id, request)
+        self._check_constants(sent, to, request_id, request)
         kind = (extended if reply_extended is None else reply_extended, reply_remote)
         self._answering_node(sent, to, request_id, request, reply_id, reply, *kind)
+
+    def _check_constants(self, sent: type[Message], to: int | None, request_id: int, request: bytes) -> None:
+        """Checks the constants of a request, whatever its parameters are. Raises CodecError (wrong_constant)."""
+        try:
+            sent.unpack(to, request_id, request, self._unknown)
+        except CodecError as error:
+            if error.refusal is not Refusal.MISSING_PARAMETER:
+                raise
 
     def _answering_node(
         self,
