@@ -32,6 +32,7 @@ from ._codec import (
     check_choice,
     check_number,
     missing,
+    new,
 )
 from ._dispatch import (
     Answer,
@@ -302,7 +303,7 @@ class PidGains(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -404,7 +405,7 @@ class WriteAccelerationRam(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -457,7 +458,7 @@ class WriteEncoderOffsetRom(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -535,7 +536,7 @@ class MotionFeedback(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -658,7 +659,7 @@ class Status1(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -810,7 +811,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -877,7 +878,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -941,7 +942,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1006,7 +1007,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1074,7 +1075,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1154,7 +1155,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1233,7 +1234,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1318,7 +1319,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1387,7 +1388,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1755,7 +1756,7 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2043,7 +2044,7 @@ class ReadAccelerationReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2123,7 +2124,7 @@ class ReadEncoderReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2224,7 +2225,7 @@ class WritePositionAsZeroRomReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2283,7 +2284,7 @@ class ReadMultiTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2343,7 +2344,7 @@ class ReadSingleTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2471,7 +2472,7 @@ class ReadStatus3Reply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False

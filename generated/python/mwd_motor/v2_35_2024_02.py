@@ -29,6 +29,7 @@ from ._codec import (
     check_choice,
     check_number,
     missing,
+    new,
 )
 from ._dispatch import (
     Answer,
@@ -343,7 +344,7 @@ class ControlParametersTorqueLimit(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -388,7 +389,7 @@ class ControlParametersAccelerationLimit(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -433,7 +434,7 @@ class ControlParametersSpeedLimit(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -479,7 +480,7 @@ class WriteEncoderOffsetRom(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -532,7 +533,7 @@ class SetAngle(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -609,7 +610,7 @@ class MotionFeedback(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -741,7 +742,7 @@ class Status1(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -913,7 +914,7 @@ class BrakeRequest(Request["BrakeReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -974,7 +975,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1041,7 +1042,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1105,7 +1106,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1174,7 +1175,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1251,7 +1252,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1319,7 +1320,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1399,7 +1400,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1478,7 +1479,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1563,7 +1564,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1632,7 +1633,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2086,7 +2087,7 @@ class BrakeReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2412,7 +2413,7 @@ class ReadEncoderReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2513,7 +2514,7 @@ class WritePositionAsZeroRomReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2572,7 +2573,7 @@ class ReadMultiTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2632,7 +2633,7 @@ class ReadSingleTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2760,7 +2761,7 @@ class ReadStatus3Reply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False

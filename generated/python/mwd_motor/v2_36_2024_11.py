@@ -29,6 +29,7 @@ from ._codec import (
     check_choice,
     check_number,
     missing,
+    new,
 )
 from ._dispatch import (
     Answer,
@@ -381,7 +382,7 @@ class PidGains(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -444,7 +445,7 @@ class ControlParametersMaxTorqueCurrent(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -489,7 +490,7 @@ class ControlParametersMaxSpeed(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -534,7 +535,7 @@ class ControlParametersMaxAngle(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -579,7 +580,7 @@ class ControlParametersCurrentRamp(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -624,7 +625,7 @@ class ControlParametersSpeedRamp(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -669,7 +670,7 @@ class SetAngle(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -746,7 +747,7 @@ class MotionFeedback(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -878,7 +879,7 @@ class Status1(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1050,7 +1051,7 @@ class BrakeRequest(Request["BrakeReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1111,7 +1112,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1178,7 +1179,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1247,7 +1248,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1324,7 +1325,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1392,7 +1393,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1472,7 +1473,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1551,7 +1552,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1636,7 +1637,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1705,7 +1706,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2364,7 +2365,7 @@ class BrakeReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2865,7 +2866,7 @@ class ReadEncoderReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2951,7 +2952,7 @@ class WritePositionAsZeroRomReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -3010,7 +3011,7 @@ class ReadMultiTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -3070,7 +3071,7 @@ class ReadSingleTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -3198,7 +3199,7 @@ class ReadStatus3Reply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False

@@ -31,6 +31,7 @@ from ._codec import (
     check_number,
     constant,
     missing,
+    new,
 )
 from ._dispatch import (
     Answer,
@@ -550,7 +551,7 @@ class PidGains(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -623,7 +624,7 @@ class ControlParametersMaxTorqueCurrent(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -671,7 +672,7 @@ class ControlParametersMaxSpeed(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -721,7 +722,7 @@ class ControlParametersUpperAngle(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -768,7 +769,7 @@ class ControlParametersLowerAngle(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -813,7 +814,7 @@ class ControlParametersSpeedRamp(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -861,7 +862,7 @@ class StoredSettingsDriverId(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -909,7 +910,7 @@ class StoredSettingsBusType(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -954,7 +955,7 @@ class StoredSettingsRs485BaudRate(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -999,7 +1000,7 @@ class StoredSettingsCanBaudRate(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1045,7 +1046,7 @@ class StoredSettingsMaxPower(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1093,7 +1094,7 @@ class StoredSettingsMaxSpeed(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1141,7 +1142,7 @@ class StoredSettingsMaxAngle(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1189,7 +1190,7 @@ class StoredSettingsCurrentRamp(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1237,7 +1238,7 @@ class StoredSettingsSpeedRamp(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1310,7 +1311,7 @@ class MotionFeedback(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1442,7 +1443,7 @@ class Status1(Message):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1614,7 +1615,7 @@ class BrakeRequest(Request["BrakeReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1675,7 +1676,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1742,7 +1743,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1811,7 +1812,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1888,7 +1889,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -1956,7 +1957,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2036,7 +2037,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2115,7 +2116,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2200,7 +2201,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -2269,7 +2270,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -3457,7 +3458,7 @@ class SaveStoredSettingsRequest(Request["SaveStoredSettingsReply"]):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -3553,7 +3554,7 @@ class BrakeReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -4054,7 +4055,7 @@ class ReadEncoderReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -4145,7 +4146,7 @@ class CalibrateEncoderReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -4222,7 +4223,7 @@ class WritePositionAsZeroRomReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -4281,7 +4282,7 @@ class ReadMultiTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -4341,7 +4342,7 @@ class ReadSingleTurnAngleReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -4470,7 +4471,7 @@ class ReadStatus3Reply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False
@@ -5020,7 +5021,7 @@ class SaveStoredSettingsReply(Reply):
     @classmethod
     def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
         """The message in these data bytes. Id, length and selector have been checked already."""
-        self = object.__new__(cls)
+        self = new(cls)
         self._node = node
         self._parameters = parameters
         self._checked = False

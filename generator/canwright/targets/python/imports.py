@@ -11,7 +11,7 @@ _RUNTIME = {
     "_codec": (
         *PUBLIC,
         *("ArrayType", "Bound", "EnumType", "FlagsType", "Float", "Integer", "Number", "Real"),
-        *("ToAll", "ToNode", "check_choice", "check_number", "constant", "merge", "missing"),
+        *("ToAll", "ToNode", "check_choice", "check_number", "constant", "merge", "missing", "new"),
     ),
     "_dispatch": ("Answer", "DataByte", "Dispatcher", "Route", "Select", "data_length"),
 }
