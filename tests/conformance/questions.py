@@ -214,6 +214,10 @@ class Questions:
                     raws[name] = candidate
                 yield Question("encode raw", "encode_raw", (*_start(message), self._node(message), raws, known))
 
+        if message.id.nodes is not None and fields:
+            known, invalid = {}, {name: _invalid(field) for name, field in fields.items()}
+            yield Question("encode raw", "encode_raw", (*_start(message), message.id.nodes[-1] + 1, invalid, known))
+
     def _given_values(self, message: Message) -> Iterator[Question]:
         """Values at the limits of every field, ties, and what is no number."""
         known = self._known(message)
@@ -322,6 +326,12 @@ def _values(edition: Edition, parameter: Parameter) -> Iterator[str]:
             except ValueError:
                 continue
             yield text
+
+
+def _invalid(field: Field) -> Raw:
+    """A raw integer that is invalid for a field of less than 64 bits, or a list for an array."""
+    raw = (1 << min(field.type.width + 1, 64)) - 1
+    return [raw] * len(field.elements) if field.is_array else raw
 
 
 def _number(encoding: Encoding, width: int, raw: int) -> Fraction | int:
