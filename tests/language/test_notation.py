@@ -25,7 +25,8 @@ def test_rationals_are_exact(text: str, value: Fraction) -> None:
 @pytest.mark.parametrize("written", ["0.0000001", "0.000000000000000000000000000001"])
 def test_small_decimals_are_numbers(written: str, tmp_path: Path) -> None:
     found = edition(tmp_path, MINIMAL.replace("scale: 0.1", f"scale: {written}")).types[0].linear
-    assert found.at({}).scale == Fraction(written)
+    scaled = found.at({})
+    assert scaled is not None and scaled.scale == Fraction(written)
     assert notation.value(Decimal(written)) == Fraction(written)
 
 
