@@ -215,8 +215,8 @@ class Questions:
                 yield Question("encode raw", "encode_raw", (*_start(message), self._node(message), raws, known))
 
         if message.id.nodes is not None and fields:
-            known, invalid = {}, {name: _invalid(field) for name, field in fields.items()}
-            yield Question("encode raw", "encode_raw", (*_start(message), message.id.nodes[-1] + 1, invalid, known))
+            largest = {name: _largest(field) for name, field in fields.items()}
+            yield Question("encode raw", "encode_raw", (*_start(message), message.id.nodes[-1] + 1, largest, known))
 
     def _given_values(self, message: Message) -> Iterator[Question]:
         """Values at the limits of every field, ties, and what is no number."""
@@ -328,9 +328,10 @@ def _values(edition: Edition, parameter: Parameter) -> Iterator[str]:
             yield text
 
 
-def _invalid(field: Field) -> Raw:
-    """A raw integer that is invalid for a field of less than 64 bits, or a list for an array."""
-    raw = (1 << min(field.type.width + 1, 64)) - 1
+def _largest(field: Field) -> Raw:
+    """The largest raw integer that the type of a field in C contains, mostly an invalid one; a list for an array."""
+    bits = max(8, 1 << (field.type.width - 1).bit_length())
+    raw = (1 << bits - (field.type.encoding is Encoding.SIGNED)) - 1
     return [raw] * len(field.elements) if field.is_array else raw
 
 
