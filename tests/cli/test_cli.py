@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -34,7 +35,10 @@ def test_help_lists_the_commands_and_an_example() -> None:
 
 def test_generate_then_check_then_edit(folder: Path) -> None:
     result = run("generate", "--spec", "my.yaml", "--out", "out")
-    assert (result.exit_code, result.output.split(":")[0]) == (0, "lamp v1")
+    assert (result.exit_code, result.stdout.split(":")[0]) == (0, "lamp v1")
+    assert "warning: there are no golden frames" in result.stderr
+    listed = run("generate", "--spec", "my.yaml", "--out", "out", "--format", "json")
+    assert [one["rule"] for one in json.loads(listed.stdout)["findings"]] == ["missing-frame"]
     assert {p.name for p in (folder / "out").iterdir()} == {".canwright.json", "c", "python", "dbc", "docs"}
     assert run("check", "--spec", "my.yaml", "--out", "out").exit_code == 0
     (folder / "my.yaml").write_text(MINIMAL.replace("0..1000", "0..999"), "utf-8")

@@ -232,6 +232,10 @@ class Questions:
                     raws[name] = candidate
                 yield Question("encode raw", "encode_raw", (*_start(message), self._node(message), raws, known))
 
+        if message.id.nodes is not None and fields:
+            largest = {name: _largest(field) for name, field in fields.items()}
+            yield Question("encode raw", "encode_raw", (*_start(message), message.id.nodes[-1] + 1, largest, known))
+
     def _given_values(self, message: Message) -> Iterator[Question]:
         """Values at the limits of every field, ties, and what is no number."""
         known = self._known(message)
@@ -333,6 +337,13 @@ def _values(edition: Edition, parameter: Parameter) -> Iterator[str]:
             except ValueError:
                 continue
             yield text
+
+
+def _largest(field: Field) -> Raw:
+    """The largest raw integer that the type of a field in C contains, mostly an invalid one; a list for an array."""
+    bits = max(8, 1 << (field.type.width - 1).bit_length())
+    raw = (1 << bits - (field.type.encoding is Encoding.SIGNED)) - 1
+    return [raw] * len(field.elements) if field.is_array else raw
 
 
 def _number(encoding: Encoding, width: int, raw: int) -> Fraction | int:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 
@@ -19,6 +20,14 @@ from ..spec_texts import MINIMAL, edition
 )
 def test_rationals_are_exact(text: str, value: Fraction) -> None:
     assert notation.rational(text) == value
+
+
+@pytest.mark.parametrize("written", ["0.0000001", "0.000000000000000000000000000001"])
+def test_small_decimals_are_numbers(written: str, tmp_path: Path) -> None:
+    found = edition(tmp_path, MINIMAL.replace("scale: 0.1", f"scale: {written}")).types[0].linear
+    scaled = found.at({})
+    assert scaled is not None and scaled.scale == Fraction(written)
+    assert notation.value(Decimal(written)) == Fraction(written)
 
 
 @pytest.mark.parametrize("text", ["1/0", "a", "1/", "1/2/3", "", "nan", "__import__('os')"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -147,6 +148,45 @@ def test_no_class_needs_parameters_for_raw_integers(spec: Path, package: Callabl
             with pytest.raises(AttributeError, match=rf"{cls.__name__} is immutable.*replace\(\)"):
                 delattr(made, name)
         assert cls.__match_args__ == tuple(cls.TYPES) if cls.TYPES else made.fields() == ()
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_the_node_is_checked_before_the_fields(spec: Path, package: Callable[[Path], Package]) -> None:
+    ours = package(spec)
+    assignment, parameters = ours.assignments[0]
+    encoder = Encoder(assignment)
+    compared = 0
+    for message in ours.edition.all_messages():
+        fields = encoder.fields(message)
+        if message.id.nodes is None or not fields:
+            continue
+        node = message.id.nodes[-1] + 1
+        valid = {name: _valid(field) for name, field in fields.items()}
+        beyond = {name: _invalid(field) for name, field in fields.items()}
+        made = ours.cls(message).from_raw(node=message.id.nodes[0], parameters=parameters, **_attributes(valid))
+        for attribute_, value in (("_node", node), ("_raws", tuple(beyond.values())), ("_checked", False)):
+            object.__setattr__(made, attribute_, value)
+        expected = encoder.encode_raws(message, node, beyond)
+        assert isinstance(expected, Rejection)
+        assert (
+            _outcome(ours.module, copy.copy, made)
+            == (expected.reason.value, expected.field)
+            == ("unknown_node", "node")
+        )
+        number = next((name for name, field in fields.items() if field.type.is_number), None)
+        if number is not None:
+            given = [math.nan] * len(fields[number].elements) if fields[number].is_array else math.nan
+            with pytest.raises(ours.module.CodecError) as caught:
+                made.replace(node=node, **{attribute(number): given})
+            assert caught.value.refusal is ours.module.Refusal.UNKNOWN_NODE
+        compared += 1
+    assert compared
+
+
+def _invalid(field: Field) -> int | list[int]:
+    """Beyond every raw integer of a field."""
+    raw = 1 << field.type.width
+    return [raw] * len(field.elements) if field.is_array else raw
 
 
 def _valid(field: Field) -> int | list[int]:

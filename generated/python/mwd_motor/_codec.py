@@ -766,14 +766,16 @@ class Message:
         raise TypeError(f"{type(self).__name__} is only a base class")
 
     def check(self) -> None:
-        """Raises CodecError if a raw integer is out of range, without a name in its enum or flags, or if the node is.
+        """Raises CodecError if the node or a raw integer is out of range, or has no name in its enum or flags.
+
+        The node is checked first, then the fields in the order of the specification, as in every language.
 
         Messages from constructors, `from_raw` and `replace` have been checked already; decoded ones have not.
         """
+        self._known_node(self._node)
         raws = self.raw()
         for name in self._in_order_of_checks():
             self.TYPES[name].check(raws[name], self._parameters, name)
-        self._known_node(self._node)
         self._checked = True
 
     @classmethod
@@ -801,7 +803,7 @@ class Message:
         The other fields keep their raw integers. Raises CodecError as `check` does, and TypeError for other names.
         """
         parameters = values.pop("parameters", self._parameters)
-        node = values.pop("node", self._node)
+        node = self._known_node(values.pop("node", self._node))
         raws = self.raw()
         for name, value in values.items():
             if name not in self.TYPES:

@@ -66,24 +66,28 @@ def generate(
     Nothing is written if a spec has errors. Files of an earlier run that are no longer generated are removed;
     files that canwright did not generate are never changed.
     """
-    specifications = [one.specification for one in load(specs, printer, record)]
+    loaded = load(specs, printer, record)
+    specifications = [one.specification for one in loaded]
+    warnings = [warning for one in loaded for warning in one.warnings]
     set_parameters = assignment(specifications, settings)
     try:
         content = make(specifications, targets or target_names(), set_parameters)
         changes = write(out, content, force=force)
     except OutputError as error:
         stop(str(error))
-    for path in changes.removed:
-        click.echo(f"removed {out.as_posix()}/{path}")
-    show(_summary(content, changes, out))
+    if printer == "text":
+        for path in changes.removed:
+            click.echo(f"removed {out.as_posix()}/{path}")
+    show(_report(warnings, _summary(content, changes, out), printer))
     if not no_cache:
-        record.save(out, content, _summary(content, FileChanges((), (), len(content.files)), out))
+        unchanged = FileChanges((), (), len(content.files))
+        record.save(out, content, _report(warnings, _summary(content, unchanged, out), printer))
 
 
-def _summary(content: Content, changes: FileChanges, out: Path) -> Printed:
-    return Printed(
+def _summary(content: Content, changes: FileChanges, out: Path) -> str:
+    return (
         f"{', '.join(content.editions)}: {len(changes.written)} files written, {changes.unchanged} unchanged, "
-        f"{len(changes.removed)} removed in {out.as_posix()}/\n"
+        f"{len(changes.removed)} removed in {out.as_posix()}/"
     )
 
 

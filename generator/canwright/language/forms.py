@@ -188,7 +188,7 @@ class NotationForm(Form):
                 raise ValueError(f"expected {self.notation.expected}")
             if len(str(data)) > notation.LONGEST:
                 raise ValueError(f"this has more than {notation.LONGEST} characters; expected {self.notation.expected}")
-            return self.notation.parse(data if self.notation.any_scalar else str(data))
+            return self.notation.parse(data if self.notation.any_scalar else notation.text_of(data))
         except ValueError as error:
             hint = aliases.notation(data, self.notation.parse) if len(str(data)) <= notation.LONGEST else ""
             hint = (

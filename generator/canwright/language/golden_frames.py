@@ -30,7 +30,7 @@ Data = Annotated[
 def _parameter_value(value: str | int | Decimal) -> int | str:
     if isinstance(value, bool):
         raise ValueError(f"`{str(value).lower()}` is not a number or the name of a value; write one of them")
-    return str(value) if isinstance(value, Decimal) else value
+    return notation.text_of(value) if isinstance(value, Decimal) else value
 
 
 _SCALAR = {"anyOf": [{"type": "number"}, {"type": "string"}]}

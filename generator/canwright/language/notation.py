@@ -46,6 +46,11 @@ _TERM = rf"(?:{_ID_NUMBER}|{_NODE}|\( *{_NODE} *\))"
 ID_PATTERN = rf"^{_TERM}(?: *\+ *{_TERM})*$"
 
 
+def text_of(scalar: str | int | Decimal) -> str:
+    """A scalar as text; a decimal without an exponent, which is not part of the language."""
+    return f"{scalar:f}" if isinstance(scalar, Decimal) else str(scalar)
+
+
 def number(text: str) -> Fraction:
     """An exact number: `-2048`, `0x1F`, `16.5`."""
     if not NUMBER.fullmatch(text):
@@ -158,7 +163,7 @@ def value(written: str | int | Decimal) -> Fraction | str:
     """A number in its unit, `none` for no value, or the name of an enum member."""
     if isinstance(written, str) and not NUMBER.match(written):
         return written
-    return rational(str(written).lower())
+    return rational(text_of(written).lower())
 
 
 @dataclass(frozen=True)

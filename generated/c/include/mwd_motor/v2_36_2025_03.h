@@ -29,7 +29,7 @@
 #define MWD_MOTOR_V2_36_2025_03_EDITION         "v2.36-2025-03"
 /** The SHA-256 of the spec, in hexadecimal. */
 #define MWD_MOTOR_V2_36_2025_03_SPEC_HASH       "9989cb1cd104e63668800d10f0a5d90a71132f07248156e61cbe6cb6d9d96467"
-/** Maximum time from request to reply, in microseconds. */
+/** Maximum time from request to reply, in microseconds. It does not apply to calibrate_encoder. */
 #define MWD_MOTOR_V2_36_2025_03_REPLY_WITHIN_US 250u
 
 #if defined(__cplusplus) && defined(__GNUC__)

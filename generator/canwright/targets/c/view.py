@@ -258,7 +258,8 @@ def _facts(names: Names, edition: Edition) -> Iterator[MacroView]:
     within = edition.bus.reply_within_ms
     if within is not None:
         rounded = "" if (within * 1000).denominator == 1 else ", rounded up"
-        doc = f"Maximum time from request to reply, in microseconds{rounded}."
+        slow = f" It does not apply to {', '.join(edition.slow_replies)}." if edition.slow_replies else ""
+        doc = f"Maximum time from request to reply, in microseconds{rounded}.{slow}"
         yield MacroView(names.upper("reply_within_us"), f"{math.ceil(within * 1000)}u", doc)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import Output, Specification
+from ..base import PACKAGE_VERSION, Output, Specification
 from . import code, text
 from .examples import example
 from .module import module_view
@@ -24,7 +24,8 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
     env = environment("python", {"literal": text.literal, "docstring": text.docstring, "laid_out": code.laid_out})
     families = list(dict.fromkeys(d.edition.family for d in specifications))
     distribution = families[0] if len(families) == 1 else "canwright_bindings"
-    yield Output("pyproject.toml", env.get_template("pyproject.toml.j2").render(name=distribution, families=families))
+    project = env.get_template("pyproject.toml.j2")
+    yield Output("pyproject.toml", project.render(name=distribution, version=PACKAGE_VERSION, families=families))
     yield Output("README.md", env.get_template("README.md.j2").render(name=distribution, x=example(specifications)))
     for family in families:
         yield Output(f"{family}/__init__.py", env.get_template("__init__.py.j2").render(family=family))

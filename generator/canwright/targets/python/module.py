@@ -65,6 +65,7 @@ def module_view(edition: Edition) -> dict[str, object]:
         "request_routes": list(routes.route_views(edition, Direction.REQUEST, readers)),
         "reply_routes": list(routes.route_views(edition, Direction.REPLY, readers)),
         "answers": list(routes.answer_views(edition, readers)),
+        "slow_replies": edition.slow_replies,
         "reply_within_ms": None if edition.bus.reply_within_ms is None else float(edition.bus.reply_within_ms),
         "request_classes": routes.decoded_classes(edition, Direction.REQUEST),
         "reply_classes": routes.decoded_classes(edition, Direction.REPLY),
