@@ -229,7 +229,12 @@ def _ask_everything(item: Specification, adapter: CAdapter) -> None:
 
 
 def _ask_filters(item: Specification, adapter: CAdapter) -> None:
-    """The filters of some nodes, and whether they accept ids that differ in one bit."""
+    """The filters of some nodes, and whether they accept ids that differ in one bit; the constants of filters.
+
+    `tests/targets/test_c_print.py` compares these constants with the ids of all messages.
+    """
+    for name in Facts(item.edition, adapter.header).filter_macros():
+        adapter.constant(name)
     for address in item.edition.addresses:
         for direction in Direction:
             rule = address.rule(direction)

@@ -132,6 +132,12 @@ class CAdapter(Adapter):
         assert not isinstance(answer, Refused)
         return [word == "1" for word in answer[2:]]
 
+    def constant(self, name: str) -> int:
+        """The value of a macro."""
+        answer = self._ask("macro", name, *self._known({}))
+        assert not isinstance(answer, Refused)
+        return int(answer[0])
+
     def check(self, direction: Direction, frame: CanFrame, parameters: Parameters) -> Refused | None:
         """Why a frame is not decoded, or why its fields are invalid, with the field; None for a valid frame."""
         answer = self._ask("check", f"any_{direction.value}", *self._known(parameters), *_frame(frame))

@@ -91,6 +91,7 @@ class Facts:
         }
         self._macros = [match[1] for match in _MACRO.finditer(header) if not match[1].endswith(("_SPEC", "_VERSION"))]
         names = self._names = Names(edition)
+        self._macros += [names.upper(p.name, "unknown") for p in edition.parameters if p.is_choice]
         fields = dict.fromkeys(f.name for layout in layouts(edition) for f in layout.fields if f.fixed is None)
         self._commands = {"": names.command("none"), **{c.name: names.command(c.name) for c in edition.commands}}
         self._fields = {"": names.upper("field", "none"), **{name: names.upper("field", name) for name in fields}}
@@ -219,6 +220,7 @@ class Facts:
     def _constants(self) -> dict[str, int]:
         found: dict[str, int] = {}
         names = self._names
+        found |= {names.upper(p.name, "unknown"): 0 for p in self._edition.parameters if p.is_choice}
         for place, name in enumerate(self._effects()):
             found[names.upper("effect", name)] = 1 << place
         for address in self._edition.addresses:
@@ -340,6 +342,10 @@ class Facts:
                 assert isinstance(found, Rejection)
                 yield Fact("from_double", stem, parameters, (text,), found.reason.value)
 
+    def filter_macros(self) -> list[str]:
+        """The constants of filters."""
+        return [name for name in self._macros if name.endswith(("_FILTER_ID", "_FILTER_MASK"))]
+
     def singles(self) -> Iterator[Single]:
         """Conversions of single precision, at, between and beyond the ends of each type of integers."""
         for stem, type_ in self._types.items():
@@ -407,6 +413,8 @@ class Facts:
                 yield Fact("milli", type_.name, parameters, ("to", str(raw)), str(_rounded(exact)))
                 half = abs(linear.scale) * 500
                 near = {math.floor(exact + part) + step for part in (-half, 0, half) for step in (-1, 0, 1)}
+                width = 1 + max(map(abs, _container(type_))).bit_length()
+                near |= {math.floor(exact + way * linear.scale * 500 * (1 << width)) for way in (-2, -1, 1, 2)}
                 for milli in sorted(near):
                     found = encoder.nearest_raw(field, Fraction(milli, 1000))
                     rejection = found if isinstance(found, Rejection) else encoder.rejects_raw(field, found)
