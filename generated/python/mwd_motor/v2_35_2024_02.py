@@ -2594,7 +2594,7 @@ class ReadMultiTurnAngleReply(Reply):
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
         little = 0x92 & 0xFF | (self._raws[0] & 0xFFFFFFFFFFFFFF) << 8
-        return little.to_bytes(8, "little")
+        return int.to_bytes(little, 8, "little")
 
 
 class ReadSingleTurnAngleReply(Reply):

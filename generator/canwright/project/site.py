@@ -20,7 +20,7 @@ from ..output.writer import Content, refuse_occupied, write
 LANGUAGES = {"en": "English", "zh": "中文"}
 _TARGET = "site"
 _PAGES = ("bus", "types", "parameters", "errata", "changes")
-_ACROSS = ("support.md", "new-edition.md")
+_ACROSS = ("support.md", "new-edition.md", "assurance.md")
 _COMMANDS = {"en": "Commands", "zh": "命令"}
 EXTENSIONS = ["tables", "toc", "attr_list", "md_in_html"]
 _NEEDED = {"mkdocs": "mkdocs<2", "material": "mkdocs-material<10", "mkdocs_static_i18n": "mkdocs-static-i18n<2"}
@@ -40,7 +40,7 @@ _THEME = """{% extends "base.html" %}
   .md-typeset table:not([class]) :is(td, th) { min-width: 5em }
   .md-typeset table:not([class]):has(th:nth-child(3)) td:last-child:not(:empty) { min-width: 12em }
   {% endif %}
-  {% if page and page.file.name in ("changes", "support", "new-edition") %}
+  {% if page and page.file.name in ("changes", "support", "new-edition", "assurance") %}
   .md-typeset table:not([class]) td:first-child { min-width: 9em }
   .md-typeset table:not([class]) td code { white-space: normal; overflow-wrap: anywhere }
   {% endif %}

@@ -27,7 +27,7 @@
 
 /** Prints temperature: Motor temperature, degC. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_temperature_show(canwright_printer_t *printer, int8_t raw)
+static inline void mwd_motor_v2_35_2024_02_temperature_write(canwright_printer_t *printer, int8_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " degC");
@@ -35,7 +35,7 @@ static inline void mwd_motor_v2_35_2024_02_temperature_show(canwright_printer_t 
 
 /** Prints voltage: Supply voltage, V. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_voltage_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_35_2024_02_voltage_write(canwright_printer_t *printer, int16_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -44,7 +44,7 @@ static inline void mwd_motor_v2_35_2024_02_voltage_show(canwright_printer_t *pri
 
 /** Prints bus_current: Supply current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_bus_current_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_35_2024_02_bus_current_write(canwright_printer_t *printer, int16_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -53,21 +53,21 @@ static inline void mwd_motor_v2_35_2024_02_bus_current_show(canwright_printer_t 
 
 /** Prints power_i16: Power (open-loop drive level). */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_power_i16_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_35_2024_02_power_i16_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints output_power: Output power. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_output_power_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_35_2024_02_output_power_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints torque_current: Torque current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_torque_current_show(
+static inline void mwd_motor_v2_35_2024_02_torque_current_write(
     canwright_printer_t *printer, int16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     switch ((int)parameters->series) {
@@ -93,7 +93,7 @@ static inline void mwd_motor_v2_35_2024_02_torque_current_show(
 
 /** Prints measured_torque_current: Torque current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_measured_torque_current_show(
+static inline void mwd_motor_v2_35_2024_02_measured_torque_current_write(
     canwright_printer_t *printer, int16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     switch ((int)parameters->series) {
@@ -119,7 +119,7 @@ static inline void mwd_motor_v2_35_2024_02_measured_torque_current_show(
 
 /** Prints phase_current: Phase current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_phase_current_show(
+static inline void mwd_motor_v2_35_2024_02_phase_current_write(
     canwright_printer_t *printer, int16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     switch ((int)parameters->series) {
@@ -145,7 +145,7 @@ static inline void mwd_motor_v2_35_2024_02_phase_current_show(
 
 /** Prints speed_i16: Motor speed, deg/s. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_speed_i16_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_35_2024_02_speed_i16_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " deg/s");
@@ -153,7 +153,7 @@ static inline void mwd_motor_v2_35_2024_02_speed_i16_show(canwright_printer_t *p
 
 /** Prints speed_setpoint: Target speed, deg/s. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_speed_setpoint_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_35_2024_02_speed_setpoint_write(canwright_printer_t *printer, int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -162,7 +162,7 @@ static inline void mwd_motor_v2_35_2024_02_speed_setpoint_show(canwright_printer
 
 /** Prints speed_limit_u16: Speed limit of the movement, deg/s. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_speed_limit_u16_show(canwright_printer_t *printer, uint16_t raw)
+static inline void mwd_motor_v2_35_2024_02_speed_limit_u16_write(canwright_printer_t *printer, uint16_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " deg/s");
@@ -170,7 +170,7 @@ static inline void mwd_motor_v2_35_2024_02_speed_limit_u16_show(canwright_printe
 
 /** Prints angle_i32: Angle, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_angle_i32_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_35_2024_02_angle_i32_write(canwright_printer_t *printer, int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -179,7 +179,7 @@ static inline void mwd_motor_v2_35_2024_02_angle_i32_show(canwright_printer_t *p
 
 /** Prints single_turn_angle: Single-turn angle, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_single_turn_angle_show(canwright_printer_t *printer, uint32_t raw)
+static inline void mwd_motor_v2_35_2024_02_single_turn_angle_write(canwright_printer_t *printer, uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -188,7 +188,7 @@ static inline void mwd_motor_v2_35_2024_02_single_turn_angle_show(canwright_prin
 
 /** Prints single_turn_position: Single-turn angle of the output, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_single_turn_position_show(canwright_printer_t *printer, uint32_t raw)
+static inline void mwd_motor_v2_35_2024_02_single_turn_position_write(canwright_printer_t *printer, uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -197,7 +197,7 @@ static inline void mwd_motor_v2_35_2024_02_single_turn_position_show(canwright_p
 
 /** Prints multi_turn_angle: Multi-turn angle, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_multi_turn_angle_show(canwright_printer_t *printer, int64_t raw)
+static inline void mwd_motor_v2_35_2024_02_multi_turn_angle_write(canwright_printer_t *printer, int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -206,7 +206,7 @@ static inline void mwd_motor_v2_35_2024_02_multi_turn_angle_show(canwright_print
 
 /** Prints encoder_position: Encoder position, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_encoder_position_show(
+static inline void mwd_motor_v2_35_2024_02_encoder_position_write(
     canwright_printer_t *printer, uint16_t raw, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     switch ((int)parameters->encoder_bits) {
@@ -238,7 +238,7 @@ static inline void mwd_motor_v2_35_2024_02_encoder_position_show(
 
 /** Prints spin_direction: Direction of rotation. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_spin_direction_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_35_2024_02_spin_direction_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_35_2024_02_spin_direction_name(raw);
     if (name != NULL) {
@@ -250,7 +250,7 @@ static inline void mwd_motor_v2_35_2024_02_spin_direction_show(canwright_printer
 
 /** Prints brake_action: Brake action. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_brake_action_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_35_2024_02_brake_action_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_35_2024_02_brake_action_name(raw);
     if (name != NULL) {
@@ -262,7 +262,7 @@ static inline void mwd_motor_v2_35_2024_02_brake_action_show(canwright_printer_t
 
 /** Prints brake_state: Brake state. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_brake_state_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_35_2024_02_brake_state_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_35_2024_02_brake_state_name(raw);
     if (name != NULL) {
@@ -274,7 +274,7 @@ static inline void mwd_motor_v2_35_2024_02_brake_state_show(canwright_printer_t 
 
 /** Prints motor_state: Motor state. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_motor_state_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_35_2024_02_motor_state_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_35_2024_02_motor_state_name(raw);
     if (name != NULL) {
@@ -286,7 +286,7 @@ static inline void mwd_motor_v2_35_2024_02_motor_state_show(canwright_printer_t 
 
 /** Prints error_flags: Errors. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_error_flags_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_35_2024_02_error_flags_write(canwright_printer_t *printer, uint8_t raw)
 {
     uint8_t rest = raw;
     if (raw == 0u) {
@@ -310,14 +310,14 @@ static inline void mwd_motor_v2_35_2024_02_error_flags_show(canwright_printer_t 
 
 /** Prints i16: i16. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_i16_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_35_2024_02_i16_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints i32: i32. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_i32_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_35_2024_02_i32_write(canwright_printer_t *printer, int32_t raw)
 {
     canwright_print_signed(printer, raw);
 }
@@ -328,7 +328,7 @@ static inline void mwd_motor_v2_35_2024_02_brake_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_brake_request_t *message)
 {
     canwright_print_text(printer, " action=");
-    mwd_motor_v2_35_2024_02_brake_action_show(printer, message->action);
+    mwd_motor_v2_35_2024_02_brake_action_write(printer, message->action);
 }
 
 /** Prints the fields of a message. */
@@ -337,7 +337,7 @@ static inline void mwd_motor_v2_35_2024_02_set_power_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_set_power_request_t *message)
 {
     canwright_print_text(printer, " power=");
-    mwd_motor_v2_35_2024_02_power_i16_show(printer, message->power);
+    mwd_motor_v2_35_2024_02_power_i16_write(printer, message->power);
 }
 
 /** Prints the fields of a message. */
@@ -347,7 +347,7 @@ static inline void mwd_motor_v2_35_2024_02_set_torque_request_show(
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     canwright_print_text(printer, " iq=");
-    mwd_motor_v2_35_2024_02_torque_current_show(printer, message->iq, parameters);
+    mwd_motor_v2_35_2024_02_torque_current_write(printer, message->iq, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -356,7 +356,7 @@ static inline void mwd_motor_v2_35_2024_02_set_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_set_speed_request_t *message)
 {
     canwright_print_text(printer, " speed=");
-    mwd_motor_v2_35_2024_02_speed_setpoint_show(printer, message->speed);
+    mwd_motor_v2_35_2024_02_speed_setpoint_write(printer, message->speed);
 }
 
 /** Prints the fields of a message. */
@@ -366,9 +366,9 @@ static inline void mwd_motor_v2_35_2024_02_set_speed_limited_request_show(
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     canwright_print_text(printer, " iq_limit=");
-    mwd_motor_v2_35_2024_02_torque_current_show(printer, message->iq_limit, parameters);
+    mwd_motor_v2_35_2024_02_torque_current_write(printer, message->iq_limit, parameters);
     canwright_print_text(printer, " speed=");
-    mwd_motor_v2_35_2024_02_speed_setpoint_show(printer, message->speed);
+    mwd_motor_v2_35_2024_02_speed_setpoint_write(printer, message->speed);
 }
 
 /** Prints the fields of a message. */
@@ -377,7 +377,7 @@ static inline void mwd_motor_v2_35_2024_02_move_to_angle_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_move_to_angle_request_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_2024_02_angle_i32_show(printer, message->angle);
+    mwd_motor_v2_35_2024_02_angle_i32_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -386,9 +386,9 @@ static inline void mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t *message)
 {
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_35_2024_02_speed_limit_u16_show(printer, message->max_speed);
+    mwd_motor_v2_35_2024_02_speed_limit_u16_write(printer, message->max_speed);
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_2024_02_angle_i32_show(printer, message->angle);
+    mwd_motor_v2_35_2024_02_angle_i32_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -397,9 +397,9 @@ static inline void mwd_motor_v2_35_2024_02_turn_to_angle_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *message)
 {
     canwright_print_text(printer, " spin_direction=");
-    mwd_motor_v2_35_2024_02_spin_direction_show(printer, message->spin_direction);
+    mwd_motor_v2_35_2024_02_spin_direction_write(printer, message->spin_direction);
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_2024_02_single_turn_angle_show(printer, message->angle);
+    mwd_motor_v2_35_2024_02_single_turn_angle_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -408,11 +408,11 @@ static inline void mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *message)
 {
     canwright_print_text(printer, " spin_direction=");
-    mwd_motor_v2_35_2024_02_spin_direction_show(printer, message->spin_direction);
+    mwd_motor_v2_35_2024_02_spin_direction_write(printer, message->spin_direction);
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_35_2024_02_speed_limit_u16_show(printer, message->max_speed);
+    mwd_motor_v2_35_2024_02_speed_limit_u16_write(printer, message->max_speed);
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_2024_02_single_turn_angle_show(printer, message->angle);
+    mwd_motor_v2_35_2024_02_single_turn_angle_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -421,7 +421,7 @@ static inline void mwd_motor_v2_35_2024_02_move_by_angle_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_move_by_angle_request_t *message)
 {
     canwright_print_text(printer, " increment=");
-    mwd_motor_v2_35_2024_02_angle_i32_show(printer, message->increment);
+    mwd_motor_v2_35_2024_02_angle_i32_write(printer, message->increment);
 }
 
 /** Prints the fields of a message. */
@@ -430,9 +430,9 @@ static inline void mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t *message)
 {
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_35_2024_02_speed_limit_u16_show(printer, message->max_speed);
+    mwd_motor_v2_35_2024_02_speed_limit_u16_write(printer, message->max_speed);
     canwright_print_text(printer, " increment=");
-    mwd_motor_v2_35_2024_02_angle_i32_show(printer, message->increment);
+    mwd_motor_v2_35_2024_02_angle_i32_write(printer, message->increment);
 }
 
 /** Prints the fields of a message. */
@@ -441,7 +441,7 @@ static inline void mwd_motor_v2_35_2024_02_control_parameters_torque_limit_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t *message)
 {
     canwright_print_text(printer, " torque_limit=");
-    mwd_motor_v2_35_2024_02_i16_show(printer, message->torque_limit);
+    mwd_motor_v2_35_2024_02_i16_write(printer, message->torque_limit);
 }
 
 /** Prints the fields of a message. */
@@ -450,7 +450,7 @@ static inline void mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t *message)
 {
     canwright_print_text(printer, " acceleration_limit=");
-    mwd_motor_v2_35_2024_02_i32_show(printer, message->acceleration_limit);
+    mwd_motor_v2_35_2024_02_i32_write(printer, message->acceleration_limit);
 }
 
 /** Prints the fields of a message. */
@@ -459,7 +459,7 @@ static inline void mwd_motor_v2_35_2024_02_control_parameters_speed_limit_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t *message)
 {
     canwright_print_text(printer, " speed_limit=");
-    mwd_motor_v2_35_2024_02_i32_show(printer, message->speed_limit);
+    mwd_motor_v2_35_2024_02_i32_write(printer, message->speed_limit);
 }
 
 /** Prints the fields of a message. */
@@ -469,7 +469,7 @@ static inline void mwd_motor_v2_35_2024_02_write_encoder_offset_rom_show(
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     canwright_print_text(printer, " encoder_offset=");
-    mwd_motor_v2_35_2024_02_encoder_position_show(printer, message->encoder_offset, parameters);
+    mwd_motor_v2_35_2024_02_encoder_position_write(printer, message->encoder_offset, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -478,7 +478,7 @@ static inline void mwd_motor_v2_35_2024_02_set_angle_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_set_angle_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_2024_02_angle_i32_show(printer, message->angle);
+    mwd_motor_v2_35_2024_02_angle_i32_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -487,7 +487,7 @@ static inline void mwd_motor_v2_35_2024_02_brake_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_brake_reply_t *message)
 {
     canwright_print_text(printer, " state=");
-    mwd_motor_v2_35_2024_02_brake_state_show(printer, message->state);
+    mwd_motor_v2_35_2024_02_brake_state_write(printer, message->state);
 }
 
 /** Prints the fields of a message. */
@@ -499,25 +499,25 @@ static inline void mwd_motor_v2_35_2024_02_motion_feedback_show(
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_2024_02_SERIES_MS:
         canwright_print_text(printer, " temperature=");
-        mwd_motor_v2_35_2024_02_temperature_show(printer, message->temperature);
+        mwd_motor_v2_35_2024_02_temperature_write(printer, message->temperature);
         canwright_print_text(printer, " power=");
-        mwd_motor_v2_35_2024_02_output_power_show(printer, message->power);
+        mwd_motor_v2_35_2024_02_output_power_write(printer, message->power);
         break;
     case MWD_MOTOR_V2_35_2024_02_SERIES_MF:
     case MWD_MOTOR_V2_35_2024_02_SERIES_MH:
     case MWD_MOTOR_V2_35_2024_02_SERIES_MG:
         canwright_print_text(printer, " temperature=");
-        mwd_motor_v2_35_2024_02_temperature_show(printer, message->temperature);
+        mwd_motor_v2_35_2024_02_temperature_write(printer, message->temperature);
         canwright_print_text(printer, " iq=");
-        mwd_motor_v2_35_2024_02_measured_torque_current_show(printer, message->iq, parameters);
+        mwd_motor_v2_35_2024_02_measured_torque_current_write(printer, message->iq, parameters);
         break;
     default:
         break;
     }
     canwright_print_text(printer, " speed=");
-    mwd_motor_v2_35_2024_02_speed_i16_show(printer, message->speed);
+    mwd_motor_v2_35_2024_02_speed_i16_write(printer, message->speed);
     canwright_print_text(printer, " encoder=");
-    mwd_motor_v2_35_2024_02_encoder_position_show(printer, message->encoder, parameters);
+    mwd_motor_v2_35_2024_02_encoder_position_write(printer, message->encoder, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -527,11 +527,11 @@ static inline void mwd_motor_v2_35_2024_02_read_encoder_reply_show(
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     canwright_print_text(printer, " encoder=");
-    mwd_motor_v2_35_2024_02_encoder_position_show(printer, message->encoder, parameters);
+    mwd_motor_v2_35_2024_02_encoder_position_write(printer, message->encoder, parameters);
     canwright_print_text(printer, " encoder_measured=");
-    mwd_motor_v2_35_2024_02_encoder_position_show(printer, message->encoder_measured, parameters);
+    mwd_motor_v2_35_2024_02_encoder_position_write(printer, message->encoder_measured, parameters);
     canwright_print_text(printer, " encoder_offset=");
-    mwd_motor_v2_35_2024_02_encoder_position_show(printer, message->encoder_offset, parameters);
+    mwd_motor_v2_35_2024_02_encoder_position_write(printer, message->encoder_offset, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -541,7 +541,7 @@ static inline void mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_show
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     canwright_print_text(printer, " encoder_offset=");
-    mwd_motor_v2_35_2024_02_encoder_position_show(printer, message->encoder_offset, parameters);
+    mwd_motor_v2_35_2024_02_encoder_position_write(printer, message->encoder_offset, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -550,7 +550,7 @@ static inline void mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_2024_02_multi_turn_angle_show(printer, message->angle);
+    mwd_motor_v2_35_2024_02_multi_turn_angle_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -559,7 +559,7 @@ static inline void mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_2024_02_single_turn_position_show(printer, message->angle);
+    mwd_motor_v2_35_2024_02_single_turn_position_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -568,15 +568,15 @@ static inline void mwd_motor_v2_35_2024_02_status_1_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_2024_02_status_1_t *message)
 {
     canwright_print_text(printer, " temperature=");
-    mwd_motor_v2_35_2024_02_temperature_show(printer, message->temperature);
+    mwd_motor_v2_35_2024_02_temperature_write(printer, message->temperature);
     canwright_print_text(printer, " voltage=");
-    mwd_motor_v2_35_2024_02_voltage_show(printer, message->voltage);
+    mwd_motor_v2_35_2024_02_voltage_write(printer, message->voltage);
     canwright_print_text(printer, " current=");
-    mwd_motor_v2_35_2024_02_bus_current_show(printer, message->current);
+    mwd_motor_v2_35_2024_02_bus_current_write(printer, message->current);
     canwright_print_text(printer, " motor_state=");
-    mwd_motor_v2_35_2024_02_motor_state_show(printer, message->motor_state);
+    mwd_motor_v2_35_2024_02_motor_state_write(printer, message->motor_state);
     canwright_print_text(printer, " errors=");
-    mwd_motor_v2_35_2024_02_error_flags_show(printer, message->errors);
+    mwd_motor_v2_35_2024_02_error_flags_write(printer, message->errors);
 }
 
 /** Prints the fields of a message. */
@@ -586,13 +586,13 @@ static inline void mwd_motor_v2_35_2024_02_read_status_3_reply_show(
     const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     canwright_print_text(printer, " temperature=");
-    mwd_motor_v2_35_2024_02_temperature_show(printer, message->temperature);
+    mwd_motor_v2_35_2024_02_temperature_write(printer, message->temperature);
     canwright_print_text(printer, " phase_a=");
-    mwd_motor_v2_35_2024_02_phase_current_show(printer, message->phase_a, parameters);
+    mwd_motor_v2_35_2024_02_phase_current_write(printer, message->phase_a, parameters);
     canwright_print_text(printer, " phase_b=");
-    mwd_motor_v2_35_2024_02_phase_current_show(printer, message->phase_b, parameters);
+    mwd_motor_v2_35_2024_02_phase_current_write(printer, message->phase_b, parameters);
     canwright_print_text(printer, " phase_c=");
-    mwd_motor_v2_35_2024_02_phase_current_show(printer, message->phase_c, parameters);
+    mwd_motor_v2_35_2024_02_phase_current_write(printer, message->phase_c, parameters);
 }
 
 /**

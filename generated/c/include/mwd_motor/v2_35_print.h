@@ -27,7 +27,7 @@
 
 /** Prints temperature: Motor temperature, degC. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_temperature_show(canwright_printer_t *printer, int8_t raw)
+static inline void mwd_motor_v2_35_temperature_write(canwright_printer_t *printer, int8_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " degC");
@@ -35,7 +35,7 @@ static inline void mwd_motor_v2_35_temperature_show(canwright_printer_t *printer
 
 /** Prints voltage: Supply voltage, V. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_voltage_show(canwright_printer_t *printer, uint16_t raw)
+static inline void mwd_motor_v2_35_voltage_write(canwright_printer_t *printer, uint16_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 10, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 1u);
@@ -44,14 +44,14 @@ static inline void mwd_motor_v2_35_voltage_show(canwright_printer_t *printer, ui
 
 /** Prints power: Power (open-loop drive level). */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_power_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_35_power_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints torque_current: Torque current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_torque_current_show(
+static inline void mwd_motor_v2_35_torque_current_write(
     canwright_printer_t *printer, int16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
     switch ((int)parameters->series) {
@@ -77,7 +77,7 @@ static inline void mwd_motor_v2_35_torque_current_show(
 
 /** Prints broadcast_current: Torque current in the broadcast, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_broadcast_current_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_35_broadcast_current_write(canwright_printer_t *printer, int16_t raw)
 {
     static const canwright_linear_t linear = {2, 0, 125, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 3u);
@@ -86,7 +86,7 @@ static inline void mwd_motor_v2_35_broadcast_current_show(canwright_printer_t *p
 
 /** Prints phase_current: Phase current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_phase_current_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_35_phase_current_write(canwright_printer_t *printer, int16_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 64, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 6u);
@@ -95,7 +95,7 @@ static inline void mwd_motor_v2_35_phase_current_show(canwright_printer_t *print
 
 /** Prints speed_i16: Motor speed, deg/s. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_speed_i16_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_35_speed_i16_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " deg/s");
@@ -103,7 +103,7 @@ static inline void mwd_motor_v2_35_speed_i16_show(canwright_printer_t *printer, 
 
 /** Prints speed_setpoint: Target speed, deg/s. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_speed_setpoint_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_35_speed_setpoint_write(canwright_printer_t *printer, int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -112,7 +112,7 @@ static inline void mwd_motor_v2_35_speed_setpoint_show(canwright_printer_t *prin
 
 /** Prints speed_limit: Speed limit of the movement, deg/s. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_speed_limit_show(canwright_printer_t *printer, uint16_t raw)
+static inline void mwd_motor_v2_35_speed_limit_write(canwright_printer_t *printer, uint16_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " deg/s");
@@ -120,7 +120,7 @@ static inline void mwd_motor_v2_35_speed_limit_show(canwright_printer_t *printer
 
 /** Prints acceleration: Acceleration, deg/s^2. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_acceleration_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_35_acceleration_write(canwright_printer_t *printer, int32_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " deg/s^2");
@@ -128,7 +128,7 @@ static inline void mwd_motor_v2_35_acceleration_show(canwright_printer_t *printe
 
 /** Prints angle_i32: Angle, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_angle_i32_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_35_angle_i32_write(canwright_printer_t *printer, int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -137,7 +137,7 @@ static inline void mwd_motor_v2_35_angle_i32_show(canwright_printer_t *printer, 
 
 /** Prints single_turn_angle: Single-turn angle, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_single_turn_angle_show(canwright_printer_t *printer, uint32_t raw)
+static inline void mwd_motor_v2_35_single_turn_angle_write(canwright_printer_t *printer, uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -146,7 +146,7 @@ static inline void mwd_motor_v2_35_single_turn_angle_show(canwright_printer_t *p
 
 /** Prints single_turn_position: Single-turn angle of the output, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_single_turn_position_show(canwright_printer_t *printer, uint32_t raw)
+static inline void mwd_motor_v2_35_single_turn_position_write(canwright_printer_t *printer, uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -155,7 +155,7 @@ static inline void mwd_motor_v2_35_single_turn_position_show(canwright_printer_t
 
 /** Prints multi_turn_angle: Multi-turn angle, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_multi_turn_angle_show(canwright_printer_t *printer, int64_t raw)
+static inline void mwd_motor_v2_35_multi_turn_angle_write(canwright_printer_t *printer, int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -164,7 +164,7 @@ static inline void mwd_motor_v2_35_multi_turn_angle_show(canwright_printer_t *pr
 
 /** Prints encoder_position: Encoder position, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_encoder_position_show(
+static inline void mwd_motor_v2_35_encoder_position_write(
     canwright_printer_t *printer, uint16_t raw, const mwd_motor_v2_35_parameters_t *parameters)
 {
     switch ((int)parameters->encoder_bits) {
@@ -196,14 +196,14 @@ static inline void mwd_motor_v2_35_encoder_position_show(
 
 /** Prints gain: Controller gain. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_gain_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_35_gain_write(canwright_printer_t *printer, uint8_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints spin_direction: Direction of rotation. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_spin_direction_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_35_spin_direction_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_35_spin_direction_name(raw);
     if (name != NULL) {
@@ -215,7 +215,7 @@ static inline void mwd_motor_v2_35_spin_direction_show(canwright_printer_t *prin
 
 /** Prints error_flags: Errors. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_error_flags_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_35_error_flags_write(canwright_printer_t *printer, uint8_t raw)
 {
     uint8_t rest = raw;
     if (raw == 0u) {
@@ -243,7 +243,7 @@ static inline void mwd_motor_v2_35_set_power_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_set_power_request_t *message)
 {
     canwright_print_text(printer, " power=");
-    mwd_motor_v2_35_power_show(printer, message->power);
+    mwd_motor_v2_35_power_write(printer, message->power);
 }
 
 /** Prints the fields of a message. */
@@ -253,7 +253,7 @@ static inline void mwd_motor_v2_35_set_torque_request_show(
     const mwd_motor_v2_35_parameters_t *parameters)
 {
     canwright_print_text(printer, " iq=");
-    mwd_motor_v2_35_torque_current_show(printer, message->iq, parameters);
+    mwd_motor_v2_35_torque_current_write(printer, message->iq, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -262,7 +262,7 @@ static inline void mwd_motor_v2_35_set_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_set_speed_request_t *message)
 {
     canwright_print_text(printer, " speed=");
-    mwd_motor_v2_35_speed_setpoint_show(printer, message->speed);
+    mwd_motor_v2_35_speed_setpoint_write(printer, message->speed);
 }
 
 /** Prints the fields of a message. */
@@ -271,7 +271,7 @@ static inline void mwd_motor_v2_35_move_to_angle_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_move_to_angle_request_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_angle_i32_show(printer, message->angle);
+    mwd_motor_v2_35_angle_i32_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -280,9 +280,9 @@ static inline void mwd_motor_v2_35_move_to_angle_at_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_move_to_angle_at_speed_request_t *message)
 {
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_35_speed_limit_show(printer, message->max_speed);
+    mwd_motor_v2_35_speed_limit_write(printer, message->max_speed);
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_angle_i32_show(printer, message->angle);
+    mwd_motor_v2_35_angle_i32_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -291,9 +291,9 @@ static inline void mwd_motor_v2_35_turn_to_angle_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_turn_to_angle_request_t *message)
 {
     canwright_print_text(printer, " spin_direction=");
-    mwd_motor_v2_35_spin_direction_show(printer, message->spin_direction);
+    mwd_motor_v2_35_spin_direction_write(printer, message->spin_direction);
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_single_turn_angle_show(printer, message->angle);
+    mwd_motor_v2_35_single_turn_angle_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -302,11 +302,11 @@ static inline void mwd_motor_v2_35_turn_to_angle_at_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *message)
 {
     canwright_print_text(printer, " spin_direction=");
-    mwd_motor_v2_35_spin_direction_show(printer, message->spin_direction);
+    mwd_motor_v2_35_spin_direction_write(printer, message->spin_direction);
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_35_speed_limit_show(printer, message->max_speed);
+    mwd_motor_v2_35_speed_limit_write(printer, message->max_speed);
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_single_turn_angle_show(printer, message->angle);
+    mwd_motor_v2_35_single_turn_angle_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -315,7 +315,7 @@ static inline void mwd_motor_v2_35_move_by_angle_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_move_by_angle_request_t *message)
 {
     canwright_print_text(printer, " increment=");
-    mwd_motor_v2_35_angle_i32_show(printer, message->increment);
+    mwd_motor_v2_35_angle_i32_write(printer, message->increment);
 }
 
 /** Prints the fields of a message. */
@@ -324,9 +324,9 @@ static inline void mwd_motor_v2_35_move_by_angle_at_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_move_by_angle_at_speed_request_t *message)
 {
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_35_speed_limit_show(printer, message->max_speed);
+    mwd_motor_v2_35_speed_limit_write(printer, message->max_speed);
     canwright_print_text(printer, " increment=");
-    mwd_motor_v2_35_angle_i32_show(printer, message->increment);
+    mwd_motor_v2_35_angle_i32_write(printer, message->increment);
 }
 
 /** Prints the fields of a message. */
@@ -335,17 +335,17 @@ static inline void mwd_motor_v2_35_pid_gains_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_pid_gains_t *message)
 {
     canwright_print_text(printer, " angle_kp=");
-    mwd_motor_v2_35_gain_show(printer, message->angle_kp);
+    mwd_motor_v2_35_gain_write(printer, message->angle_kp);
     canwright_print_text(printer, " angle_ki=");
-    mwd_motor_v2_35_gain_show(printer, message->angle_ki);
+    mwd_motor_v2_35_gain_write(printer, message->angle_ki);
     canwright_print_text(printer, " speed_kp=");
-    mwd_motor_v2_35_gain_show(printer, message->speed_kp);
+    mwd_motor_v2_35_gain_write(printer, message->speed_kp);
     canwright_print_text(printer, " speed_ki=");
-    mwd_motor_v2_35_gain_show(printer, message->speed_ki);
+    mwd_motor_v2_35_gain_write(printer, message->speed_ki);
     canwright_print_text(printer, " iq_kp=");
-    mwd_motor_v2_35_gain_show(printer, message->iq_kp);
+    mwd_motor_v2_35_gain_write(printer, message->iq_kp);
     canwright_print_text(printer, " iq_ki=");
-    mwd_motor_v2_35_gain_show(printer, message->iq_ki);
+    mwd_motor_v2_35_gain_write(printer, message->iq_ki);
 }
 
 /** Prints the fields of a message. */
@@ -354,7 +354,7 @@ static inline void mwd_motor_v2_35_write_acceleration_ram_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_write_acceleration_ram_t *message)
 {
     canwright_print_text(printer, " acceleration=");
-    mwd_motor_v2_35_acceleration_show(printer, message->acceleration);
+    mwd_motor_v2_35_acceleration_write(printer, message->acceleration);
 }
 
 /** Prints the fields of a message. */
@@ -364,7 +364,7 @@ static inline void mwd_motor_v2_35_write_encoder_offset_rom_show(
     const mwd_motor_v2_35_parameters_t *parameters)
 {
     canwright_print_text(printer, " encoder_offset=");
-    mwd_motor_v2_35_encoder_position_show(printer, message->encoder_offset, parameters);
+    mwd_motor_v2_35_encoder_position_write(printer, message->encoder_offset, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -373,13 +373,13 @@ static inline void mwd_motor_v2_35_broadcast_torque_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_broadcast_torque_request_t *message)
 {
     canwright_print_text(printer, " iq[1]=");
-    mwd_motor_v2_35_broadcast_current_show(printer, message->iq[0]);
+    mwd_motor_v2_35_broadcast_current_write(printer, message->iq[0]);
     canwright_print_text(printer, " iq[2]=");
-    mwd_motor_v2_35_broadcast_current_show(printer, message->iq[1]);
+    mwd_motor_v2_35_broadcast_current_write(printer, message->iq[1]);
     canwright_print_text(printer, " iq[3]=");
-    mwd_motor_v2_35_broadcast_current_show(printer, message->iq[2]);
+    mwd_motor_v2_35_broadcast_current_write(printer, message->iq[2]);
     canwright_print_text(printer, " iq[4]=");
-    mwd_motor_v2_35_broadcast_current_show(printer, message->iq[3]);
+    mwd_motor_v2_35_broadcast_current_write(printer, message->iq[3]);
 }
 
 /** Prints the fields of a message. */
@@ -391,25 +391,25 @@ static inline void mwd_motor_v2_35_motion_feedback_show(
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_35_SERIES_MS:
         canwright_print_text(printer, " temperature=");
-        mwd_motor_v2_35_temperature_show(printer, message->temperature);
+        mwd_motor_v2_35_temperature_write(printer, message->temperature);
         canwright_print_text(printer, " power=");
-        mwd_motor_v2_35_power_show(printer, message->power);
+        mwd_motor_v2_35_power_write(printer, message->power);
         break;
     case MWD_MOTOR_V2_35_SERIES_MF:
     case MWD_MOTOR_V2_35_SERIES_MH:
     case MWD_MOTOR_V2_35_SERIES_MG:
         canwright_print_text(printer, " temperature=");
-        mwd_motor_v2_35_temperature_show(printer, message->temperature);
+        mwd_motor_v2_35_temperature_write(printer, message->temperature);
         canwright_print_text(printer, " iq=");
-        mwd_motor_v2_35_torque_current_show(printer, message->iq, parameters);
+        mwd_motor_v2_35_torque_current_write(printer, message->iq, parameters);
         break;
     default:
         break;
     }
     canwright_print_text(printer, " speed=");
-    mwd_motor_v2_35_speed_i16_show(printer, message->speed);
+    mwd_motor_v2_35_speed_i16_write(printer, message->speed);
     canwright_print_text(printer, " encoder=");
-    mwd_motor_v2_35_encoder_position_show(printer, message->encoder, parameters);
+    mwd_motor_v2_35_encoder_position_write(printer, message->encoder, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -418,7 +418,7 @@ static inline void mwd_motor_v2_35_read_acceleration_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_read_acceleration_reply_t *message)
 {
     canwright_print_text(printer, " acceleration=");
-    mwd_motor_v2_35_acceleration_show(printer, message->acceleration);
+    mwd_motor_v2_35_acceleration_write(printer, message->acceleration);
 }
 
 /** Prints the fields of a message. */
@@ -428,11 +428,11 @@ static inline void mwd_motor_v2_35_read_encoder_reply_show(
     const mwd_motor_v2_35_parameters_t *parameters)
 {
     canwright_print_text(printer, " encoder=");
-    mwd_motor_v2_35_encoder_position_show(printer, message->encoder, parameters);
+    mwd_motor_v2_35_encoder_position_write(printer, message->encoder, parameters);
     canwright_print_text(printer, " encoder_measured=");
-    mwd_motor_v2_35_encoder_position_show(printer, message->encoder_measured, parameters);
+    mwd_motor_v2_35_encoder_position_write(printer, message->encoder_measured, parameters);
     canwright_print_text(printer, " encoder_offset=");
-    mwd_motor_v2_35_encoder_position_show(printer, message->encoder_offset, parameters);
+    mwd_motor_v2_35_encoder_position_write(printer, message->encoder_offset, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -442,7 +442,7 @@ static inline void mwd_motor_v2_35_write_position_as_zero_rom_reply_show(
     const mwd_motor_v2_35_parameters_t *parameters)
 {
     canwright_print_text(printer, " encoder_offset=");
-    mwd_motor_v2_35_encoder_position_show(printer, message->encoder_offset, parameters);
+    mwd_motor_v2_35_encoder_position_write(printer, message->encoder_offset, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -451,7 +451,7 @@ static inline void mwd_motor_v2_35_read_multi_turn_angle_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_read_multi_turn_angle_reply_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_multi_turn_angle_show(printer, message->angle);
+    mwd_motor_v2_35_multi_turn_angle_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -460,7 +460,7 @@ static inline void mwd_motor_v2_35_read_single_turn_angle_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_read_single_turn_angle_reply_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_35_single_turn_position_show(printer, message->angle);
+    mwd_motor_v2_35_single_turn_position_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -469,11 +469,11 @@ static inline void mwd_motor_v2_35_status_1_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_status_1_t *message)
 {
     canwright_print_text(printer, " temperature=");
-    mwd_motor_v2_35_temperature_show(printer, message->temperature);
+    mwd_motor_v2_35_temperature_write(printer, message->temperature);
     canwright_print_text(printer, " voltage=");
-    mwd_motor_v2_35_voltage_show(printer, message->voltage);
+    mwd_motor_v2_35_voltage_write(printer, message->voltage);
     canwright_print_text(printer, " errors=");
-    mwd_motor_v2_35_error_flags_show(printer, message->errors);
+    mwd_motor_v2_35_error_flags_write(printer, message->errors);
 }
 
 /** Prints the fields of a message. */
@@ -482,13 +482,13 @@ static inline void mwd_motor_v2_35_read_status_3_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_35_read_status_3_reply_t *message)
 {
     canwright_print_text(printer, " temperature=");
-    mwd_motor_v2_35_temperature_show(printer, message->temperature);
+    mwd_motor_v2_35_temperature_write(printer, message->temperature);
     canwright_print_text(printer, " phase_a=");
-    mwd_motor_v2_35_phase_current_show(printer, message->phase_a);
+    mwd_motor_v2_35_phase_current_write(printer, message->phase_a);
     canwright_print_text(printer, " phase_b=");
-    mwd_motor_v2_35_phase_current_show(printer, message->phase_b);
+    mwd_motor_v2_35_phase_current_write(printer, message->phase_b);
     canwright_print_text(printer, " phase_c=");
-    mwd_motor_v2_35_phase_current_show(printer, message->phase_c);
+    mwd_motor_v2_35_phase_current_write(printer, message->phase_c);
 }
 
 /**

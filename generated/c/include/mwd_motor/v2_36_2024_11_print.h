@@ -27,7 +27,7 @@
 
 /** Prints temperature: Motor temperature, degC. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_temperature_show(canwright_printer_t *printer, int8_t raw)
+static inline void mwd_motor_v2_36_2024_11_temperature_write(canwright_printer_t *printer, int8_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " degC");
@@ -35,7 +35,7 @@ static inline void mwd_motor_v2_36_2024_11_temperature_show(canwright_printer_t 
 
 /** Prints voltage: Supply voltage, V. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_voltage_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2024_11_voltage_write(canwright_printer_t *printer, int16_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -44,7 +44,7 @@ static inline void mwd_motor_v2_36_2024_11_voltage_show(canwright_printer_t *pri
 
 /** Prints bus_current: Supply current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_bus_current_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2024_11_bus_current_write(canwright_printer_t *printer, int16_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -53,21 +53,21 @@ static inline void mwd_motor_v2_36_2024_11_bus_current_show(canwright_printer_t 
 
 /** Prints power_i16: Power (open-loop drive level). */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_power_i16_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2024_11_power_i16_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints output_power: Output power. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_output_power_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2024_11_output_power_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints torque_current: Torque current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_torque_current_show(
+static inline void mwd_motor_v2_36_2024_11_torque_current_write(
     canwright_printer_t *printer, int16_t raw, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     switch ((int)parameters->series) {
@@ -93,7 +93,7 @@ static inline void mwd_motor_v2_36_2024_11_torque_current_show(
 
 /** Prints measured_torque_current: Torque current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_measured_torque_current_show(
+static inline void mwd_motor_v2_36_2024_11_measured_torque_current_write(
     canwright_printer_t *printer, int16_t raw, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     switch ((int)parameters->series) {
@@ -119,7 +119,7 @@ static inline void mwd_motor_v2_36_2024_11_measured_torque_current_show(
 
 /** Prints phase_current: Phase current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_phase_current_show(
+static inline void mwd_motor_v2_36_2024_11_phase_current_write(
     canwright_printer_t *printer, int16_t raw, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     switch ((int)parameters->series) {
@@ -145,7 +145,7 @@ static inline void mwd_motor_v2_36_2024_11_phase_current_show(
 
 /** Prints speed_i16: Motor speed, deg/s. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_speed_i16_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2024_11_speed_i16_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " deg/s");
@@ -153,7 +153,7 @@ static inline void mwd_motor_v2_36_2024_11_speed_i16_show(canwright_printer_t *p
 
 /** Prints speed_setpoint: Target speed, deg/s. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_speed_setpoint_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_36_2024_11_speed_setpoint_write(canwright_printer_t *printer, int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -162,7 +162,7 @@ static inline void mwd_motor_v2_36_2024_11_speed_setpoint_show(canwright_printer
 
 /** Prints speed_limit: Speed limit of the movement, deg/s. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_speed_limit_show(canwright_printer_t *printer, uint16_t raw)
+static inline void mwd_motor_v2_36_2024_11_speed_limit_write(canwright_printer_t *printer, uint16_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " deg/s");
@@ -170,7 +170,7 @@ static inline void mwd_motor_v2_36_2024_11_speed_limit_show(canwright_printer_t 
 
 /** Prints angle_i32: Angle, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_angle_i32_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_36_2024_11_angle_i32_write(canwright_printer_t *printer, int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -179,7 +179,7 @@ static inline void mwd_motor_v2_36_2024_11_angle_i32_show(canwright_printer_t *p
 
 /** Prints single_turn_angle: Single-turn angle, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_single_turn_angle_show(canwright_printer_t *printer, uint32_t raw)
+static inline void mwd_motor_v2_36_2024_11_single_turn_angle_write(canwright_printer_t *printer, uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -188,7 +188,7 @@ static inline void mwd_motor_v2_36_2024_11_single_turn_angle_show(canwright_prin
 
 /** Prints single_turn_position: Single-turn angle of the output, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_single_turn_position_show(canwright_printer_t *printer, uint32_t raw)
+static inline void mwd_motor_v2_36_2024_11_single_turn_position_write(canwright_printer_t *printer, uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -197,7 +197,7 @@ static inline void mwd_motor_v2_36_2024_11_single_turn_position_show(canwright_p
 
 /** Prints multi_turn_angle: Multi-turn angle, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_multi_turn_angle_show(canwright_printer_t *printer, int64_t raw)
+static inline void mwd_motor_v2_36_2024_11_multi_turn_angle_write(canwright_printer_t *printer, int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -206,7 +206,7 @@ static inline void mwd_motor_v2_36_2024_11_multi_turn_angle_show(canwright_print
 
 /** Prints encoder_position: Encoder position, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_encoder_position_show(
+static inline void mwd_motor_v2_36_2024_11_encoder_position_write(
     canwright_printer_t *printer, uint16_t raw, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     switch ((int)parameters->encoder_bits) {
@@ -238,14 +238,14 @@ static inline void mwd_motor_v2_36_2024_11_encoder_position_show(
 
 /** Prints gain: Controller gain. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_gain_show(canwright_printer_t *printer, uint16_t raw)
+static inline void mwd_motor_v2_36_2024_11_gain_write(canwright_printer_t *printer, uint16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints spin_direction: Direction of rotation. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_spin_direction_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2024_11_spin_direction_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_36_2024_11_spin_direction_name(raw);
     if (name != NULL) {
@@ -257,7 +257,7 @@ static inline void mwd_motor_v2_36_2024_11_spin_direction_show(canwright_printer
 
 /** Prints brake_action: Brake action. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_brake_action_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2024_11_brake_action_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_36_2024_11_brake_action_name(raw);
     if (name != NULL) {
@@ -269,7 +269,7 @@ static inline void mwd_motor_v2_36_2024_11_brake_action_show(canwright_printer_t
 
 /** Prints brake_state: Brake state. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_brake_state_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2024_11_brake_state_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_36_2024_11_brake_state_name(raw);
     if (name != NULL) {
@@ -281,7 +281,7 @@ static inline void mwd_motor_v2_36_2024_11_brake_state_show(canwright_printer_t 
 
 /** Prints motor_state: Motor state. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_motor_state_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2024_11_motor_state_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_36_2024_11_motor_state_name(raw);
     if (name != NULL) {
@@ -293,7 +293,7 @@ static inline void mwd_motor_v2_36_2024_11_motor_state_show(canwright_printer_t 
 
 /** Prints error_flags: Errors. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_error_flags_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2024_11_error_flags_write(canwright_printer_t *printer, uint8_t raw)
 {
     uint8_t rest = raw;
     if (raw == 0u) {
@@ -317,14 +317,14 @@ static inline void mwd_motor_v2_36_2024_11_error_flags_show(canwright_printer_t 
 
 /** Prints i16: i16. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_i16_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2024_11_i16_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints i32: i32. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_i32_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_36_2024_11_i32_write(canwright_printer_t *printer, int32_t raw)
 {
     canwright_print_signed(printer, raw);
 }
@@ -335,7 +335,7 @@ static inline void mwd_motor_v2_36_2024_11_brake_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_brake_request_t *message)
 {
     canwright_print_text(printer, " action=");
-    mwd_motor_v2_36_2024_11_brake_action_show(printer, message->action);
+    mwd_motor_v2_36_2024_11_brake_action_write(printer, message->action);
 }
 
 /** Prints the fields of a message. */
@@ -344,7 +344,7 @@ static inline void mwd_motor_v2_36_2024_11_set_power_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_set_power_request_t *message)
 {
     canwright_print_text(printer, " power=");
-    mwd_motor_v2_36_2024_11_power_i16_show(printer, message->power);
+    mwd_motor_v2_36_2024_11_power_i16_write(printer, message->power);
 }
 
 /** Prints the fields of a message. */
@@ -354,7 +354,7 @@ static inline void mwd_motor_v2_36_2024_11_set_torque_request_show(
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     canwright_print_text(printer, " iq=");
-    mwd_motor_v2_36_2024_11_torque_current_show(printer, message->iq, parameters);
+    mwd_motor_v2_36_2024_11_torque_current_write(printer, message->iq, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -364,9 +364,9 @@ static inline void mwd_motor_v2_36_2024_11_set_speed_request_show(
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     canwright_print_text(printer, " iq_limit=");
-    mwd_motor_v2_36_2024_11_torque_current_show(printer, message->iq_limit, parameters);
+    mwd_motor_v2_36_2024_11_torque_current_write(printer, message->iq_limit, parameters);
     canwright_print_text(printer, " speed=");
-    mwd_motor_v2_36_2024_11_speed_setpoint_show(printer, message->speed);
+    mwd_motor_v2_36_2024_11_speed_setpoint_write(printer, message->speed);
 }
 
 /** Prints the fields of a message. */
@@ -375,7 +375,7 @@ static inline void mwd_motor_v2_36_2024_11_move_to_angle_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_move_to_angle_request_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2024_11_angle_i32_show(printer, message->angle);
+    mwd_motor_v2_36_2024_11_angle_i32_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -384,9 +384,9 @@ static inline void mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t *message)
 {
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_36_2024_11_speed_limit_show(printer, message->max_speed);
+    mwd_motor_v2_36_2024_11_speed_limit_write(printer, message->max_speed);
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2024_11_angle_i32_show(printer, message->angle);
+    mwd_motor_v2_36_2024_11_angle_i32_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -395,9 +395,9 @@ static inline void mwd_motor_v2_36_2024_11_turn_to_angle_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *message)
 {
     canwright_print_text(printer, " spin_direction=");
-    mwd_motor_v2_36_2024_11_spin_direction_show(printer, message->spin_direction);
+    mwd_motor_v2_36_2024_11_spin_direction_write(printer, message->spin_direction);
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2024_11_single_turn_angle_show(printer, message->angle);
+    mwd_motor_v2_36_2024_11_single_turn_angle_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -406,11 +406,11 @@ static inline void mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *message)
 {
     canwright_print_text(printer, " spin_direction=");
-    mwd_motor_v2_36_2024_11_spin_direction_show(printer, message->spin_direction);
+    mwd_motor_v2_36_2024_11_spin_direction_write(printer, message->spin_direction);
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_36_2024_11_speed_limit_show(printer, message->max_speed);
+    mwd_motor_v2_36_2024_11_speed_limit_write(printer, message->max_speed);
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2024_11_single_turn_angle_show(printer, message->angle);
+    mwd_motor_v2_36_2024_11_single_turn_angle_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -419,7 +419,7 @@ static inline void mwd_motor_v2_36_2024_11_move_by_angle_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_move_by_angle_request_t *message)
 {
     canwright_print_text(printer, " increment=");
-    mwd_motor_v2_36_2024_11_angle_i32_show(printer, message->increment);
+    mwd_motor_v2_36_2024_11_angle_i32_write(printer, message->increment);
 }
 
 /** Prints the fields of a message. */
@@ -428,9 +428,9 @@ static inline void mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t *message)
 {
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_36_2024_11_speed_limit_show(printer, message->max_speed);
+    mwd_motor_v2_36_2024_11_speed_limit_write(printer, message->max_speed);
     canwright_print_text(printer, " increment=");
-    mwd_motor_v2_36_2024_11_angle_i32_show(printer, message->increment);
+    mwd_motor_v2_36_2024_11_angle_i32_write(printer, message->increment);
 }
 
 /** Prints the fields of a message. */
@@ -439,11 +439,11 @@ static inline void mwd_motor_v2_36_2024_11_pid_gains_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_pid_gains_t *message)
 {
     canwright_print_text(printer, " kp=");
-    mwd_motor_v2_36_2024_11_gain_show(printer, message->kp);
+    mwd_motor_v2_36_2024_11_gain_write(printer, message->kp);
     canwright_print_text(printer, " ki=");
-    mwd_motor_v2_36_2024_11_gain_show(printer, message->ki);
+    mwd_motor_v2_36_2024_11_gain_write(printer, message->ki);
     canwright_print_text(printer, " kd=");
-    mwd_motor_v2_36_2024_11_gain_show(printer, message->kd);
+    mwd_motor_v2_36_2024_11_gain_write(printer, message->kd);
 }
 
 /** Prints the fields of a message. */
@@ -452,7 +452,7 @@ static inline void mwd_motor_v2_36_2024_11_control_parameters_max_torque_current
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t *message)
 {
     canwright_print_text(printer, " max_torque_current=");
-    mwd_motor_v2_36_2024_11_i16_show(printer, message->max_torque_current);
+    mwd_motor_v2_36_2024_11_i16_write(printer, message->max_torque_current);
 }
 
 /** Prints the fields of a message. */
@@ -461,7 +461,7 @@ static inline void mwd_motor_v2_36_2024_11_control_parameters_max_speed_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_control_parameters_max_speed_t *message)
 {
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_36_2024_11_i32_show(printer, message->max_speed);
+    mwd_motor_v2_36_2024_11_i32_write(printer, message->max_speed);
 }
 
 /** Prints the fields of a message. */
@@ -470,7 +470,7 @@ static inline void mwd_motor_v2_36_2024_11_control_parameters_max_angle_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_control_parameters_max_angle_t *message)
 {
     canwright_print_text(printer, " max_angle=");
-    mwd_motor_v2_36_2024_11_i32_show(printer, message->max_angle);
+    mwd_motor_v2_36_2024_11_i32_write(printer, message->max_angle);
 }
 
 /** Prints the fields of a message. */
@@ -479,7 +479,7 @@ static inline void mwd_motor_v2_36_2024_11_control_parameters_current_ramp_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t *message)
 {
     canwright_print_text(printer, " current_ramp=");
-    mwd_motor_v2_36_2024_11_i32_show(printer, message->current_ramp);
+    mwd_motor_v2_36_2024_11_i32_write(printer, message->current_ramp);
 }
 
 /** Prints the fields of a message. */
@@ -488,7 +488,7 @@ static inline void mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t *message)
 {
     canwright_print_text(printer, " speed_ramp=");
-    mwd_motor_v2_36_2024_11_i32_show(printer, message->speed_ramp);
+    mwd_motor_v2_36_2024_11_i32_write(printer, message->speed_ramp);
 }
 
 /** Prints the fields of a message. */
@@ -497,7 +497,7 @@ static inline void mwd_motor_v2_36_2024_11_set_angle_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_set_angle_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2024_11_angle_i32_show(printer, message->angle);
+    mwd_motor_v2_36_2024_11_angle_i32_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -506,7 +506,7 @@ static inline void mwd_motor_v2_36_2024_11_brake_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_brake_reply_t *message)
 {
     canwright_print_text(printer, " state=");
-    mwd_motor_v2_36_2024_11_brake_state_show(printer, message->state);
+    mwd_motor_v2_36_2024_11_brake_state_write(printer, message->state);
 }
 
 /** Prints the fields of a message. */
@@ -518,25 +518,25 @@ static inline void mwd_motor_v2_36_2024_11_motion_feedback_show(
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2024_11_SERIES_MS:
         canwright_print_text(printer, " temperature=");
-        mwd_motor_v2_36_2024_11_temperature_show(printer, message->temperature);
+        mwd_motor_v2_36_2024_11_temperature_write(printer, message->temperature);
         canwright_print_text(printer, " power=");
-        mwd_motor_v2_36_2024_11_output_power_show(printer, message->power);
+        mwd_motor_v2_36_2024_11_output_power_write(printer, message->power);
         break;
     case MWD_MOTOR_V2_36_2024_11_SERIES_MF:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MH:
     case MWD_MOTOR_V2_36_2024_11_SERIES_MG:
         canwright_print_text(printer, " temperature=");
-        mwd_motor_v2_36_2024_11_temperature_show(printer, message->temperature);
+        mwd_motor_v2_36_2024_11_temperature_write(printer, message->temperature);
         canwright_print_text(printer, " iq=");
-        mwd_motor_v2_36_2024_11_measured_torque_current_show(printer, message->iq, parameters);
+        mwd_motor_v2_36_2024_11_measured_torque_current_write(printer, message->iq, parameters);
         break;
     default:
         break;
     }
     canwright_print_text(printer, " speed=");
-    mwd_motor_v2_36_2024_11_speed_i16_show(printer, message->speed);
+    mwd_motor_v2_36_2024_11_speed_i16_write(printer, message->speed);
     canwright_print_text(printer, " encoder=");
-    mwd_motor_v2_36_2024_11_encoder_position_show(printer, message->encoder, parameters);
+    mwd_motor_v2_36_2024_11_encoder_position_write(printer, message->encoder, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -546,11 +546,11 @@ static inline void mwd_motor_v2_36_2024_11_read_encoder_reply_show(
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     canwright_print_text(printer, " encoder=");
-    mwd_motor_v2_36_2024_11_encoder_position_show(printer, message->encoder, parameters);
+    mwd_motor_v2_36_2024_11_encoder_position_write(printer, message->encoder, parameters);
     canwright_print_text(printer, " encoder_measured=");
-    mwd_motor_v2_36_2024_11_encoder_position_show(printer, message->encoder_measured, parameters);
+    mwd_motor_v2_36_2024_11_encoder_position_write(printer, message->encoder_measured, parameters);
     canwright_print_text(printer, " encoder_offset=");
-    mwd_motor_v2_36_2024_11_encoder_position_show(printer, message->encoder_offset, parameters);
+    mwd_motor_v2_36_2024_11_encoder_position_write(printer, message->encoder_offset, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -560,7 +560,7 @@ static inline void mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_show
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     canwright_print_text(printer, " encoder_offset=");
-    mwd_motor_v2_36_2024_11_encoder_position_show(printer, message->encoder_offset, parameters);
+    mwd_motor_v2_36_2024_11_encoder_position_write(printer, message->encoder_offset, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -569,7 +569,7 @@ static inline void mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2024_11_multi_turn_angle_show(printer, message->angle);
+    mwd_motor_v2_36_2024_11_multi_turn_angle_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -578,7 +578,7 @@ static inline void mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2024_11_single_turn_position_show(printer, message->angle);
+    mwd_motor_v2_36_2024_11_single_turn_position_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -587,15 +587,15 @@ static inline void mwd_motor_v2_36_2024_11_status_1_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2024_11_status_1_t *message)
 {
     canwright_print_text(printer, " temperature=");
-    mwd_motor_v2_36_2024_11_temperature_show(printer, message->temperature);
+    mwd_motor_v2_36_2024_11_temperature_write(printer, message->temperature);
     canwright_print_text(printer, " voltage=");
-    mwd_motor_v2_36_2024_11_voltage_show(printer, message->voltage);
+    mwd_motor_v2_36_2024_11_voltage_write(printer, message->voltage);
     canwright_print_text(printer, " current=");
-    mwd_motor_v2_36_2024_11_bus_current_show(printer, message->current);
+    mwd_motor_v2_36_2024_11_bus_current_write(printer, message->current);
     canwright_print_text(printer, " motor_state=");
-    mwd_motor_v2_36_2024_11_motor_state_show(printer, message->motor_state);
+    mwd_motor_v2_36_2024_11_motor_state_write(printer, message->motor_state);
     canwright_print_text(printer, " errors=");
-    mwd_motor_v2_36_2024_11_error_flags_show(printer, message->errors);
+    mwd_motor_v2_36_2024_11_error_flags_write(printer, message->errors);
 }
 
 /** Prints the fields of a message. */
@@ -605,13 +605,13 @@ static inline void mwd_motor_v2_36_2024_11_read_status_3_reply_show(
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     canwright_print_text(printer, " temperature=");
-    mwd_motor_v2_36_2024_11_temperature_show(printer, message->temperature);
+    mwd_motor_v2_36_2024_11_temperature_write(printer, message->temperature);
     canwright_print_text(printer, " phase_a=");
-    mwd_motor_v2_36_2024_11_phase_current_show(printer, message->phase_a, parameters);
+    mwd_motor_v2_36_2024_11_phase_current_write(printer, message->phase_a, parameters);
     canwright_print_text(printer, " phase_b=");
-    mwd_motor_v2_36_2024_11_phase_current_show(printer, message->phase_b, parameters);
+    mwd_motor_v2_36_2024_11_phase_current_write(printer, message->phase_b, parameters);
     canwright_print_text(printer, " phase_c=");
-    mwd_motor_v2_36_2024_11_phase_current_show(printer, message->phase_c, parameters);
+    mwd_motor_v2_36_2024_11_phase_current_write(printer, message->phase_c, parameters);
 }
 
 /**

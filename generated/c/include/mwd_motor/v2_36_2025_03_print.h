@@ -27,7 +27,7 @@
 
 /** Prints temperature: Motor temperature, degC. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_temperature_show(canwright_printer_t *printer, int8_t raw)
+static inline void mwd_motor_v2_36_2025_03_temperature_write(canwright_printer_t *printer, int8_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " degC");
@@ -35,7 +35,7 @@ static inline void mwd_motor_v2_36_2025_03_temperature_show(canwright_printer_t 
 
 /** Prints voltage: Supply voltage, V. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_voltage_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2025_03_voltage_write(canwright_printer_t *printer, int16_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -44,7 +44,7 @@ static inline void mwd_motor_v2_36_2025_03_voltage_show(canwright_printer_t *pri
 
 /** Prints bus_current: Supply current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_bus_current_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2025_03_bus_current_write(canwright_printer_t *printer, int16_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -53,21 +53,21 @@ static inline void mwd_motor_v2_36_2025_03_bus_current_show(canwright_printer_t 
 
 /** Prints power_i16: Power (open-loop drive level). */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_power_i16_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2025_03_power_i16_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints output_power: Output power. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_output_power_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2025_03_output_power_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints torque_current: Torque current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_torque_current_show(
+static inline void mwd_motor_v2_36_2025_03_torque_current_write(
     canwright_printer_t *printer, int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     switch ((int)parameters->series) {
@@ -93,7 +93,7 @@ static inline void mwd_motor_v2_36_2025_03_torque_current_show(
 
 /** Prints measured_torque_current: Torque current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_measured_torque_current_show(
+static inline void mwd_motor_v2_36_2025_03_measured_torque_current_write(
     canwright_printer_t *printer, int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     switch ((int)parameters->series) {
@@ -119,7 +119,7 @@ static inline void mwd_motor_v2_36_2025_03_measured_torque_current_show(
 
 /** Prints phase_current: Phase current, A. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_phase_current_show(
+static inline void mwd_motor_v2_36_2025_03_phase_current_write(
     canwright_printer_t *printer, int16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     switch ((int)parameters->series) {
@@ -145,7 +145,7 @@ static inline void mwd_motor_v2_36_2025_03_phase_current_show(
 
 /** Prints speed_i16: Motor speed, deg/s. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_speed_i16_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2025_03_speed_i16_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " deg/s");
@@ -153,7 +153,7 @@ static inline void mwd_motor_v2_36_2025_03_speed_i16_show(canwright_printer_t *p
 
 /** Prints speed_setpoint: Target speed, deg/s. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_speed_setpoint_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_36_2025_03_speed_setpoint_write(canwright_printer_t *printer, int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -162,7 +162,7 @@ static inline void mwd_motor_v2_36_2025_03_speed_setpoint_show(canwright_printer
 
 /** Prints speed_limit: Speed limit of the movement, deg/s. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_speed_limit_show(canwright_printer_t *printer, uint16_t raw)
+static inline void mwd_motor_v2_36_2025_03_speed_limit_write(canwright_printer_t *printer, uint16_t raw)
 {
     canwright_print_signed(printer, raw);
     canwright_print_text(printer, " deg/s");
@@ -170,7 +170,7 @@ static inline void mwd_motor_v2_36_2025_03_speed_limit_show(canwright_printer_t 
 
 /** Prints angle_i32: Angle, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_angle_i32_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_36_2025_03_angle_i32_write(canwright_printer_t *printer, int32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -179,7 +179,7 @@ static inline void mwd_motor_v2_36_2025_03_angle_i32_show(canwright_printer_t *p
 
 /** Prints single_turn_angle: Single-turn angle, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_single_turn_angle_show(canwright_printer_t *printer, uint32_t raw)
+static inline void mwd_motor_v2_36_2025_03_single_turn_angle_write(canwright_printer_t *printer, uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -188,7 +188,7 @@ static inline void mwd_motor_v2_36_2025_03_single_turn_angle_show(canwright_prin
 
 /** Prints single_turn_position: Single-turn angle of the output, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_single_turn_position_show(canwright_printer_t *printer, uint32_t raw)
+static inline void mwd_motor_v2_36_2025_03_single_turn_position_write(canwright_printer_t *printer, uint32_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -197,7 +197,7 @@ static inline void mwd_motor_v2_36_2025_03_single_turn_position_show(canwright_p
 
 /** Prints multi_turn_angle: Multi-turn angle, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_multi_turn_angle_show(canwright_printer_t *printer, int64_t raw)
+static inline void mwd_motor_v2_36_2025_03_multi_turn_angle_write(canwright_printer_t *printer, int64_t raw)
 {
     static const canwright_linear_t linear = {1, 0, 100, {1, 1u}};
     canwright_print_value_signed(printer, raw, &linear, 2u);
@@ -206,7 +206,7 @@ static inline void mwd_motor_v2_36_2025_03_multi_turn_angle_show(canwright_print
 
 /** Prints encoder_position: Encoder position, deg. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_encoder_position_show(
+static inline void mwd_motor_v2_36_2025_03_encoder_position_write(
     canwright_printer_t *printer, uint16_t raw, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     switch ((int)parameters->encoder_bits) {
@@ -238,56 +238,56 @@ static inline void mwd_motor_v2_36_2025_03_encoder_position_show(
 
 /** Prints gain: Controller gain. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_gain_show(canwright_printer_t *printer, uint16_t raw)
+static inline void mwd_motor_v2_36_2025_03_gain_write(canwright_printer_t *printer, uint16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints output_limit: Limit of power or torque current. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_output_limit_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2025_03_output_limit_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints speed_bound: Speed limit of the drive. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_speed_bound_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_36_2025_03_speed_bound_write(canwright_printer_t *printer, int32_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints angle_bound: Angle limit of the drive. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_angle_bound_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_36_2025_03_angle_bound_write(canwright_printer_t *printer, int32_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints max_angle: Maximum angle. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_max_angle_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_36_2025_03_max_angle_write(canwright_printer_t *printer, int32_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints current_ramp: Current ramp. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_current_ramp_show(canwright_printer_t *printer, int16_t raw)
+static inline void mwd_motor_v2_36_2025_03_current_ramp_write(canwright_printer_t *printer, int16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints speed_ramp: Speed ramp. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_speed_ramp_show(canwright_printer_t *printer, int32_t raw)
+static inline void mwd_motor_v2_36_2025_03_speed_ramp_write(canwright_printer_t *printer, int32_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints spin_direction: Direction of rotation. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_spin_direction_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2025_03_spin_direction_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_36_2025_03_spin_direction_name(raw);
     if (name != NULL) {
@@ -299,7 +299,7 @@ static inline void mwd_motor_v2_36_2025_03_spin_direction_show(canwright_printer
 
 /** Prints brake_action: Brake action. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_brake_action_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2025_03_brake_action_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_36_2025_03_brake_action_name(raw);
     if (name != NULL) {
@@ -311,7 +311,7 @@ static inline void mwd_motor_v2_36_2025_03_brake_action_show(canwright_printer_t
 
 /** Prints brake_state: Brake state. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_brake_state_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2025_03_brake_state_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_36_2025_03_brake_state_name(raw);
     if (name != NULL) {
@@ -323,7 +323,7 @@ static inline void mwd_motor_v2_36_2025_03_brake_state_show(canwright_printer_t 
 
 /** Prints motor_state: Motor state. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_motor_state_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2025_03_motor_state_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_36_2025_03_motor_state_name(raw);
     if (name != NULL) {
@@ -335,7 +335,7 @@ static inline void mwd_motor_v2_36_2025_03_motor_state_show(canwright_printer_t 
 
 /** Prints error_flags: Errors. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_error_flags_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2025_03_error_flags_write(canwright_printer_t *printer, uint8_t raw)
 {
     uint8_t rest = raw;
     if (raw == 0u) {
@@ -359,14 +359,14 @@ static inline void mwd_motor_v2_36_2025_03_error_flags_show(canwright_printer_t 
 
 /** Prints align_ratio: Calibration ratio. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_align_ratio_show(canwright_printer_t *printer, uint16_t raw)
+static inline void mwd_motor_v2_36_2025_03_align_ratio_write(canwright_printer_t *printer, uint16_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints align_state: Calibration state. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_align_state_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2025_03_align_state_write(canwright_printer_t *printer, uint8_t raw)
 {
     uint8_t rest = raw;
     if (raw == 0u) {
@@ -390,14 +390,14 @@ static inline void mwd_motor_v2_36_2025_03_align_state_show(canwright_printer_t 
 
 /** Prints driver_id: Node id of the drive. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_driver_id_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2025_03_driver_id_write(canwright_printer_t *printer, uint8_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints bus_type: Bus type. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_bus_type_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2025_03_bus_type_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_36_2025_03_bus_type_name(raw);
     if (name != NULL) {
@@ -409,7 +409,7 @@ static inline void mwd_motor_v2_36_2025_03_bus_type_show(canwright_printer_t *pr
 
 /** Prints rs485_baud_rate: RS485 bit rate. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_rs485_baud_rate_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2025_03_rs485_baud_rate_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_36_2025_03_rs485_baud_rate_name(raw);
     if (name != NULL) {
@@ -421,7 +421,7 @@ static inline void mwd_motor_v2_36_2025_03_rs485_baud_rate_show(canwright_printe
 
 /** Prints can_baud_rate: CAN bit rate. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_can_baud_rate_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2025_03_can_baud_rate_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_36_2025_03_can_baud_rate_name(raw);
     if (name != NULL) {
@@ -433,7 +433,7 @@ static inline void mwd_motor_v2_36_2025_03_can_baud_rate_show(canwright_printer_
 
 /** Prints save_result: Result of saving. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_save_result_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2025_03_save_result_write(canwright_printer_t *printer, uint8_t raw)
 {
     const char *name = mwd_motor_v2_36_2025_03_save_result_name(raw);
     if (name != NULL) {
@@ -445,14 +445,14 @@ static inline void mwd_motor_v2_36_2025_03_save_result_show(canwright_printer_t 
 
 /** Prints u32: u32. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_u32_show(canwright_printer_t *printer, uint32_t raw)
+static inline void mwd_motor_v2_36_2025_03_u32_write(canwright_printer_t *printer, uint32_t raw)
 {
     canwright_print_signed(printer, raw);
 }
 
 /** Prints u8: u8. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_u8_show(canwright_printer_t *printer, uint8_t raw)
+static inline void mwd_motor_v2_36_2025_03_u8_write(canwright_printer_t *printer, uint8_t raw)
 {
     canwright_print_signed(printer, raw);
 }
@@ -463,7 +463,7 @@ static inline void mwd_motor_v2_36_2025_03_brake_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_brake_request_t *message)
 {
     canwright_print_text(printer, " action=");
-    mwd_motor_v2_36_2025_03_brake_action_show(printer, message->action);
+    mwd_motor_v2_36_2025_03_brake_action_write(printer, message->action);
 }
 
 /** Prints the fields of a message. */
@@ -472,7 +472,7 @@ static inline void mwd_motor_v2_36_2025_03_set_power_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_set_power_request_t *message)
 {
     canwright_print_text(printer, " power=");
-    mwd_motor_v2_36_2025_03_power_i16_show(printer, message->power);
+    mwd_motor_v2_36_2025_03_power_i16_write(printer, message->power);
 }
 
 /** Prints the fields of a message. */
@@ -482,7 +482,7 @@ static inline void mwd_motor_v2_36_2025_03_set_torque_request_show(
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     canwright_print_text(printer, " iq=");
-    mwd_motor_v2_36_2025_03_torque_current_show(printer, message->iq, parameters);
+    mwd_motor_v2_36_2025_03_torque_current_write(printer, message->iq, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -492,9 +492,9 @@ static inline void mwd_motor_v2_36_2025_03_set_speed_request_show(
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     canwright_print_text(printer, " iq_limit=");
-    mwd_motor_v2_36_2025_03_torque_current_show(printer, message->iq_limit, parameters);
+    mwd_motor_v2_36_2025_03_torque_current_write(printer, message->iq_limit, parameters);
     canwright_print_text(printer, " speed=");
-    mwd_motor_v2_36_2025_03_speed_setpoint_show(printer, message->speed);
+    mwd_motor_v2_36_2025_03_speed_setpoint_write(printer, message->speed);
 }
 
 /** Prints the fields of a message. */
@@ -503,7 +503,7 @@ static inline void mwd_motor_v2_36_2025_03_move_to_angle_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_move_to_angle_request_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2025_03_angle_i32_show(printer, message->angle);
+    mwd_motor_v2_36_2025_03_angle_i32_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -512,9 +512,9 @@ static inline void mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t *message)
 {
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_36_2025_03_speed_limit_show(printer, message->max_speed);
+    mwd_motor_v2_36_2025_03_speed_limit_write(printer, message->max_speed);
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2025_03_angle_i32_show(printer, message->angle);
+    mwd_motor_v2_36_2025_03_angle_i32_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -523,9 +523,9 @@ static inline void mwd_motor_v2_36_2025_03_turn_to_angle_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_turn_to_angle_request_t *message)
 {
     canwright_print_text(printer, " spin_direction=");
-    mwd_motor_v2_36_2025_03_spin_direction_show(printer, message->spin_direction);
+    mwd_motor_v2_36_2025_03_spin_direction_write(printer, message->spin_direction);
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2025_03_single_turn_angle_show(printer, message->angle);
+    mwd_motor_v2_36_2025_03_single_turn_angle_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -534,11 +534,11 @@ static inline void mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t *message)
 {
     canwright_print_text(printer, " spin_direction=");
-    mwd_motor_v2_36_2025_03_spin_direction_show(printer, message->spin_direction);
+    mwd_motor_v2_36_2025_03_spin_direction_write(printer, message->spin_direction);
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_36_2025_03_speed_limit_show(printer, message->max_speed);
+    mwd_motor_v2_36_2025_03_speed_limit_write(printer, message->max_speed);
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2025_03_single_turn_angle_show(printer, message->angle);
+    mwd_motor_v2_36_2025_03_single_turn_angle_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -547,7 +547,7 @@ static inline void mwd_motor_v2_36_2025_03_move_by_angle_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_move_by_angle_request_t *message)
 {
     canwright_print_text(printer, " increment=");
-    mwd_motor_v2_36_2025_03_angle_i32_show(printer, message->increment);
+    mwd_motor_v2_36_2025_03_angle_i32_write(printer, message->increment);
 }
 
 /** Prints the fields of a message. */
@@ -556,9 +556,9 @@ static inline void mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t *message)
 {
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_36_2025_03_speed_limit_show(printer, message->max_speed);
+    mwd_motor_v2_36_2025_03_speed_limit_write(printer, message->max_speed);
     canwright_print_text(printer, " increment=");
-    mwd_motor_v2_36_2025_03_angle_i32_show(printer, message->increment);
+    mwd_motor_v2_36_2025_03_angle_i32_write(printer, message->increment);
 }
 
 /** Prints the fields of a message. */
@@ -567,11 +567,11 @@ static inline void mwd_motor_v2_36_2025_03_pid_gains_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_pid_gains_t *message)
 {
     canwright_print_text(printer, " kp=");
-    mwd_motor_v2_36_2025_03_gain_show(printer, message->kp);
+    mwd_motor_v2_36_2025_03_gain_write(printer, message->kp);
     canwright_print_text(printer, " ki=");
-    mwd_motor_v2_36_2025_03_gain_show(printer, message->ki);
+    mwd_motor_v2_36_2025_03_gain_write(printer, message->ki);
     canwright_print_text(printer, " kd=");
-    mwd_motor_v2_36_2025_03_gain_show(printer, message->kd);
+    mwd_motor_v2_36_2025_03_gain_write(printer, message->kd);
 }
 
 /** Prints the fields of a message. */
@@ -580,7 +580,7 @@ static inline void mwd_motor_v2_36_2025_03_control_parameters_max_torque_current
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t *message)
 {
     canwright_print_text(printer, " max_torque_current=");
-    mwd_motor_v2_36_2025_03_output_limit_show(printer, message->max_torque_current);
+    mwd_motor_v2_36_2025_03_output_limit_write(printer, message->max_torque_current);
 }
 
 /** Prints the fields of a message. */
@@ -589,7 +589,7 @@ static inline void mwd_motor_v2_36_2025_03_control_parameters_max_speed_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_control_parameters_max_speed_t *message)
 {
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_36_2025_03_speed_bound_show(printer, message->max_speed);
+    mwd_motor_v2_36_2025_03_speed_bound_write(printer, message->max_speed);
 }
 
 /** Prints the fields of a message. */
@@ -598,7 +598,7 @@ static inline void mwd_motor_v2_36_2025_03_control_parameters_upper_angle_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t *message)
 {
     canwright_print_text(printer, " upper_angle=");
-    mwd_motor_v2_36_2025_03_angle_bound_show(printer, message->upper_angle);
+    mwd_motor_v2_36_2025_03_angle_bound_write(printer, message->upper_angle);
 }
 
 /** Prints the fields of a message. */
@@ -607,7 +607,7 @@ static inline void mwd_motor_v2_36_2025_03_control_parameters_lower_angle_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t *message)
 {
     canwright_print_text(printer, " lower_angle=");
-    mwd_motor_v2_36_2025_03_angle_bound_show(printer, message->lower_angle);
+    mwd_motor_v2_36_2025_03_angle_bound_write(printer, message->lower_angle);
 }
 
 /** Prints the fields of a message. */
@@ -616,7 +616,7 @@ static inline void mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t *message)
 {
     canwright_print_text(printer, " speed_ramp=");
-    mwd_motor_v2_36_2025_03_speed_ramp_show(printer, message->speed_ramp);
+    mwd_motor_v2_36_2025_03_speed_ramp_write(printer, message->speed_ramp);
 }
 
 /** Prints the fields of a message. */
@@ -625,7 +625,7 @@ static inline void mwd_motor_v2_36_2025_03_stored_settings_driver_id_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_stored_settings_driver_id_t *message)
 {
     canwright_print_text(printer, " driver_id=");
-    mwd_motor_v2_36_2025_03_driver_id_show(printer, message->driver_id);
+    mwd_motor_v2_36_2025_03_driver_id_write(printer, message->driver_id);
 }
 
 /** Prints the fields of a message. */
@@ -634,7 +634,7 @@ static inline void mwd_motor_v2_36_2025_03_stored_settings_bus_type_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_stored_settings_bus_type_t *message)
 {
     canwright_print_text(printer, " bus_type=");
-    mwd_motor_v2_36_2025_03_bus_type_show(printer, message->bus_type);
+    mwd_motor_v2_36_2025_03_bus_type_write(printer, message->bus_type);
 }
 
 /** Prints the fields of a message. */
@@ -643,7 +643,7 @@ static inline void mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t *message)
 {
     canwright_print_text(printer, " rs485_baud_rate=");
-    mwd_motor_v2_36_2025_03_rs485_baud_rate_show(printer, message->rs485_baud_rate);
+    mwd_motor_v2_36_2025_03_rs485_baud_rate_write(printer, message->rs485_baud_rate);
 }
 
 /** Prints the fields of a message. */
@@ -652,7 +652,7 @@ static inline void mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t *message)
 {
     canwright_print_text(printer, " can_baud_rate=");
-    mwd_motor_v2_36_2025_03_can_baud_rate_show(printer, message->can_baud_rate);
+    mwd_motor_v2_36_2025_03_can_baud_rate_write(printer, message->can_baud_rate);
 }
 
 /** Prints the fields of a message. */
@@ -661,7 +661,7 @@ static inline void mwd_motor_v2_36_2025_03_stored_settings_max_power_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_stored_settings_max_power_t *message)
 {
     canwright_print_text(printer, " max_power=");
-    mwd_motor_v2_36_2025_03_output_limit_show(printer, message->max_power);
+    mwd_motor_v2_36_2025_03_output_limit_write(printer, message->max_power);
 }
 
 /** Prints the fields of a message. */
@@ -670,7 +670,7 @@ static inline void mwd_motor_v2_36_2025_03_stored_settings_max_speed_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_stored_settings_max_speed_t *message)
 {
     canwright_print_text(printer, " max_speed=");
-    mwd_motor_v2_36_2025_03_speed_bound_show(printer, message->max_speed);
+    mwd_motor_v2_36_2025_03_speed_bound_write(printer, message->max_speed);
 }
 
 /** Prints the fields of a message. */
@@ -679,7 +679,7 @@ static inline void mwd_motor_v2_36_2025_03_stored_settings_max_angle_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_stored_settings_max_angle_t *message)
 {
     canwright_print_text(printer, " max_angle=");
-    mwd_motor_v2_36_2025_03_max_angle_show(printer, message->max_angle);
+    mwd_motor_v2_36_2025_03_max_angle_write(printer, message->max_angle);
 }
 
 /** Prints the fields of a message. */
@@ -688,7 +688,7 @@ static inline void mwd_motor_v2_36_2025_03_stored_settings_current_ramp_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t *message)
 {
     canwright_print_text(printer, " current_ramp=");
-    mwd_motor_v2_36_2025_03_current_ramp_show(printer, message->current_ramp);
+    mwd_motor_v2_36_2025_03_current_ramp_write(printer, message->current_ramp);
 }
 
 /** Prints the fields of a message. */
@@ -697,7 +697,7 @@ static inline void mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t *message)
 {
     canwright_print_text(printer, " speed_ramp=");
-    mwd_motor_v2_36_2025_03_speed_ramp_show(printer, message->speed_ramp);
+    mwd_motor_v2_36_2025_03_speed_ramp_write(printer, message->speed_ramp);
 }
 
 /** Prints the fields of a message. */
@@ -706,7 +706,7 @@ static inline void mwd_motor_v2_36_2025_03_brake_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_brake_reply_t *message)
 {
     canwright_print_text(printer, " state=");
-    mwd_motor_v2_36_2025_03_brake_state_show(printer, message->state);
+    mwd_motor_v2_36_2025_03_brake_state_write(printer, message->state);
 }
 
 /** Prints the fields of a message. */
@@ -718,25 +718,25 @@ static inline void mwd_motor_v2_36_2025_03_motion_feedback_show(
     switch ((int)parameters->series) {
     case MWD_MOTOR_V2_36_2025_03_SERIES_MS:
         canwright_print_text(printer, " temperature=");
-        mwd_motor_v2_36_2025_03_temperature_show(printer, message->temperature);
+        mwd_motor_v2_36_2025_03_temperature_write(printer, message->temperature);
         canwright_print_text(printer, " power=");
-        mwd_motor_v2_36_2025_03_output_power_show(printer, message->power);
+        mwd_motor_v2_36_2025_03_output_power_write(printer, message->power);
         break;
     case MWD_MOTOR_V2_36_2025_03_SERIES_MF:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MH:
     case MWD_MOTOR_V2_36_2025_03_SERIES_MG:
         canwright_print_text(printer, " temperature=");
-        mwd_motor_v2_36_2025_03_temperature_show(printer, message->temperature);
+        mwd_motor_v2_36_2025_03_temperature_write(printer, message->temperature);
         canwright_print_text(printer, " iq=");
-        mwd_motor_v2_36_2025_03_measured_torque_current_show(printer, message->iq, parameters);
+        mwd_motor_v2_36_2025_03_measured_torque_current_write(printer, message->iq, parameters);
         break;
     default:
         break;
     }
     canwright_print_text(printer, " speed=");
-    mwd_motor_v2_36_2025_03_speed_i16_show(printer, message->speed);
+    mwd_motor_v2_36_2025_03_speed_i16_write(printer, message->speed);
     canwright_print_text(printer, " encoder=");
-    mwd_motor_v2_36_2025_03_encoder_position_show(printer, message->encoder, parameters);
+    mwd_motor_v2_36_2025_03_encoder_position_write(printer, message->encoder, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -746,11 +746,11 @@ static inline void mwd_motor_v2_36_2025_03_read_encoder_reply_show(
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     canwright_print_text(printer, " encoder=");
-    mwd_motor_v2_36_2025_03_encoder_position_show(printer, message->encoder, parameters);
+    mwd_motor_v2_36_2025_03_encoder_position_write(printer, message->encoder, parameters);
     canwright_print_text(printer, " encoder_measured=");
-    mwd_motor_v2_36_2025_03_encoder_position_show(printer, message->encoder_measured, parameters);
+    mwd_motor_v2_36_2025_03_encoder_position_write(printer, message->encoder_measured, parameters);
     canwright_print_text(printer, " encoder_offset=");
-    mwd_motor_v2_36_2025_03_encoder_position_show(printer, message->encoder_offset, parameters);
+    mwd_motor_v2_36_2025_03_encoder_position_write(printer, message->encoder_offset, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -759,11 +759,11 @@ static inline void mwd_motor_v2_36_2025_03_calibrate_encoder_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t *message)
 {
     canwright_print_text(printer, " align_value=");
-    mwd_motor_v2_36_2025_03_u32_show(printer, message->align_value);
+    mwd_motor_v2_36_2025_03_u32_write(printer, message->align_value);
     canwright_print_text(printer, " align_ratio=");
-    mwd_motor_v2_36_2025_03_align_ratio_show(printer, message->align_ratio);
+    mwd_motor_v2_36_2025_03_align_ratio_write(printer, message->align_ratio);
     canwright_print_text(printer, " align_state=");
-    mwd_motor_v2_36_2025_03_align_state_show(printer, message->align_state);
+    mwd_motor_v2_36_2025_03_align_state_write(printer, message->align_state);
 }
 
 /** Prints the fields of a message. */
@@ -773,7 +773,7 @@ static inline void mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_show
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     canwright_print_text(printer, " encoder_offset=");
-    mwd_motor_v2_36_2025_03_encoder_position_show(printer, message->encoder_offset, parameters);
+    mwd_motor_v2_36_2025_03_encoder_position_write(printer, message->encoder_offset, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -782,7 +782,7 @@ static inline void mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2025_03_multi_turn_angle_show(printer, message->angle);
+    mwd_motor_v2_36_2025_03_multi_turn_angle_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -791,7 +791,7 @@ static inline void mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t *message)
 {
     canwright_print_text(printer, " angle=");
-    mwd_motor_v2_36_2025_03_single_turn_position_show(printer, message->angle);
+    mwd_motor_v2_36_2025_03_single_turn_position_write(printer, message->angle);
 }
 
 /** Prints the fields of a message. */
@@ -800,15 +800,15 @@ static inline void mwd_motor_v2_36_2025_03_status_1_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_status_1_t *message)
 {
     canwright_print_text(printer, " temperature=");
-    mwd_motor_v2_36_2025_03_temperature_show(printer, message->temperature);
+    mwd_motor_v2_36_2025_03_temperature_write(printer, message->temperature);
     canwright_print_text(printer, " voltage=");
-    mwd_motor_v2_36_2025_03_voltage_show(printer, message->voltage);
+    mwd_motor_v2_36_2025_03_voltage_write(printer, message->voltage);
     canwright_print_text(printer, " current=");
-    mwd_motor_v2_36_2025_03_bus_current_show(printer, message->current);
+    mwd_motor_v2_36_2025_03_bus_current_write(printer, message->current);
     canwright_print_text(printer, " motor_state=");
-    mwd_motor_v2_36_2025_03_motor_state_show(printer, message->motor_state);
+    mwd_motor_v2_36_2025_03_motor_state_write(printer, message->motor_state);
     canwright_print_text(printer, " errors=");
-    mwd_motor_v2_36_2025_03_error_flags_show(printer, message->errors);
+    mwd_motor_v2_36_2025_03_error_flags_write(printer, message->errors);
 }
 
 /** Prints the fields of a message. */
@@ -818,13 +818,13 @@ static inline void mwd_motor_v2_36_2025_03_read_status_3_reply_show(
     const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     canwright_print_text(printer, " temperature=");
-    mwd_motor_v2_36_2025_03_temperature_show(printer, message->temperature);
+    mwd_motor_v2_36_2025_03_temperature_write(printer, message->temperature);
     canwright_print_text(printer, " phase_a=");
-    mwd_motor_v2_36_2025_03_phase_current_show(printer, message->phase_a, parameters);
+    mwd_motor_v2_36_2025_03_phase_current_write(printer, message->phase_a, parameters);
     canwright_print_text(printer, " phase_b=");
-    mwd_motor_v2_36_2025_03_phase_current_show(printer, message->phase_b, parameters);
+    mwd_motor_v2_36_2025_03_phase_current_write(printer, message->phase_b, parameters);
     canwright_print_text(printer, " phase_c=");
-    mwd_motor_v2_36_2025_03_phase_current_show(printer, message->phase_c, parameters);
+    mwd_motor_v2_36_2025_03_phase_current_write(printer, message->phase_c, parameters);
 }
 
 /** Prints the fields of a message. */
@@ -833,7 +833,7 @@ static inline void mwd_motor_v2_36_2025_03_save_settings_reply_show(
     canwright_printer_t *printer, const mwd_motor_v2_36_2025_03_save_settings_reply_t *message)
 {
     canwright_print_text(printer, " result=");
-    mwd_motor_v2_36_2025_03_save_result_show(printer, message->result);
+    mwd_motor_v2_36_2025_03_save_result_write(printer, message->result);
 }
 
 /**

@@ -179,7 +179,7 @@ def _shows(names: Names, variant: Variant, types: Types) -> Iterator[FieldShow]:
         for number, element in enumerate(field.elements):
             index, place = (f"[{element.index}]", f"[{number}]") if field.is_array else ("", "")
             raw = f"message->{member(field.name)}{place}"
-            call = f"{type_.name}_show(printer, {raw}{', parameters' if given else ''});"
+            call = f"{type_.name}_write(printer, {raw}{', parameters' if given else ''});"
             yield FieldShow(literal(f" {field.name}{index}="), call, given)
 
 

@@ -33,7 +33,7 @@ LOWER_CASE_MACROS = (
 RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS}".split())
 
 TYPE_ENDINGS = (
-    *("_valid", "_name", "_first_flag", "_show"),
+    *("_valid", "_name", "_first_flag", "_write"),
     *("_to_milli", "_from_milli", "_to_float", "_from_float", "_to_double", "_from_double"),
 )
 SCALE_MACROS = ("UNIT", "SCALE_NUM", "SCALE_DEN", "OFFSET_NUM", "OFFSET_DEN")

@@ -89,6 +89,7 @@ def _front(env: jinja2.Environment, book: _Book) -> Iterator[Output]:
         yield Output(f"{language}/support.md", env.get_template("support.md.j2").render(book.view, tables=tables))
         page = env.get_template(f"new_edition.{language}.md.j2").render(book.view)
         yield Output(f"{language}/new-edition.md", page)
+    yield Output(f"{language}/assurance.md", env.get_template(f"assurance.{language}.md.j2").render(book.view))
 
 
 def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) -> Iterator[Output]:

@@ -62,7 +62,7 @@ def _case(message: Message, variant: Variant, selector: str, imports: Imports) -
     if len(wide) > 1:
         statements.append(f"return {imports.use('merge')}(little, big, {message.dlc})")
     else:
-        statements.append(f'return {order.value}.to_bytes({message.dlc}, "{order.value}")')
+        statements.append(f'return int.to_bytes({order.value}, {message.dlc}, "{order.value}")')
     return EncodeCaseView(struct="", items=(), statements=tuple(statements))
 
 

@@ -327,26 +327,6 @@ static inline void canwright_value(
     canwright_wide_multiply(&value->below, linear->ratio.denominator);
 }
 
-/** The raw number of a value, not rounded. */
-CANWRIGHT_NONNULL
-static inline void canwright_raw(
-    canwright_quotient_t *raw, const canwright_term_t *value, const canwright_linear_t *linear)
-{
-    const uint64_t numerator = canwright_magnitude(linear->ratio.numerator);
-    canwright_term_t addend;
-    raw->above = *value;
-    canwright_wide_multiply(&raw->above.size, canwright_magnitude(linear->divisor));
-    canwright_wide_multiply(&raw->above.size, linear->ratio.denominator);
-    if (linear->addend != 0) {
-        canwright_term_integer(&addend, canwright_magnitude(linear->addend), linear->addend > 0);
-        canwright_wide_multiply(&addend.size, numerator);
-        canwright_term_add(&raw->above, &addend);
-    }
-    raw->above.negative = raw->above.negative != (linear->factor < 0);
-    canwright_wide_set(&raw->below, canwright_magnitude(linear->factor));
-    canwright_wide_multiply(&raw->below, numerator);
-}
-
 /** The magnitude of the nearest integer, ties away from zero; false if it exceeds 64 bits. */
 CANWRIGHT_NONNULL
 static inline bool canwright_nearest(uint64_t *nearest, canwright_quotient_t *quotient)
@@ -367,29 +347,6 @@ static inline bool canwright_nearest(uint64_t *nearest, canwright_quotient_t *qu
     }
     *nearest += 1u;
     return *nearest != 0u;
-}
-
-/** The nearest integer, ties away from zero; false if it exceeds 64 bits. */
-CANWRIGHT_NONNULL
-static inline bool canwright_nearest_signed(int64_t *nearest, canwright_quotient_t *quotient)
-{
-    uint64_t size;
-    if (!canwright_nearest(&size, quotient) || (size > ((UINT64_C(1) << 63) - (quotient->above.negative ? 0u : 1u)))) {
-        return false;
-    }
-    *nearest = (int64_t)size;
-    if (quotient->above.negative && (size != 0u)) {
-        size -= 1u;
-        *nearest = -(int64_t)size - 1;
-    }
-    return true;
-}
-
-/** The nearest integer, ties away from zero; false if it is negative or exceeds 64 bits. */
-CANWRIGHT_NONNULL
-static inline bool canwright_nearest_unsigned(uint64_t *nearest, canwright_quotient_t *quotient)
-{
-    return canwright_nearest(nearest, quotient) && (!quotient->above.negative || (*nearest == 0u));
 }
 
 #if defined(__cplusplus) && defined(__GNUC__)

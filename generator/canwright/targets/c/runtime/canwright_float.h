@@ -83,13 +83,13 @@ static inline canwright_status_t canwright_signed32_from_float(
     if (!canwright_is_finite32(canwright_bits_of_float(value))) {
         return CANWRIGHT_NOT_FINITE;
     }
-    if (!(steps >= -2147483648.0f && steps < 2147483648.0f)) {
+    if (!((steps >= -2147483648.0f) && (steps < 2147483648.0f))) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     whole = (int32_t)steps;
     rest = steps - (float)whole;
     *nearest = whole + (rest >= 0.5f ? 1 : 0) - (rest <= -0.5f ? 1 : 0);
-    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
 /** The same for 64 bits. */
@@ -102,13 +102,13 @@ static inline canwright_status_t canwright_signed64_from_float(
     if (!canwright_is_finite32(canwright_bits_of_float(value))) {
         return CANWRIGHT_NOT_FINITE;
     }
-    if (!(steps >= -9223372036854775808.0f && steps < 9223372036854775808.0f)) {
+    if (!((steps >= -9223372036854775808.0f) && (steps < 9223372036854775808.0f))) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     whole = (int64_t)steps;
     rest = steps - (float)whole;
     *nearest = whole + (rest >= 0.5f ? 1 : 0) - (rest <= -0.5f ? 1 : 0);
-    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
 /** The same for unsigned numbers of 64 bits. */
@@ -120,12 +120,12 @@ static inline canwright_status_t canwright_unsigned64_from_float(
     if (!canwright_is_finite32(canwright_bits_of_float(value))) {
         return CANWRIGHT_NOT_FINITE;
     }
-    if (!(steps > -0.5f && steps < 18446744073709551616.0f)) {
+    if (!((steps > -0.5f) && (steps < 18446744073709551616.0f))) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     whole = steps < 0.0f ? 0u : (uint64_t)steps;
     *nearest = whole + (steps - (float)whole >= 0.5f ? 1u : 0u);
-    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
 /** The 32-bit number nearest to the 64-bit number that has these bits, ties to even. */
@@ -153,7 +153,7 @@ static inline float canwright_float_of_bits64(uint64_t bits)
     }
     nearest = (uint32_t)(fraction >> 29);
     fraction &= 0x1FFFFFFFu;
-    if (fraction > 0x10000000u || (fraction == 0x10000000u && (nearest & 1u) != 0u)) {
+    if ((fraction > 0x10000000u) || ((fraction == 0x10000000u) && ((nearest & 1u) != 0u))) {
         nearest++;
     }
     return canwright_float_of_bits(sign | nearest);
@@ -184,7 +184,7 @@ static inline canwright_status_t canwright_bits64_from_float(uint64_t *bits, flo
     exponent = (single >> 23) & 0xFFu;
     fraction = single & 0x7FFFFFu;
     *bits = (uint64_t)(single >> 31) << 63;
-    if (exponent == 0u && fraction != 0u) { /* subnormal */
+    if ((exponent == 0u) && (fraction != 0u)) { /* subnormal */
         for (exponent = 1u; (fraction >> 23) == 0u; exponent--) {
             fraction <<= 1;
         }
@@ -249,13 +249,13 @@ static inline canwright_status_t canwright_signed32_from_double(
     if (!canwright_is_finite64(canwright_bits_of_double(value))) {
         return CANWRIGHT_NOT_FINITE;
     }
-    if (!(steps > -2147483648.5 && steps < 2147483647.5)) {
+    if (!((steps > -2147483648.5) && (steps < 2147483647.5))) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     whole = (int32_t)steps;
     rest = steps - (double)whole;
     *nearest = whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
-    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
 /** The same for 64 bits. */
@@ -268,13 +268,13 @@ static inline canwright_status_t canwright_signed64_from_double(
     if (!canwright_is_finite64(canwright_bits_of_double(value))) {
         return CANWRIGHT_NOT_FINITE;
     }
-    if (!(steps >= -9223372036854775808.0 && steps < 9223372036854775808.0)) {
+    if (!((steps >= -9223372036854775808.0) && (steps < 9223372036854775808.0))) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     whole = (int64_t)steps;
     rest = steps - (double)whole;
     *nearest = whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
-    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
 /** The same for unsigned numbers of 64 bits. */
@@ -286,12 +286,12 @@ static inline canwright_status_t canwright_unsigned64_from_double(
     if (!canwright_is_finite64(canwright_bits_of_double(value))) {
         return CANWRIGHT_NOT_FINITE;
     }
-    if (!(steps > -0.5 && steps < 18446744073709551616.0)) {
+    if (!((steps > -0.5) && (steps < 18446744073709551616.0))) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     whole = steps < 0.0 ? 0u : (uint64_t)steps;
     *nearest = whole + (steps - (double)whole >= 0.5 ? 1u : 0u);
-    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
 /** `dividend / divisor`, rounded once; `divisor` is from 1 to 2^63. */
@@ -301,10 +301,10 @@ static inline double canwright_quotient_unsigned(uint64_t dividend, uint64_t div
     uint64_t whole = dividend / divisor;
     uint64_t rest = dividend % divisor;
     double unit = 1.0;
-    if (dividend <= exact && divisor <= exact) {
+    if ((dividend <= exact) && (divisor <= exact)) {
         return (double)dividend / (double)divisor;
     }
-    while ((whole >> 54) == 0u && (whole | rest) != 0u) { /* 55 bits decide, with one that stands for all below them */
+    while (((whole >> 54) == 0u) && ((whole | rest) != 0u)) { /* 55 bits decide, with one that stands for all below them */
         rest <<= 1;
         whole = (whole << 1) | (rest >= divisor ? 1u : 0u);
         rest -= rest >= divisor ? divisor : 0u;
@@ -340,7 +340,7 @@ static inline canwright_status_t canwright_bits32_from_double(uint32_t *bits, do
     if (!canwright_is_finite64(canwright_bits_of_double(value))) {
         return CANWRIGHT_NOT_FINITE;
     }
-    if (!(steps > -limit && steps < limit)) {
+    if (!((steps > -limit) && (steps < limit))) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *bits = canwright_bits_of_float((float)steps);
@@ -350,8 +350,8 @@ static inline canwright_status_t canwright_bits32_from_double(uint32_t *bits, do
 /** True if a quotient in floating point is too coarse for the nearest integer, which may fit in 64 bits. */
 static inline bool canwright_is_coarse(double steps)
 {
-    const double size = steps < 0.0 ? -steps : steps;
-    return size >= 2251799813685248.0 && size < 18446744073709617152.0; /* 2^51; 2^64 and the error of a quotient */
+    const double size = (steps < 0.0) ? -steps : steps;
+    return (size >= 2251799813685248.0) && (size < 18446744073709617152.0); /* 2^51; 2^64 and the error of a quotient */
 }
 
 /**
@@ -365,7 +365,7 @@ static inline bool canwright_corrected(
     uint64_t *nearest, double value, double steps, uint64_t divisor, uint64_t addend, uint64_t factor)
 {
     const uint64_t bits = canwright_bits_of_double(value);
-    const double size = steps < 0.0 ? -steps : steps;
+    const double size = (steps < 0.0) ? -steps : steps;
     const int exponent = (int)((bits >> 52) & 0x7FFu);
     uint64_t given = bits & UINT64_C(0xFFFFFFFFFFFFF);
     uint64_t rest;
@@ -374,11 +374,11 @@ static inline bool canwright_corrected(
     if (exponent != 0) {
         given |= UINT64_C(0x10000000000000);
     }
-    while (left < 0 && (factor << shift) < (UINT64_C(1) << 45)) {
+    while ((left < 0) && ((factor << shift) < (UINT64_C(1) << 45))) {
         shift++;
         left++;
     }
-    if (left > 63 || left < -63) {
+    if ((left > 63) || (left < -63)) {
         given = 0u;
     } else {
         given = left < 0 ? given >> -left : given << left;
@@ -409,7 +409,7 @@ static inline canwright_status_t canwright_corrected_signed_from_double(int64_t 
         return CANWRIGHT_OUT_OF_RANGE;
     }
     *nearest = steps < 0.0 ? -(int64_t)(size - 1u) - 1 : (int64_t)size;
-    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
 /** The same for unsigned numbers. */
@@ -417,13 +417,13 @@ CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t canwright_corrected_unsigned_from_double(uint64_t *nearest, double value, double steps,
     uint64_t divisor, uint64_t addend, uint64_t factor, uint64_t lowest, uint64_t highest)
 {
-    if (steps < 0.0 || !canwright_is_coarse(steps)) {
+    if ((steps < 0.0) || !canwright_is_coarse(steps)) {
         return canwright_unsigned64_from_double(nearest, value, steps, lowest, highest);
     }
     if (!canwright_corrected(nearest, value, steps, divisor, addend, factor)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
-    return *nearest >= lowest && *nearest <= highest ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+    return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
 #endif

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from enum import Enum, IntEnum, IntFlag
 from fractions import Fraction
+from math import floor
 from functools import lru_cache
 from operator import index
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
@@ -227,6 +228,18 @@ def rounded(number: int | Fraction) -> float:
         return math.inf if number > 0 else -math.inf
 
 
+Fast = tuple[float, float, int, int]
+"""A conversion by floats: raw integers per unit, raw integer of the value 0 plus a half, smallest and largest raw."""
+
+FAST_LIMIT = 1 << 32
+"""The largest raw integers and offsets that are converted by floats.
+
+`floor(value * steps + zero)` is the nearest raw integer unless rounding errors move the sum across an integer. There
+are five roundings: of an integer value, `steps`, `zero`, product and sum. Each is at most 2**-53 of a number below
+2**34, so all of them are less than 0.001. A sum that is closer to an integer than that is not used.
+"""
+
+
 class Number(FieldType):
     """Converts between raw integers and values.
 
@@ -237,8 +250,10 @@ class Number(FieldType):
     """
 
     __slots__ = (
+        "_by",
         "_exact",
         "_fast",
+        "_fast_by",
         "_lines",
         "_scales",
         "_span",
@@ -277,8 +292,9 @@ class Number(FieldType):
         always = None if limits_by else self._limits_at(None)
         if not limits_by and not any(bound.parameter for bound in always or ()):
             self._span = self._span_within(always, None)
-        span = None if times else self._span
-        self._fast = span and (max(span[0], 1 - COARSE), min(span[1], COARSE - 1))
+        self._by = scale_by or limits_by
+        self._fast_by = self._fast_conversions()
+        self._fast = self._fast_by.get(None)
 
     def _exact_steps(self) -> dict[Any, float]:
         """The scales that are exact floats, by the parameter; raw integers are too, so a product is rounded once."""
@@ -293,6 +309,27 @@ class Number(FieldType):
             and line[2].bit_count() == 1
             and max(line[0], line[2], largest) <= 1 << 53
         }
+
+    def _fast_conversions(self) -> dict[Any, Fast]:
+        """The conversions that floats do with certainty, by the value of the parameter; by None without one."""
+        if self.scale_by and self.limits_by and self.scale_by != self.limits_by:
+            return {}
+        found: dict[Any, Fast] = {}
+        for key in self._lines if self.scale_by else self.limits if self.limits_by else (None,):
+            line = self._lines[key if self.scale_by else None]
+            limits = self.limits.get(key) if self.limits_by else self.limits
+            times = self.times.get(key) if self.scale_by and self.times else self.times
+            if line is None or times or (limits and any(bound.parameter for bound in limits)):
+                continue
+            factor, addend, divisor = line
+            low, high = self._span_within(limits, None)
+            try:
+                steps, zero = divisor / factor, 0.5 - addend / factor
+            except OverflowError:
+                continue
+            if max(-low, high, abs(zero)) <= FAST_LIMIT:
+                found[key] = (steps, zero, low, high)
+        return found
 
     def _line_at(self, parameters: object, field: str) -> Line:
         """The line under these parameters. Raises CodecError (missing_parameter, no_scale, out_of_range)."""
@@ -325,16 +362,18 @@ class Number(FieldType):
         An int, a Fraction and a Decimal are exact. A float is divided by the scale as a float, so 0.15 at a scale of 0.1
         is 2, as it looks, although the float 0.15 is less than that; from 2**51 on, it is exact as well.
         """
-        if self._fast is not None and type(value) is float:
-            steps = self._scales.get(getattr(parameters, self.scale_by) if self.scale_by else None)
-            if steps is not None:
-                offset, denominator, numerator = steps
-                quotient = (value - offset) * denominator / numerator
-                low, high = self._fast
-                if low <= quotient <= high:
-                    raw = int(quotient)
-                    rest = quotient - raw
-                    return raw + (rest >= 0.5) - (rest <= -0.5)
+        fast = self._fast
+        if fast is None and self._by:
+            fast = self._fast_by.get(getattr(parameters, self._by))
+        if fast is not None and (type(value) is float or type(value) is int):
+            steps, zero, low, high = fast
+            try:
+                quotient = value * steps + zero
+                raw = floor(quotient)
+            except (OverflowError, ValueError):
+                return self._raw(value, parameters, field)
+            if 0.001 < quotient - raw < 0.999 and low <= raw <= high:
+                return raw
         return self._raw(value, parameters, field)
 
     def _raw(self, value: Real, parameters: object, field: str) -> int:
@@ -389,7 +428,7 @@ class Number(FieldType):
         low, high = limits[0].at(parameters), limits[1].at(parameters)
         return (
             self.low if low is None else max(self.low, math.ceil(low)),
-            self.high if high is None else min(self.high, math.floor(high)),
+            self.high if high is None else min(self.high, floor(high)),
         )
 
     @property
