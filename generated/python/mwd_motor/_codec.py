@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from enum import Enum, IntEnum, IntFlag
 from fractions import Fraction
-from math import floor
 from functools import lru_cache
+from math import floor
 from operator import index
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
