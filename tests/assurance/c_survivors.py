@@ -15,16 +15,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.targets import c as target
 from canwright.targets.base import Specification
 
 from ..compilers import SANITIZED, ZIG
-from ..conformance.adapter import Adapter, CanFrame, Refused, write_files
+from ..conformance.adapter import Adapter, CanFrame, Decoded, Refused, write_files
 from ..conformance.adapters.c import CAdapter
+from ..conformance.adapters.c_facts import Facts
 from ..conformance.adapters.c_harness import harness, header_text
+from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Questions
 from ..conformance.runner import Runner
+from . import floating
 from .c_mutants import CHOICE, Mutant, changed, functions, merged, mutants, used
 from .differential import compare
 
@@ -39,6 +43,12 @@ QUICK = 2500
 
 ROUNDS = 2
 
+CONVERSIONS = 20_000
+"""So many conversions are asked of the runtime for floating point."""
+
+FRAMES = 4000
+"""So many random frames are checked and printed."""
+
 
 class Recorder(CAdapter):
     """Writes down what the program is asked."""
@@ -50,33 +60,26 @@ class Recorder(CAdapter):
         return super()._ask(*words)
 
 
-class Subject:
-    """One edition: its headers, its program, and the questions to it."""
+class Program:
+    """A program, the headers that it includes, below `family`, and questions to it."""
 
-    def __init__(self, spec: Path, folder: Path) -> None:
-        self.item = specification(spec)
-        self.folder = write_files(target.generate([self.item], {}), folder)
-        self.include = self.folder / "include" / self.item.edition.family
-        self.headers = {file.name: file.read_text("utf-8") for file in sorted(self.include.glob("*.h"))}
+    def __init__(self, folder: Path, family: str, headers: Mapping[str, str], harness: str) -> None:
+        self.folder, self._family = folder, family
+        self.headers = headers
         self._harness = self.folder / "harness.c"
-        self._harness.write_text(harness(self.item.edition, self.folder / "include"), "utf-8")
+        self._harness.write_text(harness, "utf-8")
         (self.folder / "choice.h").write_text(CHOICE, "utf-8")
         self._programs = itertools.count()
         original, errors = self._compile(self.headers)
         assert original is not None, errors
-        recorder = Recorder(self.item.edition, original, header_text(self.item.edition, self.folder / "include"))
-        recorder.lines = []
-        _ask_everything(self.item, recorder)
-        self.quick = self._questions(recorder.lines, "quick")
-        recorder.lines = []
-        _ask_rounds(self.item, recorder)
-        self.thorough = self._questions(recorder.lines, "thorough")
-        self._answers = {file: self._run(original, 0, file) for file in (self.quick, self.thorough)}
+        self.original = original
+        self._answers: dict[Path, bytes | None] = {}
 
-    def _questions(self, lines: Sequence[str], name: str) -> Path:
-        file = self.folder / name
+    def add_questions(self, lines: Sequence[str]) -> None:
+        """Adds lines that are asked of every mutant, after those added before."""
+        file = self.folder / f"questions-{len(self._answers)}"
         file.write_text("\n".join(lines) + "\n", "utf-8")
-        return file
+        self._answers[file] = self._run(self.original, 0, file)
 
     def mutants(self) -> list[Mutant]:
         """The mutants of the headers, without those of functions that no question reaches."""
@@ -84,8 +87,10 @@ class Subject:
         return [mutant for mutant in self.all_mutants() if not mutant.function or mutant.function in reached]
 
     def all_mutants(self) -> list[Mutant]:
-        """All mutants of the headers."""
-        return [mutant for name, text in self.headers.items() for mutant in mutants(name, text)]
+        """All mutants of the headers, without those of golden frames as a test."""
+        return [
+            mutant for name, text in self.headers.items() if "selftest" not in name for mutant in mutants(name, text)
+        ]
 
     def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
         """Those of some mutants that answer as the original does."""
@@ -136,7 +141,7 @@ class Subject:
         """The program with these headers; None with the places of errors when it does not compile."""
         include = self.folder / str(next(self._programs))
         for name, text in texts.items():
-            file = include / self.item.edition.family / name
+            file = include / self._family / name
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text, "utf-8")
         program = include / "program"
@@ -147,6 +152,7 @@ class Subject:
             "-ferror-limit=0",
             *SANITIZED,
             f"-I{include}",
+            f"-I{include / self._family}",
             "-include",
             self.folder / "choice.h",
         )
@@ -158,7 +164,7 @@ class Subject:
         return program, []
 
     def _is_killed(self, program: Path, number: int) -> bool:
-        return any(self._run(program, number, file) != self._answers[file] for file in (self.quick, self.thorough))
+        return any(self._run(program, number, file) != answers for file, answers in self._answers.items())
 
     @staticmethod
     def _run(program: Path, number: int, questions: Path) -> bytes | None:
@@ -174,6 +180,34 @@ class Subject:
         return None if done.returncode else done.stdout
 
 
+class Subject(Program):
+    """One edition: its headers, its program, and the questions to it."""
+
+    def __init__(self, spec: Path, folder: Path) -> None:
+        self.item = specification(spec)
+        edition = self.item.edition
+        include = write_files(target.generate([self.item], {}), folder) / "include"
+        headers = {file.name: file.read_text("utf-8") for file in sorted((include / edition.family).glob("*.h"))}
+        super().__init__(folder, edition.family, headers, harness(edition, include))
+        recorder = Recorder(edition, self.original, header_text(edition, include))
+        for ask in (_ask_everything, _ask_rounds):
+            recorder.lines = []
+            ask(self.item, recorder)
+            self.add_questions(recorder.lines)
+
+
+class FloatingSubject(Program):
+    """The runtime for floating point, asked by `tests.assurance.floating`."""
+
+    def __init__(self, folder: Path) -> None:
+        headers = {file.name: file.read_text("utf-8") for file in sorted(target.RUNTIME.glob("*.h"))}
+        super().__init__(folder, "runtime", headers, floating.PROGRAM.read_text("utf-8"))
+        cases = floating.cases(CONVERSIONS, random.Random(1))
+        wrong = floating.differences(self.original, cases)
+        assert not wrong, wrong[:10]
+        self.add_questions([case.line().rstrip() for case in cases])
+
+
 def _sizes(text: str) -> dict[str, int]:
     """The lines of each function."""
     return {one.name: text.count("\n", one.start, one.end) + 2 for one in functions(text)}
@@ -186,16 +220,65 @@ def _ask_everything(item: Specification, adapter: CAdapter) -> None:
     assert not report.failures, report.failures[:10]
     wrong = adapter.wrong_facts()
     assert not wrong, wrong[:10]
-    for frame in item.frames.frames:  # `tests/targets/test_c_print.py` compares these with the model
-        adapter.text(frame.direction, CanFrame(frame.id, frame.data, frame.extended, frame.remote), frame.parameters)
-    for address in item.edition.addresses:
-        for direction in Direction:
-            for node in address.rule(direction).nodes or ():
-                if item.edition.of_rule(direction, address.rule(direction)):
-                    adapter.filter(address.name, direction, node)
+    _ask_filters(item, adapter)
+    _ask_frames(item, adapter)
+    _ask_singles(item, adapter)
     every = list(Questions(item.edition).round())
     (comparison,) = compare(item, [adapter], random.Random(1).sample(every, min(len(every), QUICK)))
     assert not comparison.disagreements, comparison.disagreements[:10]
+
+
+def _ask_filters(item: Specification, adapter: CAdapter) -> None:
+    """The filters of some nodes, and whether they accept ids that differ in one bit; the constants of filters.
+
+    `tests/targets/test_c_print.py` compares these constants with the ids of all messages.
+    """
+    for name in Facts(item.edition, adapter.header).filter_macros():
+        adapter.constant(name)
+    for address in item.edition.addresses:
+        for direction in Direction:
+            rule = address.rule(direction)
+            if rule.nodes is None or not item.edition.of_rule(direction, rule):
+                continue
+            assert adapter.filter(address.name, direction, rule.nodes[-1] + 1) == Refused(Refusal.UNKNOWN_NODE)
+            for node in rule.nodes[:40]:
+                found = adapter.filter(address.name, direction, node)
+                assert not isinstance(found, Refused)
+                ids = [found[0], *(found[0] ^ 1 << bit for bit in range(32)), 0, (1 << 32) - 1]
+                accepted = [not (id_ ^ found[0]) & found[1] for id_ in ids]
+                assert adapter.accepted(address.name, direction, node, ids) == accepted
+
+
+def _ask_frames(item: Specification, adapter: CAdapter) -> None:
+    """The check of frames, which must agree with the model, and their texts.
+
+    `tests/targets/test_c_print.py` compares texts of golden frames with the model.
+    """
+    assert item.frames is not None
+    reference = ReferenceAdapter(item.edition)
+    frames = [(f.direction, CanFrame(f.id, f.data, f.extended, f.remote), f.parameters) for f in item.frames.frames]
+    random_ = (q.arguments[:3] for q in Questions(item.edition, 3).round() if q.kind == "decode")
+    for place, (direction, frame, known) in enumerate((*frames, *itertools.islice(random_, FRAMES))):
+        if not item.edition.messages(direction):
+            continue
+        length, _ = adapter.text(direction, frame, known)
+        if place % 20 == 0:
+            for size in (0, 1, 2, length // 2, length, length + 1, length + 2):
+                adapter.text(direction, frame, known, size)
+        wanted = reference.decode(direction, frame, known, None)
+        found = adapter.check(direction, frame, known)
+        if isinstance(wanted, Decoded):
+            encoded = reference.encode_raw(direction, wanted.command, wanted.node, wanted.raw, known)
+            assert found == (encoded if isinstance(encoded, Refused) else None), (direction, frame, known)
+        else:
+            assert found == Refused(wanted.says), (direction, frame, known)
+
+
+def _ask_singles(item: Specification, adapter: CAdapter) -> None:
+    """Conversions of single precision, near the limits of every type; their error is limited."""
+    for one in Facts(item.edition, adapter.header).singles():
+        found = adapter.single(one.type, one.direction, one.number, one.parameters)
+        assert one.accepts(found), (one, found)
 
 
 def _ask_rounds(item: Specification, adapter: Adapter) -> None:

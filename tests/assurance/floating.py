@@ -12,7 +12,7 @@ import random
 import struct
 import subprocess
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
@@ -42,9 +42,8 @@ class Case(NamedTuple):
         return f"{self.operation} {' '.join(str(number % (1 << 64)) for number in numbers)}\n"
 
 
-def differences(program: Path, count: int, seed: int) -> list[str]:
+def differences(program: Path, cases: Sequence[Case]) -> list[str]:
     """The cases in which the program and the fractions differ."""
-    cases = list(_cases(count, random.Random(seed)))
     lines = "".join(case.line() for case in cases)
     done = subprocess.run([program], input=lines, capture_output=True, text=True, check=True)
     answers = done.stdout.splitlines()
@@ -95,10 +94,10 @@ def _scaled(size: Fraction, exponent: int) -> tuple[int, int, int]:
     return *divmod(size.numerator << max(-exponent, 0), divisor), divisor
 
 
-def _cases(count: int, chance: random.Random) -> Iterator[Case]:
+def cases(count: int, chance: random.Random) -> list[Case]:
+    """Random cases."""
     kinds = (_quotient, _corrected, _corrected, _narrowed, _widened)
-    for _ in range(count):
-        yield chance.choice(kinds)(chance)
+    return [chance.choice(kinds)(chance) for _ in range(count)]
 
 
 def _quotient(chance: random.Random) -> Case:
@@ -169,7 +168,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory() as folder:
         program = compiled(Path(folder), "-O2")
-        found = differences(program, given.count, given.seed)
+        found = differences(program, cases(given.count, random.Random(given.seed)))
     for line in found[:20]:
         print(line)
     print(f"{given.count} conversions, {len(found)} differ from exact fractions")

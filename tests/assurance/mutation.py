@@ -10,7 +10,8 @@ too long or does not compile.
 arithmetic and logical operators, numbers, conditions, statements and returned values; not texts, annotations and
 docstrings. Asked are the golden frames, random questions, and the checks of `tests.assurance.python_facts`.
 
-Mutants of the runtime are shown to all editions, and survive only if none of them kills it. A complete run takes hours.
+Mutants of the runtime are shown to all editions, those for floating point also to `tests.assurance.floating`, and
+survive only if none of them kills it. Functions that are not reached are named. A complete run takes hours.
 Every survivor must be listed as equivalent, with a reason, in `equivalent_c.yaml` or `equivalent_python.yaml`. The exit
 status is 1 for a survivor that is not listed and for a killed mutant that is.
 """
@@ -30,6 +31,8 @@ from . import c_survivors, python_survivors
 from .equivalents import Equivalent, judge, read
 
 LANGUAGES: dict[str, Callable[[Path, Path], Any]] = {"c": c_survivors.Subject, "python": python_survivors.Subject}
+RUNTIMES: dict[str, tuple[Callable[[Path], Any], ...]] = {"c": (c_survivors.FloatingSubject,), "python": ()}
+"""What the mutants of the runtime are shown to, besides the editions."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -67,37 +70,54 @@ class Run:
         self._sample, self._seed = sample, seed
         self._runtime: dict[tuple[str, str, str], Any] | None = None
         self._left: set[tuple[str, str, str]] = set()
+        self._unreached: set[tuple[str, str, str]] = set()
         self.failed = False
 
     def mutate(self, spec: Path) -> None:
         """Runs the mutants of one edition, and those of the runtime that are left."""
         with tempfile.TemporaryDirectory() as folder:
             subject = LANGUAGES[self._language](spec, Path(folder))
-            every = subject.mutants()
-            own = self._sampled([mutant for mutant in every if not mutant.is_runtime])
+            every, reached = subject.all_mutants(), subject.mutants()
             if self._runtime is None:
-                runtime = (mutant for mutant in subject.all_mutants() if mutant.is_runtime)
-                self._runtime = {mutant.key: mutant for mutant in self._sampled(list(runtime))}
-                self._left = set(self._runtime)
-            shared = [mutant for mutant in every if mutant.is_runtime and mutant.key in self._left]
-            alive = list(subject.survivors([*own, *shared]))
-        self._left -= {mutant.key for mutant in shared} - {mutant.key for mutant in alive}
-        self._report(called(spec), own, [mutant for mutant in alive if not mutant.is_runtime])
+                runtime = self._sampled([mutant for mutant in every if mutant.is_runtime])
+                self._runtime = {mutant.key: mutant for mutant in runtime}
+                self._left, self._unreached = set(self._runtime), set(self._runtime)
+            own = self._sampled([mutant for mutant in reached if not mutant.is_runtime])
+            alive = list(subject.survivors(own))
+            self._show_runtime(subject)
+        known = set(reached)
+        self._report(called(spec), own, alive, [m for m in every if not m.is_runtime and m not in known])
 
     def judge_runtime(self) -> None:
         """Reports what is left of the mutants of the runtime."""
+        for create in RUNTIMES[self._language]:
+            with tempfile.TemporaryDirectory() as folder:
+                self._show_runtime(create(Path(folder)))
         mutants = self._runtime or {}
-        self._report("runtime", list(mutants.values()), [mutants[key] for key in self._left])
+        unreached = [mutants[key] for key in self._unreached]
+        reached = [mutant for key, mutant in mutants.items() if key not in self._unreached]
+        self._report("runtime", reached, [mutants[key] for key in self._left - self._unreached], unreached)
+
+    def _show_runtime(self, subject: Any) -> None:
+        """Runs the mutants of the runtime that are left."""
+        shown = [mutant for mutant in subject.mutants() if mutant.is_runtime and mutant.key in self._left]
+        alive = {mutant.key for mutant in subject.survivors(shown)}
+        keys = {mutant.key for mutant in shown}
+        self._unreached -= keys
+        self._left -= keys - alive
 
     def _sampled(self, mutants: list[Any]) -> list[Any]:
         if self._sample is None or len(mutants) <= self._sample:
             return mutants
         return random.Random(self._seed).sample(mutants, self._sample)
 
-    def _report(self, name: str, mutants: Sequence[Any], survivors: Sequence[Any]) -> None:
+    def _report(self, name: str, mutants: Sequence[Any], survivors: Sequence[Any], unreached: Sequence[Any]) -> None:
         verdict = judge(mutants, survivors, self._equivalents)
         print(f"{name} {self._language}: {len(mutants)} mutants, {len(survivors)} survive,", end=" ")
         print(f"{verdict.listed} of them listed as equivalent")
+        if unreached:
+            names = ", ".join(sorted({mutant.function for mutant in unreached}))
+            print(f"  not reached, and not in these figures: {len(unreached)} mutants of {names}")
         for mutant in verdict.unlisted:
             function, original, mutated = mutant.key
             print(f"  survives: {function or '(outside of functions)'}\n    - {original}\n    + {mutated}")

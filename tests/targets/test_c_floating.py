@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import re
 import shutil
 import subprocess
@@ -25,7 +26,7 @@ CORTEX_M4F = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d
 
 
 def test_conversions_agree_with_fractions(tmp_path: Path) -> None:
-    assert floating.differences(floating.compiled(tmp_path), SAMPLE, seed=7) == []
+    assert floating.differences(floating.compiled(tmp_path), floating.cases(SAMPLE, random.Random(7))) == []
 
 
 def unit(folder: Path, kinds: Sequence[str]) -> tuple[str, Path]:

@@ -17,6 +17,7 @@ from canwright.project.loader import specification
 from ..assurance.floating import SINGLE, bits_of, number_of
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Refused
 from ..conformance.adapters.c import CAdapter
+from ..conformance.adapters.c_facts import SINGLE_ERROR
 from ..float_rule import bits_of_double, raw_of_double
 
 TYPES = {
@@ -40,8 +41,6 @@ TYPES = {
 }
 SIZES = ("small", "big", "huge")
 ROUNDS = 60
-SINGLE_ERROR = Fraction(7, 1 << 24)
-"""The bound of conversions in single precision, relative to the magnitudes of value and offset."""
 
 
 def spec() -> str:

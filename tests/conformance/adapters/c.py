@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import weakref
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -44,7 +44,7 @@ class CAdapter(Adapter):
 
     def __init__(self, edition: Edition, program: Path, header: str = "") -> None:
         super().__init__(edition)
-        self._header = header
+        self.header = header
         self._process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         weakref.finalize(self, _end, self._process)
 
@@ -125,6 +125,19 @@ class CAdapter(Adapter):
         answer = self._ask("filter", f"{address}_{direction.value}_filter", *self._known({}), str(node))
         return answer if isinstance(answer, Refused) else (int(answer[0], 16), int(answer[1], 16))
 
+    def accepted(self, address: str, direction: Direction, node: int, ids: Sequence[int]) -> list[bool]:
+        """Whether the filter for one node accepts each of some ids."""
+        words = [*self._known({}), str(node), *(f"{id_:X}" for id_ in ids)]
+        answer = self._ask("filter", f"{address}_{direction.value}_filter", *words)
+        assert not isinstance(answer, Refused)
+        return [word == "1" for word in answer[2:]]
+
+    def constant(self, name: str) -> int:
+        """The value of a macro."""
+        answer = self._ask("macro", name, *self._known({}))
+        assert not isinstance(answer, Refused)
+        return int(answer[0])
+
     def check(self, direction: Direction, frame: CanFrame, parameters: Parameters) -> Refused | None:
         """Why a frame is not decoded, or why its fields are invalid, with the field; None for a valid frame."""
         answer = self._ask("check", f"any_{direction.value}", *self._known(parameters), *_frame(frame))
@@ -143,7 +156,7 @@ class CAdapter(Adapter):
     def wrong_facts(self) -> list[str]:
         """What the program says of the header besides frames, where it differs from the model."""
         wrong = []
-        for fact in Facts(self.edition, self._header).all():
+        for fact in Facts(self.edition, self.header).all():
             found = self._ask(fact.kind, fact.name, *self._known(fact.parameters), *fact.rest)
             words = found.says.value if isinstance(found, Refused) else " ".join(found)
             if words != fact.answer:

@@ -5,6 +5,7 @@ The header says which functions and macros there are; the answers are computed f
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 import re
@@ -24,8 +25,11 @@ from canwright.semantics.decoder import Rejection, linear_of
 from canwright.semantics.encoder import Encoder
 from canwright.targets.c.names import Names, layouts
 
-from ..adapter import Parameters, assignment
+from ...assurance.floating import SINGLE, bits_of, number_of
+from ...float_rule import nearest_integer
+from ..adapter import Parameters, Refused, assignment
 from .c_signatures import functions
+from .reference import as_double
 
 TEMPLATE = Path(__file__).with_name("c_facts.c.j2")
 
@@ -34,6 +38,9 @@ _TYPE_FUNCTION = re.compile(r"(?P<stem>\w+?)_(?P<kind>valid|name|to_milli|from_m
 _ADDRESS_FUNCTION = re.compile(r"(?P<stem>\w+?)_(?P<direction>request|reply)_(?P<kind>id|node)$")
 
 _RAW = ("raw", "*raw")
+
+SINGLE_ERROR = Fraction(7, 1 << 24)
+"""The bound of conversions in single precision, relative to the magnitudes of value and offset."""
 
 ARGUMENTS = {"parameters": "known", "raw": "raw", "value": "value", "id": "id", "node": "node", "found": "found"}
 
@@ -49,6 +56,28 @@ class Fact:
     answer: str
 
 
+@dataclass(frozen=True)
+class Single:
+    """A conversion of single precision, to the bits of a float or from them, and what it may return."""
+
+    type: str
+    direction: str
+    number: int
+    parameters: Parameters
+    least: Fraction
+    most: Fraction
+    reason: Refusal | None = None
+    """The reason for which it may be refused."""
+    is_refused: bool = False
+
+    def accepts(self, found: int | Refused) -> bool:
+        """Whether a result is within the limits, or refused for the reason."""
+        if isinstance(found, Refused):
+            return found.says is self.reason
+        number = number_of(found, SINGLE) if self.direction == "to" else found
+        return not self.is_refused and self.least <= number <= self.most
+
+
 class Facts:
     """The facts of one header and its edition."""
 
@@ -62,6 +91,7 @@ class Facts:
         }
         self._macros = [match[1] for match in _MACRO.finditer(header) if not match[1].endswith(("_SPEC", "_VERSION"))]
         names = self._names = Names(edition)
+        self._macros += [names.upper(p.name, "unknown") for p in edition.parameters if p.is_choice]
         fields = dict.fromkeys(f.name for layout in layouts(edition) for f in layout.fields if f.fixed is None)
         self._commands = {"": names.command("none"), **{c.name: names.command(c.name) for c in edition.commands}}
         self._fields = {"": names.upper("field", "none"), **{name: names.upper("field", name) for name in fields}}
@@ -118,6 +148,9 @@ class Facts:
         for number, refusal in enumerate(("ok", *(refusal.value for refusal in Refusal))):
             yield Fact("status", "-", {}, (str(number),), refusal)
         yield Fact("status", "-", {}, ("99",), "?")
+        yield Fact("clear", "-", {}, (), "A5A5A5A5A5" + "00" * 11)
+        for size, other, place in itertools.product((0, 1, 7, 8), (0, 1, 7, 8), range(9)):
+            yield Fact("same", "-", {}, (str(size), str(other), str(place)), str(int(size == other and place >= size)))
         yield from self._of_commands()
         for name in self._fields:
             yield Fact("field", f"[{name}]", {}, (), f"[{name}]")
@@ -126,6 +159,7 @@ class Facts:
             yield from self._of_address(one["kind"], one["name"])
         for one in self._type_functions():
             yield from self._of_type(one["kind"], one["name"])
+        yield from self._of_zero()
         for name in self._functions:
             match = _TYPE_FUNCTION.match(name)
             if match and match["kind"] == "to_milli" and match["stem"] in self._types:
@@ -141,6 +175,24 @@ class Facts:
         for rest in self._assignments(*names[1:]):
             yield rest
             yield from ({**rest, parameter.name: value} for value in values)
+
+    def _zeros(self, type_: Type) -> Iterator[Parameters]:
+        """Parameters under which the number that multiplies the scale is 0, which a C program can set."""
+        for parameters in self._assignments(*type_.parameters):
+            linear = type_.linear.at(Encoder(parameters).assignment)
+            if linear is not None and linear.times is not None:
+                yield {**parameters, **dict.fromkeys(type_.numbers, "1"), linear.times: "0"}
+
+    def _of_zero(self) -> Iterator[Fact]:
+        """A scale of 0 is refused."""
+        answer = Refusal.OUT_OF_RANGE.value
+        for stem, type_ in self._types.items():
+            for parameters in self._zeros(type_):
+                if f"{stem}_from_double" in self._functions:
+                    yield from (Fact("from_double", stem, parameters, (text,), answer) for text in ("1.0", "nan"))
+                if f"{stem}_to_milli" in self._functions:
+                    for direction in ("to", "from"):
+                        yield Fact("milli", type_.name, parameters, (direction, "1"), answer)
 
     def _of_commands(self) -> Iterator[Fact]:
         effects = {name: 1 << place for place, name in enumerate(self._effects())}
@@ -168,6 +220,7 @@ class Facts:
     def _constants(self) -> dict[str, int]:
         found: dict[str, int] = {}
         names = self._names
+        found |= {names.upper(p.name, "unknown"): 0 for p in self._edition.parameters if p.is_choice}
         for place, name in enumerate(self._effects()):
             found[names.upper("effect", name)] = 1 << place
         for address in self._edition.addresses:
@@ -280,7 +333,7 @@ class Facts:
                 values += [float((end + part) * linear.scale + linear.offset) for end in ends for part in parts]
                 values += [math.nextafter(value, way) for value in values[8:] for way in (-math.inf, math.inf)]
             for value in dict.fromkeys(values):
-                found = encoder.nearest_raw(field, Fraction(value))
+                found = encoder.nearest_raw(field, as_double(Fraction(value), type_, encoder.assignment))
                 rejection = found if isinstance(found, Rejection) else encoder.rejects_raw(field, found)
                 answer = rejection.reason.value if rejection else str(found)
                 yield Fact("from_double", stem, parameters, (repr(value),), answer)
@@ -288,6 +341,56 @@ class Facts:
                 found = encoder.nearest_raw(field, text)
                 assert isinstance(found, Rejection)
                 yield Fact("from_double", stem, parameters, (text,), found.reason.value)
+
+    def filter_macros(self) -> list[str]:
+        """The constants of filters."""
+        return [name for name in self._macros if name.endswith(("_FILTER_ID", "_FILTER_MASK"))]
+
+    def singles(self) -> Iterator[Single]:
+        """Conversions of single precision, at, between and beyond the ends of each type of integers."""
+        for stem, type_ in self._types.items():
+            if f"{stem}_to_float" in self._functions and type_.encoding is not Encoding.FLOAT:
+                for parameters in self._assignments(*type_.parameters, *type_.numbers):
+                    yield from self._singles(type_, parameters)
+                zeros = (("to", 1), ("from", 1), ("from", 0x7FC00000))
+                for parameters, (direction, bits) in itertools.product(self._zeros(type_), zeros):
+                    nothing = Fraction(0)
+                    yield Single(
+                        type_.name, direction, bits, parameters, nothing, nothing, Refusal.OUT_OF_RANGE, is_refused=True
+                    )
+
+    def _singles(self, type_: Type, parameters: Parameters) -> Iterator[Single]:
+        encoder, zero = Encoder(parameters), Fraction(0)
+        field, linear = self._field(type_), linear_of(type_, encoder.assignment)
+        if linear is None:
+            found = encoder.nearest_raw(field, zero)
+            assert isinstance(found, Rejection)
+            for direction in ("to", "from"):
+                yield Single(type_.name, direction, 0, parameters, zero, zero, found.reason, is_refused=True)
+            return
+        for bits in (0x7F800000, 0xFF800000, 0x7FC00000, 0x7F800001):
+            yield Single(type_.name, "from", bits, parameters, zero, zero, Refusal.NOT_FINITE, is_refused=True)
+        low, high = type_.raw_limits
+        numbers = {0, 1, 1 << 31, 0x7F7FFFFF, 0xFF7FFFFF, 0x4F000000, 0xCF000000, 0x5F000000, 0xDF000000, 0x5F800000}
+        for raw in self._raws(encoder, type_):
+            exact = raw * linear.scale
+            error = SINGLE_ERROR * (abs(exact) + abs(linear.offset))
+            exact += linear.offset
+            if low <= raw <= high:
+                yield Single(type_.name, "to", raw, parameters, exact - error, exact + error)
+            for part in (-1, -Fraction(1, 2), 0, Fraction(1, 2), 1):
+                bits = bits_of(exact + part * linear.scale, SINGLE)
+                numbers |= {bits, max(bits - 1, 0), bits + 1}
+        for bits in sorted(numbers):
+            number = number_of(bits, SINGLE)
+            back = (number - linear.offset) / linear.scale
+            error = SINGLE_ERROR * (abs(number) + abs(linear.offset)) / abs(linear.scale)
+            ends = (nearest_integer(back - error), nearest_integer(back + error))
+            is_valid = [encoder.rejects_raw(field, end) is None for end in ends]
+            reason = None if all(is_valid) else Refusal.OUT_OF_RANGE
+            limits = Fraction(ends[0]), Fraction(ends[1])
+            is_refused = not any(is_valid)
+            yield Single(type_.name, "from", bits, parameters, min(limits), max(limits), reason, is_refused=is_refused)
 
     def _of_milli(self, type_: Type) -> Iterator[Fact]:
         """Thousandths of the ends of a type, and the raw integers of thousandths around them."""
@@ -310,6 +413,8 @@ class Facts:
                 yield Fact("milli", type_.name, parameters, ("to", str(raw)), str(_rounded(exact)))
                 half = abs(linear.scale) * 500
                 near = {math.floor(exact + part) + step for part in (-half, 0, half) for step in (-1, 0, 1)}
+                width = 1 + max(map(abs, _container(type_))).bit_length()
+                near |= {math.floor(exact + way * linear.scale * 500 * (1 << width)) for way in (-2, -1, 1, 2)}
                 for milli in sorted(near):
                     found = encoder.nearest_raw(field, Fraction(milli, 1000))
                     rejection = found if isinstance(found, Rejection) else encoder.rejects_raw(field, found)

@@ -98,11 +98,12 @@ class ReferenceAdapter(Adapter):
 
 def _as_double(value: ExactValue, type_: Type, known: Mapping[str, str]) -> ExactValue:
     if isinstance(value, list):
-        return [_one_as_double(one, type_, known) for one in value]
-    return _one_as_double(value, type_, known)
+        return [as_double(one, type_, known) for one in value]
+    return as_double(value, type_, known)
 
 
-def _one_as_double(value: Fraction | str, type_: Type, known: Mapping[str, str]) -> Fraction | str:
+def as_double(value: Fraction | str, type_: Type, known: Mapping[str, str]) -> Fraction | str:
+    """The exact value of the raw integer that a double is converted to; any other value itself."""
     linear = type_.linear.at(known)
     if not isinstance(value, Fraction) or linear is None:
         return value
