@@ -23,7 +23,7 @@ from .headers import Header, each, write_headers
 
 HERE = Path(__file__).parent
 CORPUS = HERE / "corpus"
-"""For each header a text with one input in hex on each line."""
+"""For some headers a text with one input in hex on each line: the smallest set that libFuzzer found (`-merge=1`)."""
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
 
@@ -35,14 +35,16 @@ class Sanitizer(NamedTuple):
     options: tuple[str, ...]
 
 
-_STOP = ("-std=c11", "-g", "-O1", "-fno-sanitize-recover=all")
-_UNDEFINED = "-fsanitize=address,undefined"
+UNDEFINED = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+"""Options of GCC and clang that stop a program at undefined behaviour."""
+
+_COMMON = ("-std=c11", "-g", "-O1")
 SANITIZERS: Mapping[str, Sanitizer] = {
-    "gcc, ASan and UBSan": Sanitizer("gcc", (*_STOP, _UNDEFINED)),
-    "clang, ASan and UBSan": Sanitizer("clang", (*_STOP, _UNDEFINED)),
-    "clang, MSan": Sanitizer("clang", (*_STOP, "-fsanitize=memory", "-DCHECKS_MEMORY")),
+    "gcc, ASan and UBSan": Sanitizer("gcc", (*_COMMON, *UNDEFINED)),
+    "clang, ASan and UBSan": Sanitizer("clang", (*_COMMON, *UNDEFINED)),
+    "clang, MSan": Sanitizer("clang", (*_COMMON, "-fsanitize=memory", "-DCHECKS_MEMORY")),
 }
-FUZZER = Sanitizer("clang", (*_STOP, _UNDEFINED, "-fsanitize=fuzzer", "-DLIBFUZZER"))
+FUZZER = Sanitizer("clang", (*_COMMON, *UNDEFINED, "-fsanitize=fuzzer", "-DLIBFUZZER"))
 
 
 def build(header: Header, sanitizer: Sanitizer, program: Path) -> Path:
