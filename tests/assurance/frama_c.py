@@ -3,7 +3,7 @@
     python -m tests.assurance.frama_c [SPEC...]
 
 Eva calls every function of the edition and float headers with all frames, messages, parameters, raw integers and finite
-values, and must find no alarm but those of ROUNDING. Assertions state that a function that returns CANWRIGHT_OK has
+values, and must find no alarm but those of BEYOND_EVA. Assertions state that a function that returns CANWRIGHT_OK has
 written all of its outputs. Infinity and NaN are left to the sanitizers: Eva does not conclude from a comparison that a
 number is not NaN. The headers that print are not covered: their wide integers take Eva too long.
 On Debian: apt-get install frama-c-base
@@ -15,7 +15,7 @@ import argparse
 import csv
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..spec_texts import SPECS
@@ -28,8 +28,16 @@ OPTIONS = (
     *("-warn-special-float", "none", "-eva-verbose", "0", "-kernel-verbose", "0"),
 )
 PROVEN = ("Valid", "Considered valid")
-ROUNDING = re.compile(r"-\d+ ≤ .*\bwhole\b.* \(canwright_signed(?:32_from_float|64_from_float|64_from_double)\)")
-"""The lowest integer is not rounded down further: a number of this magnitude has no fraction, which Eva does not know."""
+BEYOND_EVA: Mapping[re.Pattern[str], str] = {
+    re.compile(r"-\d+ ≤ .*\bwhole\b.* \(canwright_signed(?:32_from_float|64_from_float|64_from_double)\)"): (
+        "The lowest integer is not rounded down further: a number of this magnitude has no fraction."
+    ),
+    re.compile(r"(?:≤ \d+|-\d+ ≤ .*) \(canwright_(?:share64|divide64)\)"): (
+        "The products fit: |share| is at most `most * ratio`. Eva does not relate numbers by a product."
+    ),
+    re.compile(r"Dead: .*\.as\."): "A reply with the layout of another command's reply is identified as that one.",
+}
+"""Alarms that Eva cannot exclude, and why they cannot occur."""
 
 FINITE = {
     "float": "{0} = Frama_C_float_interval(-FLT_MAX, FLT_MAX);",
@@ -52,7 +60,9 @@ def driver(header: Header) -> tuple[str, int]:
         for number, body in enumerate(bodies)
     )
     chosen = "".join(f"    if (chosen == {number}) {{ call_{number}(); }}\n" for number in range(len(bodies)))
-    start = f"#include <{header.name}>\n#include <float.h>\n#include <__fc_builtin.h>\n\nstatic volatile int chosen;\n\n"
+    start = (
+        f"#include <{header.name}>\n#include <float.h>\n#include <__fc_builtin.h>\n\nstatic volatile int chosen;\n\n"
+    )
     return f"{start}{calls}int main(void)\n{{\n{chosen}    return 0;\n}}\n", len(bodies)
 
 
@@ -70,7 +80,7 @@ def unproven(header: Header) -> list[str]:
         for row in rows
         if row["status"] not in PROVEN
     ]
-    return [line for line in found if not ROUNDING.search(line)]
+    return [line for line in found if not any(known.search(line) for known in BEYOND_EVA)]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -87,7 +97,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             for line in found
         ]
         calls = sum(driver(header)[1] for header in headers)
-    print("\n".join(wrong) or f"{len(headers)} headers, {calls} functions: no alarm, and all assertions are proven")
+    print(
+        "\n".join(wrong)
+        or f"{len(headers)} headers, {calls} functions: no alarm but those of BEYOND_EVA, and all assertions are proven"
+    )
     return 1 if wrong else 0
 
 

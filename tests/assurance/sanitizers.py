@@ -84,13 +84,18 @@ def failures(header: Header, sanitizer: Sanitizer, rounds: int) -> str:
     return _report(build(header, sanitizer, program), str(rounds))
 
 
+def stored(header: Header) -> Path:
+    """The file of stored inputs of a header, which need not exist."""
+    return CORPUS / header.name.replace("/", "-").replace(".h", ".txt")
+
+
 def fuzzed(header: Header, seconds: int) -> str:
     """The report of libFuzzer; empty without a failure."""
     program = build(header, FUZZER, header.unit.with_suffix(".fuzzer"))
     inputs = program.with_suffix(".inputs")
     inputs.mkdir()
-    stored = CORPUS / header.name.replace("/", "-").replace(".h", ".txt")
-    for number, line in enumerate(stored.read_text("utf-8").splitlines() if stored.exists() else ()):
+    text = stored(header)
+    for number, line in enumerate(text.read_text("utf-8").splitlines() if text.exists() else ()):
         (inputs / str(number)).write_bytes(bytes.fromhex(line))
     artifacts = f"-artifact_prefix={program.parent}/"
     return _report(program, f"-max_total_time={seconds}", "-verbosity=0", "-max_len=160", artifacts, str(inputs))
