@@ -8,21 +8,27 @@ from collections.abc import Mapping
 from pathlib import Path
 
 PACKAGES: Mapping[str, str] = {
+    "arm-none-eabi-g++": "gcc-arm-none-eabi",
     "arm-none-eabi-gcc": "gcc-arm-none-eabi",
+    "avr-g++": "gcc-avr avr-libc",
+    "avr-gcc": "gcc-avr avr-libc",
     "clang": "clang",
     "clang-tidy": "clang-tidy",
     "cppcheck": "cppcheck",
     "frama-c": "frama-c-base",
     "gcc": "gcc",
+    "simavr": "simavr",
     "valgrind": "valgrind",
 }
+"""Those of programs that begin with `qemu-` are in `qemu-user`."""
 
 
 def tool(name: str) -> str:
     """The path of a program; exits with the name of its package if it is not installed."""
     found = shutil.which(name)
     if found is None:
-        raise SystemExit(f"{name} is not installed; on Debian: apt-get install {PACKAGES[name]}")
+        package = "qemu-user" if name.startswith("qemu-") else PACKAGES[name]
+        raise SystemExit(f"{name} is not installed; on Debian: apt-get install {package}")
     return found
 
 

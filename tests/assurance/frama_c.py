@@ -2,9 +2,10 @@
 
     python -m tests.assurance.frama_c [SPEC...]
 
-Eva calls every function with all frames, messages, parameters and raw integers, and must find no alarm. The headers of
-floating point are not covered: their wide integers take Eva too long. Assertions state that a function that returns
-CANWRIGHT_OK has written all of its outputs.
+Eva calls every function of the edition and float headers with all frames, messages, parameters, raw integers and finite
+values, and must find no alarm but those of BEYOND_EVA. Assertions state that a function that returns CANWRIGHT_OK has
+written all of its outputs. Infinity and NaN are left to the sanitizers: Eva does not conclude from a comparison that a
+number is not NaN. The headers that print are not covered: their wide integers take Eva too long.
 On Debian: apt-get install frama-c-base
 """
 
@@ -12,8 +13,9 @@ from __future__ import annotations
 
 import argparse
 import csv
+import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..spec_texts import SPECS
@@ -26,20 +28,41 @@ OPTIONS = (
     *("-warn-special-float", "none", "-eva-verbose", "0", "-kernel-verbose", "0"),
 )
 PROVEN = ("Valid", "Considered valid")
+BEYOND_EVA: Mapping[re.Pattern[str], str] = {
+    re.compile(r"-\d+ ≤ .*\bwhole\b.* \(canwright_signed(?:32_from_float|64_from_float|64_from_double)\)"): (
+        "The lowest integer is not rounded down further: a number of this magnitude has no fraction."
+    ),
+    re.compile(r"(?:≤ \d+|-\d+ ≤ .*) \(canwright_(?:share64|divide64)\)"): (
+        "The products fit: |share| is at most `most * ratio`. Eva does not relate numbers by a product."
+    ),
+    re.compile(r"Dead: .*\.as\."): "A reply with the layout of another command's reply is identified as that one.",
+}
+"""Alarms that Eva cannot exclude, and why they cannot occur."""
+
+FINITE = {
+    "float": "{0} = Frama_C_float_interval(-FLT_MAX, FLT_MAX);",
+    "double": "{0} = Frama_C_double_interval(-DBL_MAX, DBL_MAX);",
+}
+UNKNOWN = "Frama_C_make_unknown((char *)&{0}, sizeof {0});"
 REACHED = r"\true"
 """The assertion at the end of each call: it is proven if the call returns."""
 
 
 def driver(header: Header) -> tuple[str, int]:
     """A program that calls every function of a header with unknown inputs, and the number of functions."""
-    fill, check = "Frama_C_make_unknown((char *)&{0}, sizeof {0});", "/*@ assert \\initialized(&{0}); */"
-    bodies = Calls(header, fill.format, check.format).bodies()
+
+    def fill(name: str, kind: str) -> str:
+        return FINITE.get(kind, UNKNOWN).format(name)
+
+    bodies = Calls(header, fill, "/*@ assert \\initialized(&{0}); */".format).bodies()
     calls = "".join(
         f"static void call_{number}(void)\n{{\n{body}    /*@ assert {REACHED}; */\n}}\n\n"
         for number, body in enumerate(bodies)
     )
     chosen = "".join(f"    if (chosen == {number}) {{ call_{number}(); }}\n" for number in range(len(bodies)))
-    start = f"#include <{header.name}>\n#include <__fc_builtin.h>\n\nstatic volatile int chosen;\n\n"
+    start = (
+        f"#include <{header.name}>\n#include <float.h>\n#include <__fc_builtin.h>\n\nstatic volatile int chosen;\n\n"
+    )
     return f"{start}{calls}int main(void)\n{{\n{chosen}    return 0;\n}}\n", len(bodies)
 
 
@@ -51,9 +74,13 @@ def unproven(header: Header) -> list[str]:
     run(tool("frama-c"), *OPTIONS, f"-cpp-extra-args=-I{header.include}", source, "-then", "-report-csv", table)
     with table.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file, delimiter="\t"))
-    found = [row for row in rows if row["status"] not in PROVEN]
     assert sum(row["property"] == REACHED for row in rows) == count
-    return [f"{row['file']}:{row['line']}: {row['status']}: {row['property']} ({row['function']})" for row in found]
+    found = [
+        f"{row['file']}:{row['line']}: {row['status']}: {row['property']} ({row['function']})"
+        for row in rows
+        if row["status"] not in PROVEN
+    ]
+    return [line for line in found if not any(known.search(line) for known in BEYOND_EVA)]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -63,14 +90,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     tool("frama-c")
     with tempfile.TemporaryDirectory() as name:
-        headers = [header for header in write_headers(Path(name), chosen.specs) if not header.part]
+        headers = [header for header in write_headers(Path(name), chosen.specs) if header.part != "print"]
         wrong = [
             f"{header.name}: {line}"
             for header, found in zip(headers, each(unproven, headers), strict=True)
             for line in found
         ]
         calls = sum(driver(header)[1] for header in headers)
-    print("\n".join(wrong) or f"{len(headers)} headers, {calls} functions: no alarm, and all assertions are proven")
+    print(
+        "\n".join(wrong)
+        or f"{len(headers)} headers, {calls} functions: no alarm but those of BEYOND_EVA, and all assertions are proven"
+    )
     return 1 if wrong else 0
 
 

@@ -3,34 +3,13 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..compilers import ZIG_COMMAND
-
-PACKAGES: Mapping[str, str] = {
-    "arm-none-eabi-g++": "gcc-arm-none-eabi",
-    "avr-g++": "gcc-avr avr-libc",
-    "avr-gcc": "gcc-avr avr-libc",
-    "simavr": "simavr",
-}
-"""The Debian packages of tools; those of programs that begin with `qemu-` are in `qemu-user`."""
-
-
-class MissingToolError(Exception):
-    """A tool that is not installed; the message names its Debian package."""
-
-
-def tool(name: str) -> str:
-    """The path of a program. Raises MissingToolError."""
-    found = shutil.which(name)
-    if found is None:
-        package = "qemu-user" if name.startswith("qemu-") else PACKAGES[name]
-        raise MissingToolError(f"{name} is not installed; on Debian: apt-get install {package}")
-    return found
+from ..tools import tool
 
 
 @dataclass(frozen=True, kw_only=True)

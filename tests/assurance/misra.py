@@ -1,10 +1,10 @@
-"""Checks every generated header against MISRA C:2012 with the addon of cppcheck.
+"""Checks the generated headers against MISRA C:2012 with the addon of cppcheck.
 
     python -m tests.assurance.misra
 
 Every rule with a violation must have a row in the table of deviations of `templates/c/MISRA.md.j2`, which is part of the
 generated C, and every row that cppcheck can check must have a violation. The texts of the rules belong to MISRA; cppcheck
-prints their numbers. On Debian: apt-get install cppcheck
+prints their numbers. The self-test, a program of its own, and the header for C++ are not covered. On Debian: apt-get install cppcheck
 """
 
 from __future__ import annotations
@@ -48,8 +48,8 @@ class Finding(NamedTuple):
 
 
 def findings(headers: Sequence[Header]) -> list[Finding]:
-    """All findings in the headers, each once. A header of conversions includes the edition's other header."""
-    outermost = [header for header in headers if header.part == "float"]
+    """All findings in the headers, each once. The headers of conversions and of printing include that of the edition."""
+    outermost = [header for header in headers if header.part]
     return sorted({finding for found in each(lambda header: list(_findings(header)), outermost) for finding in found})
 
 

@@ -23,7 +23,7 @@ from .headers import Header, each, write_headers
 
 HERE = Path(__file__).parent
 CORPUS = HERE / "corpus"
-"""For each header a text with one input in hex on each line."""
+"""For some headers a text with one input in hex on each line: the smallest set that libFuzzer found (`-merge=1`)."""
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
 
@@ -35,14 +35,16 @@ class Sanitizer(NamedTuple):
     options: tuple[str, ...]
 
 
-_STOP = ("-std=c11", "-g", "-O1", "-fno-sanitize-recover=all")
-_UNDEFINED = "-fsanitize=address,undefined"
+UNDEFINED = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+"""Options of GCC and clang that stop a program at undefined behaviour."""
+
+_COMMON = ("-std=c11", "-g", "-O1")
 SANITIZERS: Mapping[str, Sanitizer] = {
-    "gcc, ASan and UBSan": Sanitizer("gcc", (*_STOP, _UNDEFINED)),
-    "clang, ASan and UBSan": Sanitizer("clang", (*_STOP, _UNDEFINED)),
-    "clang, MSan": Sanitizer("clang", (*_STOP, "-fsanitize=memory", "-DCHECKS_MEMORY")),
+    "gcc, ASan and UBSan": Sanitizer("gcc", (*_COMMON, *UNDEFINED)),
+    "clang, ASan and UBSan": Sanitizer("clang", (*_COMMON, *UNDEFINED)),
+    "clang, MSan": Sanitizer("clang", (*_COMMON, "-fsanitize=memory", "-DCHECKS_MEMORY")),
 }
-FUZZER = Sanitizer("clang", (*_STOP, _UNDEFINED, "-fsanitize=fuzzer", "-DLIBFUZZER"))
+FUZZER = Sanitizer("clang", (*_COMMON, *UNDEFINED, "-fsanitize=fuzzer", "-DLIBFUZZER"))
 
 
 def build(header: Header, sanitizer: Sanitizer, program: Path) -> Path:
@@ -82,13 +84,18 @@ def failures(header: Header, sanitizer: Sanitizer, rounds: int) -> str:
     return _report(build(header, sanitizer, program), str(rounds))
 
 
+def stored(header: Header) -> Path:
+    """The file of stored inputs of a header, which need not exist."""
+    return CORPUS / header.name.replace("/", "-").replace(".h", ".txt")
+
+
 def fuzzed(header: Header, seconds: int) -> str:
     """The report of libFuzzer; empty without a failure."""
     program = build(header, FUZZER, header.unit.with_suffix(".fuzzer"))
     inputs = program.with_suffix(".inputs")
     inputs.mkdir()
-    stored = CORPUS / header.name.replace("/", "-").replace(".h", ".txt")
-    for number, line in enumerate(stored.read_text("utf-8").splitlines() if stored.exists() else ()):
+    text = stored(header)
+    for number, line in enumerate(text.read_text("utf-8").splitlines() if text.exists() else ()):
         (inputs / str(number)).write_bytes(bytes.fromhex(line))
     artifacts = f"-artifact_prefix={program.parent}/"
     return _report(program, f"-max_total_time={seconds}", "-verbosity=0", "-max_len=160", artifacts, str(inputs))

@@ -76,6 +76,12 @@ def test_sanitizers_report_a_defect(headers: list[Header], name: str, planted: t
     assert sanitizers.failures(headers[0], sanitizer, 200)
 
 
+def test_stored_inputs_belong_to_headers(tmp_path: Path) -> None:
+    files = set(sanitizers.CORPUS.iterdir())
+    assert files
+    assert files <= {sanitizers.stored(header) for header in write_headers(tmp_path)}
+
+
 def test_libfuzzer_reports_a_defect(headers: list[Header]) -> None:
     _plant(headers[0], *OVERRUN)
     assert sanitizers.fuzzed(headers[0], 5)

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from canwright.project.loader import specification
 
+from ..assurance.sanitizers import UNDEFINED
 from ..compilers import SANITIZED, ZIG, Compiler, build, each_compiler
 from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.c_harness import harness
@@ -33,7 +34,7 @@ def test_undefined_behaviour_stops_a_program(compiler: Compiler, tmp_path: Path)
 def _flags(level: str, compiler: Compiler) -> tuple[str, ...]:
     if compiler is ZIG:  # it has no library that checks memory, and builds that for the rest for half a minute
         return (level, "-g0", *SANITIZED)
-    return (level, "-fsanitize=undefined,address", "-fno-sanitize-recover=all")
+    return (level, *UNDEFINED)
 
 
 @each_compiler

@@ -67,14 +67,18 @@ static inline float canwright_float_of_bits(uint32_t bits)
 CANWRIGHT_NONNULL
 static inline float canwright_multiple_float(const canwright_ratio_t *ratio, float dividend, float divisor)
 {
-    return dividend * (float)ratio->numerator / (divisor * (float)ratio->denominator);
+    const float numerator = (float)ratio->numerator;
+    const float denominator = (float)ratio->denominator;
+    return (dividend * numerator) / (divisor * denominator);
 }
 
 /** `value / ratio`; `ratio` is above 0. */
 CANWRIGHT_NONNULL
 static inline float canwright_share_float(float value, const canwright_ratio_t *ratio)
 {
-    return value * (float)ratio->denominator / (float)ratio->numerator;
+    const float numerator = (float)ratio->numerator;
+    const float denominator = (float)ratio->denominator;
+    return (value * denominator) / numerator;
 }
 
 /** The integer nearest to `steps`, ties away from zero; `steps` was computed from `value`. */
@@ -92,7 +96,7 @@ static inline canwright_status_t canwright_signed32_from_float(
     }
     whole = (int32_t)steps;
     rest = steps - (float)whole;
-    *nearest = whole + (rest >= 0.5f ? 1 : 0) - (rest <= -0.5f ? 1 : 0);
+    *nearest = whole + ((rest >= 0.5f) ? 1 : 0) - ((rest <= -0.5f) ? 1 : 0);
     return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
@@ -111,7 +115,7 @@ static inline canwright_status_t canwright_signed64_from_float(
     }
     whole = (int64_t)steps;
     rest = steps - (float)whole;
-    *nearest = whole + (rest >= 0.5f ? 1 : 0) - (rest <= -0.5f ? 1 : 0);
+    *nearest = whole + ((rest >= 0.5f) ? 1 : 0) - ((rest <= -0.5f) ? 1 : 0);
     return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
@@ -127,8 +131,8 @@ static inline canwright_status_t canwright_unsigned64_from_float(
     if (!((steps > -0.5f) && (steps < 18446744073709551616.0f))) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
-    whole = steps < 0.0f ? 0u : (uint64_t)steps;
-    *nearest = whole + (steps - (float)whole >= 0.5f ? 1u : 0u);
+    whole = (steps < 0.0f) ? 0u : (uint64_t)steps;
+    *nearest = whole + (((steps - (float)whole) >= 0.5f) ? 1u : 0u);
     return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
@@ -136,11 +140,12 @@ static inline canwright_status_t canwright_unsigned64_from_float(
 static inline float canwright_float_of_bits64(uint64_t bits)
 {
     const uint32_t sign = (uint32_t)(bits >> 32) & 0x80000000u;
-    const int exponent = (int)((bits >> 52) & 0x7FFu) - (1023 - 127);
+    const uint64_t biased = (bits >> 52) & 0x7FFu;
+    const int exponent = (int)biased - (1023 - 127);
     uint64_t fraction = bits & UINT64_C(0xFFFFFFFFFFFFF);
     uint32_t nearest;
     if (!canwright_is_finite64(bits)) {
-        return canwright_float_of_bits(sign | 0x7F800000u | (fraction != 0u ? 0x400000u : 0u));
+        return canwright_float_of_bits(sign | 0x7F800000u | ((fraction != 0u) ? 0x400000u : 0u));
     }
     if (exponent >= 255) {
         return canwright_float_of_bits(sign | 0x7F800000u);
@@ -149,9 +154,9 @@ static inline float canwright_float_of_bits64(uint64_t bits)
         return canwright_float_of_bits(sign);
     }
     if (exponent <= 0) { /* subnormal; the bits that leave the fraction stay in its lowest one */
-        const unsigned shift = (unsigned)(1 - exponent);
+        const unsigned shift = 1u - (unsigned)exponent;
         fraction |= UINT64_C(0x10000000000000);
-        fraction = (fraction >> shift) | ((fraction & ((UINT64_C(1) << shift) - 1u)) != 0u ? 1u : 0u);
+        fraction = (fraction >> shift) | (((fraction & ((UINT64_C(1) << shift) - 1u)) != 0u) ? 1u : 0u);
     } else {
         fraction += (uint64_t)exponent << 52;
     }
@@ -185,17 +190,21 @@ static inline canwright_status_t canwright_bits64_from_float(uint64_t *bits, flo
     if (status != CANWRIGHT_OK) {
         return status;
     }
-    exponent = (single >> 23) & 0xFFu;
-    fraction = single & 0x7FFFFFu;
+    exponent = ((uint64_t)single >> 23) & 0xFFu;
+    fraction = (uint64_t)single & 0x7FFFFFu;
     *bits = (uint64_t)(single >> 31) << 63;
     if ((exponent == 0u) && (fraction != 0u)) { /* subnormal */
-        for (exponent = 1u; (fraction >> 23) == 0u; exponent--) {
+        exponent = 1u;
+        while ((fraction >> 23) == 0u) {
             fraction <<= 1;
+            exponent--;
         }
         fraction &= 0x7FFFFFu;
         *bits |= (exponent + (1023u - 127u)) << 52;
     } else if (exponent != 0u) {
         *bits |= (exponent + (1023u - 127u)) << 52;
+    } else {
+        /* The exponent of zero is 0. */
     }
     *bits |= fraction << 29;
     return CANWRIGHT_OK;
@@ -233,14 +242,18 @@ static inline double canwright_double_of_bits(uint64_t bits)
 CANWRIGHT_NONNULL
 static inline double canwright_multiple_double(const canwright_ratio_t *ratio, double dividend, double divisor)
 {
-    return dividend * (double)ratio->numerator / (divisor * (double)ratio->denominator);
+    const double numerator = (double)ratio->numerator;
+    const double denominator = (double)ratio->denominator;
+    return (dividend * numerator) / (divisor * denominator);
 }
 
 /** `value / ratio`; `ratio` is above 0. */
 CANWRIGHT_NONNULL
 static inline double canwright_share_double(double value, const canwright_ratio_t *ratio)
 {
-    return value * (double)ratio->denominator / (double)ratio->numerator;
+    const double numerator = (double)ratio->numerator;
+    const double denominator = (double)ratio->denominator;
+    return (value * denominator) / numerator;
 }
 
 /** The integer nearest to `steps`, ties away from zero; `steps` was computed from `value`. */
@@ -258,7 +271,7 @@ static inline canwright_status_t canwright_signed32_from_double(
     }
     whole = (int32_t)steps;
     rest = steps - (double)whole;
-    *nearest = whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+    *nearest = whole + ((rest >= 0.5) ? 1 : 0) - ((rest <= -0.5) ? 1 : 0);
     return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
@@ -277,7 +290,7 @@ static inline canwright_status_t canwright_signed64_from_double(
     }
     whole = (int64_t)steps;
     rest = steps - (double)whole;
-    *nearest = whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+    *nearest = whole + ((rest >= 0.5) ? 1 : 0) - ((rest <= -0.5) ? 1 : 0);
     return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
@@ -293,8 +306,8 @@ static inline canwright_status_t canwright_unsigned64_from_double(
     if (!((steps > -0.5) && (steps < 18446744073709551616.0))) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
-    whole = steps < 0.0 ? 0u : (uint64_t)steps;
-    *nearest = whole + (steps - (double)whole >= 0.5 ? 1u : 0u);
+    whole = (steps < 0.0) ? 0u : (uint64_t)steps;
+    *nearest = whole + (((steps - (double)whole) >= 0.5) ? 1u : 0u);
     return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 
@@ -310,18 +323,19 @@ static inline double canwright_quotient_unsigned(uint64_t dividend, uint64_t div
     }
     while (((whole >> 54) == 0u) && ((whole | rest) != 0u)) { /* 55 bits decide, with one that stands for all below them */
         rest <<= 1;
-        whole = (whole << 1) | (rest >= divisor ? 1u : 0u);
-        rest -= rest >= divisor ? divisor : 0u;
+        whole = (whole << 1) | ((rest >= divisor) ? 1u : 0u);
+        rest -= (rest >= divisor) ? divisor : 0u;
         unit *= 0.5;
     }
-    return (double)(whole | (rest != 0u ? 1u : 0u)) * unit;
+    whole |= (rest != 0u) ? 1u : 0u;
+    return (double)whole * unit;
 }
 
 /** The same for a signed dividend. */
 static inline double canwright_quotient_signed(int64_t dividend, uint64_t divisor)
 {
-    return dividend < 0 ? -canwright_quotient_unsigned(0u - (uint64_t)dividend, divisor)
-                        : canwright_quotient_unsigned((uint64_t)dividend, divisor);
+    return (dividend < 0) ? -canwright_quotient_unsigned(0u - (uint64_t)dividend, divisor)
+                          : canwright_quotient_unsigned((uint64_t)dividend, divisor);
 }
 
 /** The bits of the 64-bit number `steps`, which was computed from `value`. */
@@ -370,11 +384,13 @@ static inline bool canwright_corrected(
 {
     const uint64_t bits = canwright_bits_of_double(value);
     const double size = (steps < 0.0) ? -steps : steps;
-    const int exponent = (int)((bits >> 52) & 0x7FFu);
+    const uint64_t biased = (bits >> 52) & 0x7FFu;
+    const int exponent = (int)biased;
     uint64_t given = bits & UINT64_C(0xFFFFFFFFFFFFF);
     uint64_t rest;
+    uint64_t unit;
     unsigned shift = 1u;
-    int left = exponent == 0 ? -1073 : exponent - 1074; /* value = given * 2^(left - shift) */
+    int left = (exponent == 0) ? -1073 : (exponent - 1074); /* value = given * 2^(left - shift) */
     if (exponent != 0) {
         given |= UINT64_C(0x10000000000000);
     }
@@ -385,18 +401,25 @@ static inline bool canwright_corrected(
     if ((left > 63) || (left < -63)) {
         given = 0u;
     } else {
-        given = left < 0 ? given >> -left : given << left;
+        given = (left < 0) ? (given >> (unsigned)(-left)) : (given << (unsigned)left);
     }
-    *nearest = size < 18446744073709551616.0 ? (uint64_t)size : UINT64_MAX;
-    rest = ((bits >> 63) != 0u ? 0u - given : given) * divisor - (addend << shift);
-    rest = (steps < 0.0 ? 0u - rest : rest) - ((*nearest * factor) << shift) + (factor << (shift - 1u));
-    factor <<= shift;
+    *nearest = (size < 18446744073709551616.0) ? (uint64_t)size : UINT64_MAX;
+    unit = factor << shift;
+    if ((bits >> 63) != 0u) {
+        given = 0u - given;
+    }
+    rest = (given * divisor) - (addend << shift);
+    if (steps < 0.0) {
+        rest = 0u - rest;
+    }
+    rest += unit >> 1;
+    rest -= *nearest * unit;
     if ((rest >> 63) != 0u) {
-        *nearest -= (factor - 1u - rest) / factor;
+        *nearest -= (unit - 1u - rest) / unit;
         return true;
     }
-    *nearest += rest / factor;
-    return *nearest >= rest / factor;
+    *nearest += rest / unit;
+    return *nearest >= (rest / unit);
 }
 
 /** The integer nearest to `steps`, corrected to the one nearest to (value * divisor - addend) / factor. */
@@ -408,11 +431,16 @@ static inline canwright_status_t canwright_corrected_signed_from_double(int64_t 
     if (!canwright_is_coarse(steps)) {
         return canwright_signed64_from_double(nearest, value, steps, lowest, highest);
     }
-    if (!canwright_corrected(&size, value, steps, divisor, addend, factor) ||
-        size > (UINT64_C(1) << 63) - (steps < 0.0 ? 0u : 1u)) {
+    if (!canwright_corrected(&size, value, steps, divisor, addend, factor)) {
         return CANWRIGHT_OUT_OF_RANGE;
     }
-    *nearest = steps < 0.0 ? -(int64_t)(size - 1u) - 1 : (int64_t)size;
+    if (steps < 0.0) {
+        size--; /* -2^63 has no magnitude in 63 bits */
+    }
+    if (size > (uint64_t)INT64_MAX) {
+        return CANWRIGHT_OUT_OF_RANGE;
+    }
+    *nearest = (steps < 0.0) ? (-(int64_t)size - 1) : (int64_t)size;
     return ((*nearest >= lowest) && (*nearest <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
 }
 

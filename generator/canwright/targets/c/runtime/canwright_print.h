@@ -30,7 +30,7 @@ typedef struct {
 CANWRIGHT_NONNULL
 static inline void canwright_print_character(canwright_printer_t *printer, char character)
 {
-    if (printer->size > 1u && printer->length < printer->size - 1u) {
+    if ((printer->size > 1u) && (printer->length < (printer->size - 1u))) {
         printer->text[printer->length] = character;
     }
     printer->length++;
@@ -40,8 +40,9 @@ static inline void canwright_print_character(canwright_printer_t *printer, char 
 CANWRIGHT_NONNULL
 static inline void canwright_print_text(canwright_printer_t *printer, const char *text)
 {
-    for (; *text != '\0'; text++) {
-        canwright_print_character(printer, *text);
+    const char *next;
+    for (next = text; *next != '\0'; next++) {
+        canwright_print_character(printer, *next);
     }
 }
 
@@ -50,23 +51,24 @@ CANWRIGHT_NONNULL
 static inline size_t canwright_print_end(canwright_printer_t *printer)
 {
     if (printer->size > 0u) {
-        printer->text[printer->length < printer->size ? printer->length : printer->size - 1u] = '\0';
+        printer->text[(printer->length < printer->size) ? printer->length : (printer->size - 1u)] = '\0';
     }
     return printer->length;
 }
 
-/** Prints an integer with at least some digits. */
+/** Prints an integer with at least `digits` digits, one or more. */
 CANWRIGHT_NONNULL
 static inline void canwright_print_digits(canwright_printer_t *printer, uint64_t number, unsigned base, unsigned digits)
 {
     char reversed[20];
+    uint64_t rest = number;
     unsigned count = 0u;
-    while (number != 0u || count < digits) {
-        const unsigned digit = (unsigned)(number % base);
+    do {
+        const unsigned digit = (unsigned)(rest % base);
         reversed[count] = "0123456789ABCDEF"[digit];
-        number /= base;
+        rest /= base;
         count++;
-    }
+    } while ((rest != 0u) || (count < digits));
     while (count > 0u) {
         count--;
         canwright_print_character(printer, reversed[count]);
@@ -98,8 +100,9 @@ static inline void canwright_print_value(canwright_printer_t *printer, const can
     canwright_quotient_t value;
     uint64_t power = 1u;
     uint64_t nearest;
-    unsigned i;
-    for (i = 0u; i < decimals; i++) {
+    uint64_t rest;
+    unsigned places;
+    for (places = 0u; places < decimals; places++) {
         power *= 10u;
     }
     for (;;) {
@@ -108,25 +111,26 @@ static inline void canwright_print_value(canwright_printer_t *printer, const can
         if (canwright_nearest(&nearest, &value)) {
             break;
         }
-        if (decimals == 0u) { /* beyond 64 bits */
+        if (places == 0u) { /* beyond 64 bits */
             canwright_print_text(printer, value.above.negative ? "<-" : ">");
             canwright_print_unsigned(printer, UINT64_MAX);
             return;
         }
-        decimals--;
+        places--;
         power /= 10u;
     }
-    if (value.above.negative && nearest != 0u) {
+    if (value.above.negative && (nearest != 0u)) {
         canwright_print_character(printer, '-');
     }
     canwright_print_unsigned(printer, nearest / power);
-    nearest %= power;
-    if (nearest != 0u) {
-        for (; nearest % 10u == 0u; decimals--) {
-            nearest /= 10u;
+    rest = nearest % power;
+    if (rest != 0u) {
+        while ((rest % 10u) == 0u) {
+            rest /= 10u;
+            places--;
         }
         canwright_print_character(printer, '.');
-        canwright_print_digits(printer, nearest, 10u, decimals);
+        canwright_print_digits(printer, rest, 10u, places);
     }
 }
 
@@ -157,7 +161,7 @@ static inline void canwright_print_value_bits32(
 {
     canwright_term_t term;
     if (!canwright_is_finite32(raw)) {
-        canwright_print_text(printer, (raw << 9) != 0u ? "nan" : (raw >> 31) != 0u ? "-inf" : "inf");
+        canwright_print_text(printer, ((raw << 9) != 0u) ? "nan" : (((raw >> 31) != 0u) ? "-inf" : "inf"));
         return;
     }
     canwright_term_single(&term, raw);
@@ -171,7 +175,7 @@ static inline void canwright_print_value_bits64(
 {
     canwright_term_t term;
     if (!canwright_is_finite64(raw)) {
-        canwright_print_text(printer, (raw << 12) != 0u ? "nan" : (raw >> 63) != 0u ? "-inf" : "inf");
+        canwright_print_text(printer, ((raw << 12) != 0u) ? "nan" : (((raw >> 63) != 0u) ? "-inf" : "inf"));
         return;
     }
     canwright_term_double(&term, raw);
@@ -195,7 +199,7 @@ static inline void canwright_print_rejected(
         canwright_print_text(printer, " remote");
         return;
     }
-    for (i = 0u; i < frame->dlc && i < CANWRIGHT_MAX_DATA; i++) {
+    for (i = 0u; (i < frame->dlc) && (i < CANWRIGHT_MAX_DATA); i++) {
         canwright_print_character(printer, ' ');
         canwright_print_digits(printer, frame->data[i], 16u, 2u);
     }
