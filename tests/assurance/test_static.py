@@ -10,7 +10,7 @@ from ..spec_texts import MINIMAL
 from . import analyzers, frama_c, misra, sanitizers
 from .headers import Header, write_headers
 
-pytestmark = pytest.mark.machine
+pytestmark = pytest.mark.tools
 
 SPEC = MINIMAL.replace("reply: echo", "reply: {state: {at: 1, raw: u8}, level: {at: 2, type: level}}")
 OVERRUN = "message->state = frame->data[1];", "message->state = frame->data[message->level - message->level + 9];"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 import re
-import shutil
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,6 +17,7 @@ from ..compilers import WARNINGS, ZIG
 from ..conformance.adapter import write_files
 from ..conformance.adapters.c_signatures import functions
 from ..spec_texts import MINIMAL, SPECS
+from ..tools import tool
 
 SAMPLE = 20_000
 DOUBLE_CALL = re.compile(rb"\b__aeabi_(?:d\w+|\w+2d|cd\w+)\b")
@@ -54,20 +54,26 @@ def test_float_functions_call_no_function_for_doubles(tmp_path: Path) -> None:
     assert DOUBLE_CALL.search(made.read_bytes())
 
 
-@pytest.mark.machine
-@pytest.mark.skipif(not shutil.which("arm-none-eabi-gcc"), reason="arm-none-eabi-gcc is not installed")
+@pytest.mark.tools
 def test_float_functions_of_gcc_for_cortex_m4f_call_no_function_for_doubles(tmp_path: Path) -> None:
     flags = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-std=c99", "-Os", *WARNINGS)
     made = tmp_path / "unit.o"
-    subprocess.run(["arm-none-eabi-gcc", *flags, *unit(tmp_path, ["float"]), "-c", "-o", made], check=True)
+    subprocess.run([tool("arm-none-eabi-gcc"), *flags, *unit(tmp_path, ["float"]), "-c", "-o", made], check=True)
     assert not DOUBLE_CALL.search(made.read_bytes())
 
 
-@pytest.mark.machine
-@pytest.mark.skipif(not shutil.which("avr-gcc"), reason="avr-gcc is not installed")
+@pytest.mark.tools
 def test_avr_has_the_float_functions_alone(tmp_path: Path) -> None:
     """A double of avr-gcc has 32 bits."""
-    command: list[str | Path] = ["avr-gcc", "-std=c99", "-mmcu=atmega2560", "-Os", "-c", "-o", tmp_path / "unit.o"]
+    command: list[str | Path] = [
+        tool("avr-gcc"),
+        "-std=c99",
+        "-mmcu=atmega2560",
+        "-Os",
+        "-c",
+        "-o",
+        tmp_path / "unit.o",
+    ]
     subprocess.run([*command, *unit(tmp_path, ["float"])], check=True)
     with_double = [*command, *unit(tmp_path, ["double"])]
     done = subprocess.run(with_double, capture_output=True, text=True, check=False)

@@ -133,7 +133,7 @@ def _unit(sketch: Path, folder: Path) -> Path:
     return unit
 
 
-@pytest.mark.machine
+@pytest.mark.tools
 def test_a_sketch_runs_on_an_uno(tmp_path: Path) -> None:
     uno = Avr(name="uno", properties="", mcu="atmega328p")
     program = tmp_path / "sketch.elf"
@@ -141,7 +141,7 @@ def test_a_sketch_runs_on_an_uno(tmp_path: Path) -> None:
     assert uno.run(program) == PRINTED
 
 
-@pytest.mark.machine
+@pytest.mark.tools
 def test_a_sketch_compiles_for_a_cortex_m0(tmp_path: Path) -> None:
     unit = _unit(GENERATED / f"examples/{SKETCH}/{SKETCH}.ino", tmp_path)
     command = [tool("arm-none-eabi-g++"), "-mcpu=cortex-m0", "-mthumb", "-std=gnu++17", "-fno-exceptions", *WARNINGS]

@@ -107,7 +107,7 @@ def test_a_missing_tool_is_named_with_its_package(monkeypatch: pytest.MonkeyPatc
         tool("qemu-s390x")
 
 
-@pytest.mark.machine
+@pytest.mark.tools
 @pytest.mark.parametrize("name", ["s390x", "powerpc", "arm", "avr"])
 def test_on_another_machine(name: str, tmp_path: Path) -> None:
     machine = next(machine for machine in MACHINES if machine.name == name)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +15,7 @@ from canwright.targets.c.names import SIGNIFICANT, TYPE_ENDINGS, Names, defined,
 
 from ..compilers import CORTEX_M0, STANDARDS, WARNINGS, ZIG, Compiler, each_compiler
 from ..spec_texts import MINIMAL, ROOT, SPECS, called, edition
+from ..tools import tool
 
 INCLUDE = ROOT / "generated/c/include"
 LINUX = ("-target", "x86_64-linux-gnu")
@@ -189,13 +189,22 @@ def test_all_names_differ_within_63_characters(spec: Path) -> None:
         assert starts.setdefault(name[:SIGNIFICANT], name) == name
 
 
-@pytest.mark.machine
-@pytest.mark.skipif(not shutil.which("sdcc"), reason="needs sdcc")
+@pytest.mark.tools
 @pytest.mark.parametrize("spec", spec_files(ROOT / "spec"), ids=called)
 def test_sdcc_compiles_every_header(spec: Path, tmp_path: Path) -> None:
     """A compiler without structs by value, for 8-bit processors; without optimization, which takes minutes."""
     unit = source(tmp_path, f"#include <mwd_motor/{specification(spec).edition.identifier}.h>\n")
     quick = ("--max-allocs-per-node", "1", "--nogcse", "--noinvariant", "--noinduction", "--no-peep")
-    command = ["sdcc", "-mz80", "--std-c99", *quick, f"-I{INCLUDE}", "-S", str(unit), "-o", str(tmp_path / "unit.asm")]
+    command = [
+        tool("sdcc"),
+        "-mz80",
+        "--std-c99",
+        *quick,
+        f"-I{INCLUDE}",
+        "-S",
+        str(unit),
+        "-o",
+        str(tmp_path / "unit.asm"),
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
