@@ -30,6 +30,12 @@ namespace mwd_motor::v2_35_2024_02 {
 using frame = ::canwright_frame_t;
 using status = ::canwright_status_t;
 
+/* gcc regards an enumerator of a scoped enum as a declaration that hides one of the namespace, such as `status`. */
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+#endif
+
 /** The commands. */
 enum class command : int {
     none = MWD_MOTOR_V2_35_2024_02_COMMAND_NONE,
@@ -148,6 +154,10 @@ enum class error_flags : uint8_t {
 {
     return ::mwd_motor_v2_35_2024_02_error_flags_name(static_cast<::uint8_t>(value));
 }
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 /** The parameters of a node, all unknown at first. */
 struct parameters : ::mwd_motor_v2_35_2024_02_parameters_t {

@@ -30,6 +30,12 @@ namespace mwd_motor::v2_36_2025_03 {
 using frame = ::canwright_frame_t;
 using status = ::canwright_status_t;
 
+/* gcc regards an enumerator of a scoped enum as a declaration that hides one of the namespace, such as `status`. */
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+#endif
+
 /** The commands. */
 enum class command : int {
     none = MWD_MOTOR_V2_36_2025_03_COMMAND_NONE,
@@ -261,6 +267,10 @@ enum class save_result : uint8_t {
 {
     return ::mwd_motor_v2_36_2025_03_save_result_name(static_cast<::uint8_t>(value));
 }
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 /** The parameters of a node, all unknown at first. */
 struct parameters : ::mwd_motor_v2_36_2025_03_parameters_t {
