@@ -22,7 +22,7 @@ from .rule import Finding, Findings, Subject
 
 MOST_COMBINATIONS = 64
 """The maximum number of combinations of choices among names; each has its own files."""
-MOST_SIZE = 150_000
+MOST_SIZE = 200_000
 """The maximum size: about 10 seconds and 500 MB."""
 
 COMMAND, MESSAGE, FIELD, TYPE, VALUE, CASE, FRAME, CODE, ITEM = 12, 35, 10, 10, 3, 8, 5, 3, 2
