@@ -11,7 +11,7 @@ from enum import Enum
 DocumentPath = tuple[str | int, ...]
 """The path to an item of a YAML document: keys and indices from the top."""
 
-MOST_FINDINGS = 200
+MOST_FINDINGS = 500
 """The maximum number of findings of one kind of check that one run reports."""
 
 MOST_NAMES = 1000
