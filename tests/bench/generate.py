@@ -155,8 +155,8 @@ def measures(runs: Runs) -> Iterator[Measure]:
         yield Measure(f"canwright {command} with nothing to do, all editions, ms", took, at_most=100)
     relative = runs.relative_to_script(MAIN, ROUNDS)
     yield Measure("generate one edition, time relative to a bare Jinja2 script", relative, at_most=3.5)
-    relative = runs.relative_to_script(multiplied(runs.folder, 50), 2)
-    yield Measure("the same with 50 times the commands", relative, at_most=3)
+    relative = runs.relative_to_script(multiplied(runs.folder, 100), 2)
+    yield Measure("the same with 100 times the commands", relative, at_most=3)
 
 
 def main() -> int:

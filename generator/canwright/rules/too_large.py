@@ -1,6 +1,6 @@
 """The number of combinations of choices and the size of what is generated are limited.
 
-The size is an estimate in units of about 50 microseconds. It is computed from the edition before anything is generated,
+The size is an estimate in units of about 25 microseconds. It is computed from the edition before anything is generated,
 in time proportional to the spec. `resolve` limits the commands and fields before that.
 """
 
@@ -22,7 +22,7 @@ from .rule import Finding, Findings, Subject
 
 MOST_COMBINATIONS = 64
 """The maximum number of combinations of choices among names; each has its own files."""
-MOST_SIZE = 200_000
+MOST_SIZE = 400_000
 """The maximum size: about 10 seconds and 500 MB."""
 
 COMMAND, MESSAGE, FIELD, TYPE, VALUE, CASE, FRAME, CODE, ITEM = 12, 35, 10, 10, 3, 8, 5, 3, 2
