@@ -14,6 +14,8 @@ from .marks import Mark, Source
 from .scalars import LOADER, MERGE, Scalar, name_of, plain
 
 MAX_DEPTH = 24
+MAX_VALUES = 150_000
+"""The maximum number of values in a file: mappings, lists and scalars."""
 MAX_ISSUES = 100
 """The number of issues after which reading stops."""
 
@@ -58,6 +60,7 @@ class _Builder:
         self._hidden = hidden
         self._issues: list[Issue] = []
         self._unreadable: set[DocumentPath] = set()
+        self._values = 0
         self._plain: dict[str, Scalar] = {}
         self._names: dict[str, str] = {}
         self._event: Any = None
@@ -159,6 +162,7 @@ class _Builder:
         items: list[Data] = []
         while not isinstance(event := self._next(), yaml.SequenceEndEvent):
             self._event = event
+            self._count_value()
             items.append(self._value(None if path is None else (*path, len(items)), depth))
         return items
 
@@ -167,6 +171,7 @@ class _Builder:
         next_event, names, known = self._next, self._names, self._plain if depth <= MAX_DEPTH else {}
         while not isinstance(event := next_event(), yaml.MappingEndEvent):
             self._event = event
+            self._count_value()
             is_plain = isinstance(event, yaml.ScalarEvent) and not (event.style or event.anchor or event.tag)
             name = names.get(event.value) if is_plain else None
             if name is None:
@@ -183,6 +188,13 @@ class _Builder:
             if name is not None and is_first:
                 entries[name] = value
         return entries
+
+    def _count_value(self) -> None:
+        """Counts an entry of a mapping or a list, and stops reading if there are too many in the file."""
+        self._values += 1
+        if self._values > MAX_VALUES:
+            text = f"the file has more than {MAX_VALUES} values"
+            self._stop(Mark.of(self._event), "file-size", text, "split the protocol, or list fewer values")
 
     def _name(self, path: DocumentPath | None, depth: int) -> str | None:
         """A key; None after an issue if it is not a name."""

@@ -18,7 +18,7 @@ from ..diagnostics.diagnostic import Diagnostic, DocumentPath, Position, Severit
 from .builder import Data, build
 from .marks import Mark, Source
 
-MAX_BYTES = 1 << 23
+MAX_BYTES = 1 << 22
 MAX_MESSAGE = 400
 """The maximum number of characters in a message, which may quote a text as long as the file."""
 

@@ -44,8 +44,10 @@ WARNING = Severity.WARNING
 RULES: tuple[Rule, ...] = (
     Rule(
         "too-large",
-        "A spec has at most 5000 commands, 64 combinations of choices and 2500000 generated lines.",
+        "A spec has at most 3000 commands, 20000 fields, 64 combinations of choices and a size of 200000, which is the "
+        "sum of the sizes of its parts.",
         too_large.check,
+        phase=Phase.SIZE,
     ),
     Rule(
         "overlap",

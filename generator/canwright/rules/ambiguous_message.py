@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import islice
 
 from ..language.edition import EditionSpec
 from ..model.edition import Edition
@@ -11,6 +12,9 @@ from ..model.message import Direction, Message
 from . import bit_patterns, can_ids
 from .duplicate_code import sends_the_same
 from .rule import Finding, Findings, Subject
+
+MOST_PAIRS = 2000
+"""The maximum number of ambiguous pairs that findings are about; there are more only if very many commands are wrong."""
 
 _ID_KEYS = 32
 _DATA = 2 * _ID_KEYS
@@ -26,19 +30,19 @@ def check(subject: Subject) -> Findings:
         groups = {name: edition.command(name).group for name in messages}
         others: dict[str, set[str]] = {}
         first = dict(zip(reversed(groups.values()), reversed(messages.values()), strict=True))
-        for one, other in _ambiguous(edition, direction):
+        for one, other in islice(_ambiguous(edition, direction), MOST_PAIRS):
             pair = groups[one.command], groups[other.command]
             if without_code.isdisjoint(pair):
                 for group, its in (pair, pair[::-1]):
                     others.setdefault(group, set()).add(its)
-        order = list(first)[::-1]
+        order = {group: place for place, group in enumerate(reversed(first))}
         while others:
-            most = max(others, key=lambda group: (len(others[group]), order.index(group)))
+            most = max(others, key=lambda group: (len(others[group]), order[group]))
             found = others.pop(most)
             for group in found - {most}:
                 others[group].discard(most)
             others = {group: left for group, left in others.items() if left}
-            names = sorted(found, key=order.index)
+            names = sorted(found, key=order.__getitem__)
             yield _finding(first[most], names, _without_explicit_request(subject.spec, direction, [most, *names]))
             if edition.command(first[most].command).code is None:
                 without_code.add(most)

@@ -29,6 +29,9 @@ def check(
     """
     checker = _Checker(subject, document, frames, errors)
     invalid = list(invalid)
+    checker.check(Phase.SIZE, [])
+    if checker.invalid:
+        return checker.errors, checker.warnings
     checker.check(Phase.PARTS, [*invalid, *unresolved.references])
     checker.check(Phase.CODES, filter(decides_code, [*invalid, *unresolved.paths]))
     checker.check(Phase.WHOLE, [*invalid, *unresolved.paths, *checker.invalid])

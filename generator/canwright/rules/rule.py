@@ -40,15 +40,17 @@ Findings = Iterator[Finding]
 class Phase(IntEnum):
     """When a rule is checked: what an earlier phase finds invalid is left out of what a later one checks."""
 
-    PARTS = 0
+    SIZE = 0
+    """Limits the work of the phases after it, which do not run if it has a finding."""
+    PARTS = 1
     """Checks one thing of the spec, or where things stand."""
-    CODES = 1
+    CODES = 2
     """Compares names and codes of commands."""
-    WHOLE = 2
+    WHOLE = 3
     """Compares commands and addresses."""
-    FRAMES = 3
+    FRAMES = 4
     """Compares golden frames with a spec without errors."""
-    COVERAGE = 4
+    COVERAGE = 5
     """Looks for what is missing or unused in a spec without errors."""
 
 
