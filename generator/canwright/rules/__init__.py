@@ -92,7 +92,7 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "id-collision",
-        "No id belongs to two addresses of one direction, unless all their ids are equal.",
+        "No id belongs to two addresses, or to a request and a reply of one address, unless all their ids are equal.",
         id_collision.check,
         phase=Phase.WHOLE,
     ),

@@ -33,11 +33,13 @@ def problems(edition: Edition) -> Iterator[NameProblem]:
 
 def _clashes(names: Iterator[tuple[str, str, DocumentPath]], taken: str) -> Iterator[NameProblem]:
     """Names of two items, or of an item and a name in every module; `taken` describes that."""
-    owners = dict.fromkeys((*NAMES, *CONSTANTS), taken) if taken else {}
+    every: tuple[str, DocumentPath] = (taken, ())
+    owners = dict.fromkeys((*NAMES, *CONSTANTS), every) if taken else {}
     for name, what, path in names:
-        other = owners.setdefault(name, what)
+        other, at = owners.setdefault(name, (what, path))
         if other != what:
-            yield NameProblem(path, f"{what} and {other} would both be `{name}` in Python", "rename one of them")
+            text = f"{what} and {other} would both be `{name}` in Python"
+            yield NameProblem(path, text, "rename one of them", other=(at, other) if at else None)
 
 
 def _module_names(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
