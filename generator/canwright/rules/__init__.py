@@ -16,6 +16,7 @@ from . import (
     duplicate_code,
     duplicate_name,
     exchange_contradiction,
+    file_name,
     frame_contradiction,
     id_bits,
     id_collision,
@@ -72,6 +73,11 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule("repeated-value", "A list of names or codes has no duplicates.", repeated_value.check),
     Rule("reserved-word", "A reserved word of the language is not used as a name.", reserved_word.check),
+    Rule(
+        "file-name",
+        "Families, editions and commands have names that files can have on every system.",
+        file_name.check,
+    ),
     Rule(
         "duplicate-code",
         "No two commands of one address have the same code.",

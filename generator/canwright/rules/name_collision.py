@@ -21,7 +21,7 @@ def findings(subject: Subject, severity: Severity) -> Findings:
     for problem in _problems(subject.edition):
         if problem.severity is severity:
             related = (RelatedItem(*problem.other, key=True),) if problem.other else ()
-            yield Finding(problem.path, problem.message, problem.hint, key=True, related=related)
+            yield Finding(problem.path, problem.message, problem.hint, key=len(problem.path) > 1, related=related)
 
 
 @functools.lru_cache(maxsize=1)
