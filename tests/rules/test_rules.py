@@ -205,6 +205,20 @@ def test_the_other_position_of_two_colliding_items(tmp_path: Path) -> None:
     assert related["physicalLocation"]["region"] == {"startLine": 12, "startColumn": 27, "endColumn": 28}
 
 
+def test_a_big_endian_field_at_its_low_byte_is_reported_itself(tmp_path: Path) -> None:
+    fields = "a: {at: 1, raw: u8}, b: {at: 4, raw: u16, byte_order: big}, c: {at: 5, raw: u8}"
+    wrong = MINIMAL.replace("level: {at: 2, type: level}}", f"{fields}}}")
+    (found,) = json.loads(machine(tmp_path, "json", wrong)[1])["findings"]
+    assert found["message"].startswith("`b` is big-endian")
+    assert found["hint"].endswith("write at: 3 for bytes 3 to 4")
+    assert [one["item"] for one in found["related"]] == ["`c`"]
+    full = wrong.replace("a: {at: 1, raw: u8}", "a: {at: 3, raw: u8}")
+    (found,) = json.loads(machine(tmp_path, "json", full)[1])["findings"]
+    assert found["message"].startswith("`c` shares")
+    last = MINIMAL.replace("at: 2, type: level", "at: 7, raw: u16, byte_order: big")
+    assert "write at: 6 for bytes 6 to 7" in machine(tmp_path, "github", last)[1]
+
+
 def test_the_caret_stands_under_what_is_meant_in_a_terminal() -> None:
     """Wide characters take two columns there, and combining ones none; machines are told characters."""
     text = "  灯e\u0301: {title: 调光, at: x}"

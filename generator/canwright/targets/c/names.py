@@ -30,7 +30,9 @@ CXX_WORDS = (
 LOWER_CASE_MACROS = (
     "assert complex errno far i386 imaginary interface linux near offsetof small stderr stdin stdout unix"
 )
-RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS}".split())
+TYPES_OF_MEMBERS = "int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t size_t"
+"""C++ forbids a member with the name of a type that the same struct uses."""
+RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS} {TYPES_OF_MEMBERS}".split())
 
 TYPE_ENDINGS = (
     *("_valid", "_name", "_first_flag", "_write"),
