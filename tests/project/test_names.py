@@ -68,5 +68,5 @@ def test_two_outputs_with_one_path(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     (tmp_path / "lamp.yaml").write_text(MINIMAL)
     specification: Specification = canwright.load(tmp_path / "lamp.yaml")
     monkeypatch.setattr(registry, "target", lambda name: _Twice())
-    with pytest.raises(registry.TargetError, match="files twice/read[.]me and twice/READ[.]ME"):
+    with pytest.raises(registry.TargetError, match=r"files twice/read[.]me and twice/READ[.]ME"):
         pipeline.generate([specification], ["twice"], {})
