@@ -39,7 +39,7 @@ class FilePath(click.Path):
             siblings = (
                 sorted(f.name for f in file.parent.glob("*")) if file.parent.is_dir() and not file.exists() else []
             )
-            match = near(file.name, siblings)
+            match = near(file.name, [name for name in siblings if name != file.name])
             self.fail(
                 f"{error.message}{f' Did you mean {(file.parent / match).as_posix()}?' if match else ''}", param, ctx
             )

@@ -7,6 +7,7 @@ import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 DocumentPath = tuple[str | int, ...]
 """The path to an item of a YAML document: keys and indices from the top."""
@@ -39,6 +40,13 @@ class Position:
     text: str
 
 
+class Related(NamedTuple):
+    """Another position that a finding is about, and the item there."""
+
+    position: Position
+    item: str
+
+
 @dataclass(frozen=True)
 class Diagnostic:
     """A finding: what is wrong, where, by which rule, and what to do about it."""
@@ -48,6 +56,7 @@ class Diagnostic:
     message: str
     position: Position
     hint: str = ""
+    related: tuple[Related, ...] = ()
 
     @property
     def place(self) -> tuple[str, int, int]:
@@ -55,7 +64,7 @@ class Diagnostic:
         return self.position.file, self.position.line, self.position.column
 
     def __str__(self) -> str:
-        """`file:line:col: severity: message [rule]`, the source line, a caret, and the hint."""
+        """`file:line:col: severity: message [rule]`, the source line, a caret, the related positions, and the hint."""
         at = self.position
         lines = [f"{at.file}:{at.line}:{at.column}: {self.severity.value}: {self.message} [{self.rule}]"]
         if at.text:
@@ -65,9 +74,13 @@ class Diagnostic:
             margin = "".join("\t" if c == "\t" else " " * _cells(c) for c in shown[:start])
             marked = _cells(shown[start : start + at.length]) or 1
             lines += [f"  {shown}", f"  {margin}{'^' * marked}"]
-        if self.hint:
-            lines.append(f"  {self.hint}")
+        lines += [f"  {shown}" for shown in (*self.related_lines, self.hint) if shown]
         return "\n".join(lines)
+
+    @property
+    def related_lines(self) -> list[str]:
+        """One line for each related position."""
+        return [f"{one.item} is at {p.file}:{p.line}:{p.column}" for one in self.related for p in (one.position,)]
 
 
 def _cells(text: str) -> int:

@@ -29,6 +29,8 @@ class Issue(NamedTuple):
     rule: str
     message: str
     hint: str
+    related: tuple[Mark, str] | None = None
+    """The mark of another item that the issue is about, and what it is."""
 
 
 class BuiltData(NamedTuple):
@@ -103,10 +105,10 @@ class _Builder:
         if unreadable is not None:
             self._unreadable.add(unreadable)
 
-    def _add(self, mark: Mark, rule: str, message: str, hint: str) -> None:
+    def _add(self, mark: Mark, rule: str, message: str, hint: str, related: tuple[Mark, str] | None = None) -> None:
         if len(self._issues) == MAX_ISSUES:
             self._stop(mark, rule, message, f"{hint}; reading stops after {MAX_ISSUES} findings")
-        self._issues.append(Issue(mark, rule, message, hint))
+        self._issues.append(Issue(mark, rule, message, hint, related))
 
     def _stop(self, mark: Mark, rule: str, message: str, hint: str = "") -> NoReturn:
         """Stops reading with an issue, unless there is one at the same place already."""
@@ -224,9 +226,11 @@ class _Builder:
     def _report_duplicate(self, path: DocumentPath | None, name: str) -> None:
         if path is not None:
             duplicate: DocumentPath = (*path, name)
-            first = self._source.marks.keys[duplicate].line
-            hint = "remove or rename one"
-            self._report("duplicate-key", f"the key `{name}` is already on line {first}", hint, duplicate)
+            first = self._source.marks.keys[duplicate]
+            message = f"the key `{name}` is already on line {first.line}"
+            related = first, f"the first `{name}`"
+            self._add(Mark.of(self._event), "duplicate-key", message, "remove or rename one", related)
+            self._unreadable.add(duplicate)
 
     def _is_masked(self, text: str) -> bool:
         """Whether a text contains the mask of an invisible character."""

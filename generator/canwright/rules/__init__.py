@@ -16,6 +16,7 @@ from . import (
     duplicate_code,
     duplicate_name,
     exchange_contradiction,
+    file_name,
     frame_contradiction,
     id_bits,
     id_collision,
@@ -75,6 +76,11 @@ RULES: tuple[Rule, ...] = (
     Rule("repeated-value", "A list of names or codes has no duplicates.", repeated_value.check),
     Rule("reserved-word", "A reserved word of the language is not used as a name.", reserved_word.check),
     Rule(
+        "file-name",
+        "Families, editions and commands have names that files can have on every system.",
+        file_name.check,
+    ),
+    Rule(
         "duplicate-code",
         "No two commands of one address have the same code.",
         duplicate_code.check,
@@ -94,7 +100,7 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "id-collision",
-        "No id belongs to two addresses of one direction, unless all their ids are equal.",
+        "No id belongs to two addresses, or to a request and a reply of one address, unless all their ids are equal.",
         id_collision.check,
         phase=Phase.WHOLE,
     ),

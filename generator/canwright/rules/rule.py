@@ -24,14 +24,26 @@ class Subject(NamedTuple):
     partial: bool = False
 
 
+class RelatedItem(NamedTuple):
+    """Another item of the spec that a finding is about: its path and what it is."""
+
+    path: DocumentPath
+    item: str
+    key: bool = False
+
+
 class Finding(NamedTuple):
-    """Where, what is wrong, and what to do about it; the place is in the golden frames with `in_frames`."""
+    """Where, what is wrong, and what to do about it; the place is in the golden frames with `in_frames`.
+
+    `related` are other items of the spec that the finding is about.
+    """
 
     path: DocumentPath
     message: str
     hint: str = ""
     key: bool = False
     in_frames: bool = False
+    related: tuple[RelatedItem, ...] = ()
 
 
 Findings = Iterator[Finding]
