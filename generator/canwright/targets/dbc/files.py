@@ -209,8 +209,8 @@ class _Files:
     def _about(self, scope: Scope, group: Sequence[Direction], table: str) -> str:
         """The comment of a file: its origin, and what it describes."""
         comments = self._comments
-        words = comments.listed([f"{self._edition.family} {self._edition.name}", *self._known(scope)])
-        sentences = [header(self._edition), words]
+        known = comments.listed(self._known(scope))
+        sentences = [header(self._edition), comments.labelled(comments.fixed("parameters"), known) if known else ""]
         if len(group) == 1:
             other = comments.fixed(KIND[_OTHER[group[0]]])
             sentences.append(comments.fixed("one_direction", kind=comments.fixed(KIND[group[0]])))
