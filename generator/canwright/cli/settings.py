@@ -34,9 +34,7 @@ def assignment(specifications: Sequence[Specification], settings: Sequence[str])
     return result
 
 
-def options(
-    specifications: Sequence[Specification], targets: Sequence[str], nodes: str, language: str
-) -> Options:
+def options(specifications: Sequence[Specification], targets: Sequence[str], nodes: str, language: str) -> Options:
     """`--nodes` and `--comments`; each node must exist in every edition that has nodes, and each target must accept them."""
     if nodes or language:
         option = "--nodes" if nodes else "--comments"

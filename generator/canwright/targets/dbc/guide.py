@@ -61,11 +61,6 @@ class Example(NamedTuple):
         return f"{self.frame.id:0{self.digits}X}"
 
     @property
-    def is_seen_in_a_log(self) -> bool:
-        """False for a 29-bit id that fits into 11 bits: `cantools decode` reads it as an 11-bit id."""
-        return not self.message.extended or self.frame.id > _HIGHEST_STANDARD_ID
-
-    @property
     def data(self) -> str:
         return self.frame.data.hex(" ").upper()
 
@@ -82,13 +77,13 @@ class Guide(NamedTuple):
     """Content of README.md; an example is None if there is no golden frame for it.
 
     `kinds` are the directions of the files. `selection` are the options of `generate` that select nodes and parameters of
-    the first edition, and `translations` the other languages of its texts. `first_has_short_frames` means that an id of
-    the first file has frames of several lengths.
+    the first edition, and `translations` the other languages of its texts. `first_needs_program` means that `cantools decode`
+    rejects frames of the first file.
     """
 
     sections: tuple[Section, ...]
     first: File | None
-    first_has_short_frames: bool
+    first_needs_program: bool
     reading: Example | None
     sending: Example | None
     kinds: frozenset[str]
@@ -106,13 +101,24 @@ def guide(made: Sequence[Made]) -> Guide:
     return Guide(
         sections,
         first,
-        any(message.shortest < message.length for message in first.messages) if first else False,
+        any(map(_is_rejected, first.messages)) if first else False,
         best,
         sending,
         frozenset(file.kind for one in made for file in one.files),
         " ".join(_selection(made[0])) if made else "",
-        tuple(one for one in languages() if one != ENGLISH and any(one in m.specification.edition.languages for m in made)),
+        tuple(
+            one for one in languages() if one != ENGLISH and any(one in m.specification.edition.languages for m in made)
+        ),
     )
+
+
+def _is_rejected(message: Message) -> bool:
+    """Whether `cantools decode` rejects frames of a message.
+
+    It rejects a frame that is shorter than the message, and reads a 29-bit id that fits into 11 bits as an 11-bit id.
+    """
+    has_small_id = message.extended and message.id & ~EXTENDED <= _HIGHEST_STANDARD_ID
+    return has_small_id or message.shortest < message.length
 
 
 def _selection(made: Made) -> Iterator[str]:

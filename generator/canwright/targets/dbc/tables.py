@@ -22,8 +22,8 @@ def table_key(part: Part) -> TableKey:
 def table_names(parts: Iterable[Part]) -> Mapping[TableKey, str]:
     """A unique name for each table, as in `stored-settings`.
 
-    Entries of a table with longer selectors than others need a file of their own. The file with most entries has the
-    name of the table; another one adds the last word that its entries have in common, or a number.
+    Entries of a table with longer selectors than others need a file of their own. The file with most entries, or with
+    the shorter selectors, has the name of the table; another one adds the last word that its entries have in common, or a number.
     """
     by_table: dict[str, dict[TableKey, list[str]]] = {}
     for part in parts:
@@ -33,7 +33,7 @@ def table_names(parts: Iterable[Part]) -> Mapping[TableKey, str]:
             by_table.setdefault(key[0], {}).setdefault(key, []).append(name)
     names: dict[TableKey, str] = {}
     for table, found in by_table.items():
-        for i, (key, entries) in enumerate(sorted(found.items(), key=lambda item: -len(item[1]))):
+        for i, (key, entries) in enumerate(sorted(found.items(), key=lambda item: (-len(item[1]), len(item[0][1])))):
             ending = [_common_ending(entries) or str(i + 1)] if i else []
             name = "-".join([table, *ending]).replace("_", "-")
             taken = (name if n == 1 else f"{name}-{n}" for n in itertools.count(1))
