@@ -113,8 +113,8 @@ class Asammdf(Reader):
     def decode(self, file: Path, cases: Sequence[Case]) -> Sequence[Values]:
         import numpy
         from asammdf import MDF, Signal as Channel
-        from asammdf.blocks.v4_constants import BUS_TYPE_CAN
         from asammdf.blocks.source_utils import Source
+        from asammdf.blocks.v4_constants import BUS_TYPE_CAN
 
         length = max(len(c.data) for c in cases)
         record = numpy.zeros(
@@ -134,8 +134,9 @@ class Asammdf(Reader):
         times = numpy.arange(len(cases), dtype=float)
         with MDF(version="4.10") as log:
             log.append(Channel(record, times, name="CAN_DataFrame", source=source))
-            log.groups[-1].channel_group.flags |= 2 | 4  # a bus event with plain names
-            extracted = log.extract_bus_logging({"CAN": [(str(file), 0)]})
+            group: Any = log.groups[-1].channel_group
+            group.flags |= 2 | 4  # a bus event with plain names
+            extracted: Any = log.extract_bus_logging({"CAN": [(str(file), 0)]})
             results: list[dict[str, float]] = [{} for _ in cases]
             for i, group in enumerate(extracted.groups):
                 for channel in group.channels[1:]:
@@ -200,13 +201,13 @@ def cases_of(one: Specification, file: File) -> list[Case]:
     """The golden frames that a file describes completely."""
     views = {message.id: message for message in file.messages}
     known = {p.name: v.name for p in one.edition.parameters for v in p.values if v.name in file.known}
-    found = []
+    found: list[Case] = []
     for frame in one.frames.frames if one.frames else ():
         view = views.get(frame.id | (EXTENDED if frame.extended else 0))
         given = {name: str(value) for name, value in frame.parameters.items()}
-        if view and not frame.remote and not frame.decode_only and len(frame.data) == view.length:
-            if frame.direction in file.directions and all(given.get(n, v) == v for n, v in known.items()):
-                found += _case(one.edition, frame, view, bool(file.table), known)
+        fits = frame.direction in file.directions and all(given.get(n, v) == v for n, v in known.items())
+        if view and fits and not frame.remote and not frame.decode_only and len(frame.data) == view.length:
+            found += _case(one.edition, frame, view, bool(file.table), known)
     return found
 
 

@@ -438,7 +438,7 @@ def test_commands_of_the_guide_decode_the_golden_frames(
         lines = [source.split("'")[1]] if source.startswith("echo") else logged
         standard_input(monkeypatch, lines)
         monkeypatch.setattr(sys, "argv", command.split())
-        cantools._main()
+        cantools._main()  # type: ignore[no-untyped-call]
         shown = capsys.readouterr().out
         assert len(re.findall(r" ::\s+\w+\(", shown)) == len(lines) > 0, shown
     for program in programs:

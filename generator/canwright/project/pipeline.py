@@ -7,14 +7,14 @@ from collections.abc import Iterator, Sequence
 from ..model.types import Assignment
 from ..output.writer import Content
 from ..targets import registry
-from ..targets.base import Options, Output, Specification, Target, TargetWithOptions
+from ..targets.base import EVERYTHING, Options, Output, Specification, Target, TargetWithOptions
 
 
 def generate(
     specifications: Sequence[Specification],
     targets: Sequence[str],
     set_parameters: Assignment,
-    options: Options = Options(),
+    options: Options = EVERYTHING,
 ) -> Content:
     """The files that `targets` generate from the editions, in memory.
 

@@ -49,6 +49,9 @@ class Options(NamedTuple):
     """The language of comments; empty for the default of the target."""
 
 
+EVERYTHING = Options()
+
+
 class Target(ABC):
     """A kind of output. An instance is registered in the entry point group `canwright.targets`, under its name.
 
@@ -87,7 +90,7 @@ class TargetWithOptions(Target):
 
     @abstractmethod
     def generate(
-        self, specifications: Sequence[Specification], set_parameters: Assignment, options: Options = Options()
+        self, specifications: Sequence[Specification], set_parameters: Assignment, options: Options = EVERYTHING
     ) -> Iterator[Output]:
         """As in `Target`; `options` are what the user selected."""
 

@@ -102,6 +102,16 @@ class DbcFile:
             raise Cannot("selectors_apart")
         if message.dlc != found.length:
             raise Cannot("lengths")
+        return self._decoded(message, found, numbers, shown, selector)
+
+    def _decoded(
+        self,
+        message: Message,
+        found: CanMessage,
+        numbers: Mapping[str, Number],
+        shown: Mapping[str, object],
+        selector: Signal | None,
+    ) -> Decoded:
         raw, values = {}, {}
         prefix = _prefix(message, numbers[selector.name] if selector else None)
         for field in message.layout.fields:
@@ -113,7 +123,7 @@ class DbcFile:
                 if field.fixed is None:
                     raw[field.name] = read if field.is_array else read[0]
                     values[field.name] = values_of(places, shown)
-        return Decoded(command.name, _node(message, found), raw, values)
+        return Decoded(message.command, _node(message, found), raw, values)
 
     def _command(self, name: str) -> Command | None:
         """The command of a text, which ends in the code where a command has several, or in the direction.

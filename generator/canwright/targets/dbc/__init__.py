@@ -10,14 +10,14 @@ from collections.abc import Iterator, Sequence
 
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import Options, Output, Specification
+from ..base import EVERYTHING, Options, Output, Specification
 from .files import files, traffics
 from .guide import Made, guide
 from .printer import printed
 
 
 def generate(
-    specifications: Sequence[Specification], set_parameters: Assignment, options: Options = Options()
+    specifications: Sequence[Specification], set_parameters: Assignment, options: Options = EVERYTHING
 ) -> Iterator[Output]:
     """The files of every edition, and a README.md with instructions."""
     made = [_made(one, set_parameters, options) for one in specifications]

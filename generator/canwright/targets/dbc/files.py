@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -18,7 +18,7 @@ from .selectors import joined_span
 from .signals import Signals
 from .tables import table_key, table_names
 from .text import camel, fitting, number
-from .view import EXTENDED, KIND, File, Message, Signal, fitted
+from .view import KIND, File, Message, Signal, fitted
 
 _OTHER = {Direction.REPLY: Direction.REQUEST, Direction.REQUEST: Direction.REPLY}
 _NO_NODE = "Vector__XXX"

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import NameProblem, Options, Output, Specification, TargetWithOptions
+from ..base import EVERYTHING, NameProblem, Options, Output, Specification, TargetWithOptions
 from . import generate
 from .comments import languages
 from .files import stems
@@ -21,7 +21,7 @@ class DbcTarget(TargetWithOptions):
     languages = tuple(languages())
 
     def generate(
-        self, specifications: Sequence[Specification], set_parameters: Assignment, options: Options = Options()
+        self, specifications: Sequence[Specification], set_parameters: Assignment, options: Options = EVERYTHING
     ) -> Iterator[Output]:
         return generate(specifications, set_parameters, options)
 
