@@ -383,6 +383,17 @@ def test_version_is_short_and_without_a_comma(texts: Mapping[str, str]) -> None:
         assert re.match(r'VERSION "[^",]{1,32}"\n', text), text[:60]
 
 
+def test_start_values_are_in_range(texts: Mapping[str, str]) -> None:
+    for path, text in texts.items():
+        starts = dict(re.findall(r'^BA_ "GenSigStartValue" SG_ (\d+ \w+) (-?\d+);$', text, re.MULTILINE))
+        for id_, body in re.findall(r"^BO_ (\d+) .*\n((?: SG_ .*\n)*)", text, re.MULTILINE):
+            for name, *words in re.findall(r" SG_ (\w+) .*\((.*),(.*)\) \[(.*)\|(.*)\]", body):
+                factor, offset, low, high = map(Fraction, words)
+                start = starts.get(f"{id_} {name}")
+                value = Fraction(0) if start is None else Fraction(start) * factor + offset
+                assert low <= value <= high, f"{path} {name}"
+
+
 def test_each_comment_is_printed_once(texts: Mapping[str, str]) -> None:
     for path, text in texts.items():
         comments = re.findall(r'^CM_ (?:BO_ \d+|SG_ \d+ (\w+)) "(.*)";$', text, re.MULTILINE)

@@ -159,7 +159,8 @@ class Fields:
 
     def _made_reading(self, type_: Type) -> _Reading:
         if type_.encoding is Encoding.FLOAT:
-            return _Reading(self._floats(type_), (), 0, _FLOAT_KINDS[type_.width], self._step(type_))
+            numbers, start_value = self._floats(type_)
+            return _Reading(numbers, (), start_value, _FLOAT_KINDS[type_.width], self._step(type_))
         values = tuple(sorted((member.value, member.name) for member in type_.enum))
         documented = (values[0][0], values[-1][0]) if values else self._documented(type_)
         numbers, start_value = self._integers(type_, documented)
@@ -188,13 +189,16 @@ class Fields:
         numbers = _Numbers(signed, number(linear.scale), number(linear.offset), number(low), number(high), unit)
         return numbers, 0 if limits[0] <= 0 <= limits[1] else limits[0]
 
-    def _floats(self, type_: Type) -> _Numbers:
+    def _floats(self, type_: Type) -> tuple[_Numbers, int]:
+        """The numbers of a float signal, and its start value: 0, or the first integer in its range."""
         linear, unit = self._scale(type_)
         low, high = self._range(type_)
-        limits = ("0", "0")
+        limits, start_value = ("0", "0"), 0
         if self._direction is Direction.REQUEST and low is not None and high is not None:
             limits = (number(low), number(high))
-        return _Numbers(True, number(linear.scale), number(linear.offset), *limits, unit)
+            first, last = sorted((end - linear.offset) / linear.scale for end in (low, high))
+            start_value = 0 if first <= 0 <= last else math.ceil(first)
+        return _Numbers(True, number(linear.scale), number(linear.offset), *limits, unit), start_value
 
     def _scale(self, type_: Type) -> tuple[Linear, str]:
         line = type_.linear.at(self._assignment)

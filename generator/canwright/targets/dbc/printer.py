@@ -76,7 +76,7 @@ def _attributes(file: File) -> Iterator[str]:
         if message.extended:
             yield f'BA_ "VFrameFormat" BO_ {message.id} 1;'
     for message, signal in _signals(file):
-        if signal.start_value:
+        if signal.start_value or not float(signal.minimum) <= 0 <= float(signal.maximum):
             yield f'BA_ "GenSigStartValue" SG_ {message.id} {signal.name} {signal.start_value};'
 
 
