@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..diagnostics.diagnostic import DocumentPath
+from ..language.notation import At, frame_bits
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import Field, Layout, NodeRole, ReservedRole
+from ..model.layout import Field, Layout, NodeRole, ReservedRole, Space
 from ..model.message import KeyRole, Message
 from ..model.types import Encoding, Type
 from . import match, quantities
@@ -135,7 +136,16 @@ def _moved(old: Field, new: Field) -> bool:
     before, after = ((f.type.width, f.type.order, len(f.elements)) for f in (old, new))
     if before == after:
         return [e.segments for e in old.elements] != [e.segments for e in new.elements]
-    return min(old.elements[0].bits) != min(new.elements[0].bits)
+    return _starts(old).isdisjoint(_starts(new))
+
+
+def _starts(field: Field) -> set[At]:
+    """What the spec can say of the position of a field."""
+    bits = sorted(bit for element in field.elements for bit in element.bits)
+    bytes_ = (0,) if field.space is Space.ID else (bits[0] // 8, bits[-1] // 8)
+    in_byte = (bits[0],) if field.space is Space.ID else (None, *(bit % 8 for bit in bits))
+    starts = {At(field.space, byte, bit) for byte in bytes_ for bit in in_byte}
+    return {start for start in starts if sorted(frame_bits(start, len(bits), field.type.order)) == bits}
 
 
 _WIDTH = Attribute[Type]("width-changed", "raw", lambda t: str(t.width), Impact.SILENT)
