@@ -12,7 +12,7 @@ _OTHER_KEYS = {
     "raw_range": ("range",),
     "request": ("id", "extended"),
     "reply": ("id", "extended"),
-    "selector": ("reply_selector",),
+    "reply_selector": ("selector",),
 }
 """Keys that can be written instead of the key of a change."""
 
@@ -28,11 +28,12 @@ def positions(change: Change, old: Document, new: Document) -> tuple[Position, P
     return old.position(before, key=True), new.position(after, key=True)
 
 
-def _edited(old: Document, new: Document, before: DocumentPath, after: DocumentPath) -> tuple[DocumentPath, DocumentPath]:
+def _edited(
+    old: Document, new: Document, before: DocumentPath, after: DocumentPath
+) -> tuple[DocumentPath, DocumentPath]:
     """The paths of what differs at or below two paths, as far as it is a single key; they lead into one of the documents."""
-    wanted = before[-1:]
-    while before and before not in old and after and after not in new:
-        wanted, before, after = before[-1:], before[:-1], after[:-1]
+    wanted = before[-1:] if before not in old and after not in new else ()
+    before, after = _known(old, before), _known(new, after)
     one, other = _value(old, before), _value(new, after)
     while before[-1:] == after[-1:]:
         differing = [key for key in _keys(one, other) if _item(one, key) != _item(other, key)]
@@ -44,6 +45,12 @@ def _edited(old: Document, new: Document, before: DocumentPath, after: DocumentP
         before, after, wanted = (*before, key), (*after, key), ()
         one, other = _item(one, key), _item(other, key)
     return before, after
+
+
+def _known(document: Document, path: DocumentPath) -> DocumentPath:
+    while path and path not in document:
+        path = path[:-1]
+    return path
 
 
 def _keys(one: object, other: object) -> list[str | int]:

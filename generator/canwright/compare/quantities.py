@@ -12,7 +12,7 @@ from ..model import formatting
 from ..model.types import Bound, Dependent, Linear, Member, Range, Type
 from .change import Impact, Item, Side, Word
 from .collector import Attribute, Collector, Places, Use, at
-from .match import by_name
+from .match import renamable, same_title
 
 T = TypeVar("T")
 
@@ -34,9 +34,7 @@ class Pair:
         found.add(rule, self.item, at(self.places, key), impact, self.use, **facts)
 
 
-_UNIT = Attribute[Type](
-    "unit-changed", "unit", lambda t: t.unit.symbol if t.unit else Word("no unit"), Impact.SILENT
-)
+_UNIT = Attribute[Type]("unit-changed", "unit", lambda t: t.unit.symbol if t.unit else Word("no unit"), Impact.SILENT)
 _PARAMETERS = Attribute[Type](
     "parameters-of-type-changed",
     "scale",
@@ -78,7 +76,9 @@ def _offsets(found: Collector, pair: Pair) -> bool:
     changed = False
     for when, one, other in _cases(_offsets_of(pair.old.linear), _offsets_of(pair.new.linear)):
         if one is not None and other is not None and one != other:
-            pair.add(found, "offset-changed", Impact.SILENT, "offset", when, one + _unit(pair.old), other + _unit(pair.new))
+            pair.add(
+                found, "offset-changed", Impact.SILENT, "offset", when, one + _unit(pair.old), other + _unit(pair.new)
+            )
             changed = True
     return changed
 
@@ -191,7 +191,7 @@ def _assignments(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, di
 
 
 def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], new: tuple[Member, ...]) -> None:
-    matched = by_name(old, new).also(lambda a, b: a.value == b.value)
+    matched = renamable(old, new).also(lambda a, b: a.value == b.value and same_title(a, b))
     sides, parents = pair.use.sides, at(pair.places, key)
     for one, other in matched.pairs:
         places = (*parents[0], one.name), (*parents[1], other.name)
@@ -201,11 +201,16 @@ def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], ne
             facts = {"name": pair.name, "member": other.name, "old": str(one.value), "new": str(other.value)}
             found.add("member-renumbered", pair.item, places, Impact.SILENT, pair.use, **facts)
         found.texts(pair.item, places, one, other)
-    for gone in matched.removed:
+    replaced = matched.also(lambda a, b: a.value == b.value)
+    for one, other in replaced.pairs[len(matched.pairs) :]:
+        places = (*parents[0], one.name), (*parents[1], other.name)
+        facts = {"name": pair.name, "value": str(one.value), "old": one.name, "new": other.name}
+        found.add("member-replaced", pair.item, places, Impact.SILENT, pair.use, **facts)
+    for gone in replaced.removed:
         impact = Impact.SILENT if Side.SENDING in sides else Impact.SAFE
         facts = {"name": pair.name, "member": gone.name, "value": str(gone.value)}
         found.add("member-removed", pair.item, ((*parents[0], gone.name), parents[1]), impact, pair.use, **facts)
-    for fresh in matched.added:
+    for fresh in replaced.added:
         unknown = Impact.SILENT if key == "flags" else Impact.LOUD
         impact = unknown if Side.RECEIVING in sides else Impact.SAFE
         facts = {"name": pair.name, "member": fresh.name, "value": str(fresh.value)}
