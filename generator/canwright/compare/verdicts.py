@@ -36,12 +36,12 @@ _EXPLAINS: dict[str, frozenset[Aspect]] = {
     "entry-added": frozenset(),
     "entry-removed": _SUPPORTED,
     "entry-repurposed": _SUPPORTED,
-    "table-of-command-changed": _SUPPORTED,
+    "table-of-command-changed": _SUPPORTED | _CONTENT,
     "kind-changed": _IDENTIFIED,
     "reply-code-changed": _IDENTIFIED,
     "accept-changed": _IDENTIFIED,
     "reply-form-changed": _SUPPORTED | _CONTENT,
-    "request-changed": _SUPPORTED,
+    "request-changed": _SUPPORTED | _CONTENT,
     "repliers-changed": frozenset({Aspect.ANSWER}),
     "address-of-command-changed": _ID | _IDENTIFIED,
     "dlc-changed": _IDENTIFIED,
@@ -73,6 +73,8 @@ _EXPLAINS: dict[str, frozenset[Aspect]] = {
 """The aspects that each kind of change explains; other kinds have no witness."""
 _ADDITIONS = ("command-added", "entry-added", "address-added")
 _ANY_SIDE = (*_ADDITIONS, "command-removed", "entry-removed", "request-changed", "availability-changed")
+_WHOLE = ("reply-form-changed", "request-changed", "table-of-command-changed")
+"""Changes that replace all fields of a command."""
 _ORDER = list(Impact)
 
 
@@ -89,7 +91,7 @@ def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tu
     for number, change in enumerate(changes):
         known = found[number]
         if known is not None:
-            others = (*index.of_commands(change), *index.of_address(change))
+            others = (*index.of_commands(change), *index.of_surroundings(change))
             known += (n for n in others if n not in explained and _may_cause(change, observations[n]))
     explained.update(n for numbers in found for n in numbers or ())
     made = [
@@ -103,7 +105,7 @@ def _may_cause(change: Change, observation: Observation) -> bool:
     """Whether a change affects the other side, as that of an echo, or makes a frame another message."""
     aspects = _EXPLAINS[change.rule.id]
     by_others = change.rule.id in _ADDITIONS or bool(aspects & (_CONTENT | _ID))
-    return observation.aspect in (_IDENTIFIED if by_others else aspects)
+    return observation.aspect in (_IDENTIFIED | aspects if by_others else aspects)
 
 
 class _Index:
@@ -124,7 +126,7 @@ class _Index:
         aspects = _EXPLAINS[change.rule.id]
         numbers = [n for n in self._of_paths(change) if self._fits(change, n)]
         if change.item.kind != "entry":
-            of_fields = change.item.kind in ("edition", "bus") or change.rule.id == "reply-form-changed"
+            of_fields = change.item.kind in ("edition", "bus") or change.rule.id in _WHOLE
             numbers += (
                 n
                 for n in self.of_commands(change)
@@ -139,9 +141,11 @@ class _Index:
         """The observations about the commands of a change."""
         return [n for command in change.used_by for n in self._by_command.get(command, ())]
 
-    def of_address(self, change: Change) -> list[int]:
-        """The observations about the address that a change is about."""
-        return list(self._of_paths(change)) if change.item.kind == "address" else []
+    def of_surroundings(self, change: Change) -> Iterable[int]:
+        """The observations that a change outside commands can cause."""
+        if change.item.kind == "edition":
+            return range(len(self._observations))
+        return self._of_paths(change) if change.item.kind == "address" else ()
 
     def _of_paths(self, change: Change) -> Iterator[int]:
         kind = change.rule.id

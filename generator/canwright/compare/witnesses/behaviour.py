@@ -122,7 +122,7 @@ class Behaviour:
                     yield self._absent(missing, "received-removed", old.reply, assignment)
 
     def _read(self, case: _Case, sent: Message, read: Message) -> Iterator[Observation]:
-        groups = tuple(dict.fromkeys(command.group for command in case.both))
+        groups = tuple(dict.fromkeys((*(command.group for command in case.both), *self._owners(case))))
         transfer = Transfer(case.side, groups, [command.only for command in case.both], sent, read)
         yield from self._reading.observations(transfer)
 
