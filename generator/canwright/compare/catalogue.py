@@ -91,6 +91,16 @@ _WIRE = (
     ("sign-changed", "A raw integer becomes signed or unsigned.", "`{name}` is {new} (was {old})"),
     ("encoding-changed", "An integer becomes a float, or a float an integer.", "`{name}` is {new} (was {old})"),
     ("byte-order-changed", "The byte order is changed.", "`{name}` is {new}-endian (was {old}-endian)"),
+    (
+        "frame-rejected",
+        "Frames of a command are rejected or not answered, because of a change elsewhere.",
+        "frames of `{name}` are rejected or not answered, because of a change elsewhere",
+    ),
+    (
+        "meaning-changed",
+        "Frames of a command have a different meaning, because of a change elsewhere.",
+        "frames of `{name}` have a different meaning, because of a change elsewhere",
+    ),
 )
 _VALUE = (
     ("scale-changed", "A scale is changed.", "the resolution of `{name}`{when} is {new} (was {old})"),
@@ -99,6 +109,11 @@ _VALUE = (
     ("range-changed", "A range is changed.", "the raw range of `{name}`{when} is {new} (was {old})"),
     ("member-added", "A member is added to an enum or to flags.", "`{member}` ({value}) is added to `{name}`"),
     ("member-removed", "A member of an enum or of flags is removed.", "`{member}` ({value}) of `{name}` is removed"),
+    (
+        "member-repurposed",
+        "A value of an enum or a bit of flags has a different meaning.",
+        "{value} of `{name}` now means `{new}` (was `{old}`)",
+    ),
     ("member-renumbered", "A member has a different value.", "`{member}` of `{name}` is {new} (was {old})"),
     ("parameter-bounds-changed", "A number has different bounds.", "the bounds of `{name}` are {new} (were {old})"),
     ("effects-changed", "A command has different effects.", "effects: {new}; were: {old}"),

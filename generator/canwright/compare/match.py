@@ -6,15 +6,21 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
+from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Field, Layout
 from ..model.message import Command, Message
-from ..model.types import Type
+from ..model.types import Member, Text, Type
 
 
 class Named(Protocol):
     @property
     def name(self) -> str: ...
+
+
+class Titled(Named, Protocol):
+    @property
+    def title(self) -> Text: ...
 
 
 T = TypeVar("T", bound=Named)
@@ -51,14 +57,30 @@ def by_name(old: Iterable[T], new: Iterable[T]) -> Matched[T]:
     )
 
 
+def members(old: Sequence[Member], new: Sequence[Member]) -> Matched[Member]:
+    """Members of one name; of one value, if their titles do not differ."""
+    return by_name(old, new).also(lambda a, b: a.value == b.value and not is_retitled(a, b))
+
+
+def is_retitled(old: Titled, new: Titled) -> bool:
+    """Whether two items have different titles that say more than their names."""
+    return is_other(old.name, old.title, new.name, new.title)
+
+
+def is_other(old: str, old_title: Text, new: str, new_title: Text) -> bool:
+    """Whether the titles of two names differ and say more than the names."""
+    given = all(set(t.values()) != {formatting.spoken(n)} for n, t in ((old, old_title), (new, new_title)))
+    return given and any(old_title[language] != new_title[language] for language in old_title.keys() & new_title.keys())
+
+
 def commands(old: Edition, new: Edition) -> Matched[Command]:
     """Commands of one name; of one code with the same bits, or fields of the same names; of one title and the same bits."""
 
     def same_fields(one: Command, other: Command) -> bool:
-        return code_of(one) == code_of(other) and _names(one) == _names(other)
+        return code_of(one) == code_of(other) and _names(one) == _names(other) and not _is_other_command(one, other)
 
     def same_frames(one: Command, other: Command) -> bool:
-        return code_of(one) == code_of(other) and _content(one) == _content(other)
+        return code_of(one) == code_of(other) and _content(one) == _content(other) and not _is_other_command(one, other)
 
     def same_title(one: Command, other: Command) -> bool:
         return one.title == other.title and _content(one) == _content(other)
@@ -70,12 +92,20 @@ def fields(old: Layout, new: Layout) -> Matched[Field]:
     """Fields of one name, the same bits with the same meaning under another name, or of one type and title."""
 
     def same_bits(one: Field, other: Field) -> bool:
-        return one.elements == other.elements and _meaning(one.type) == _meaning(other.type) and one.only == other.only
+        same = one.elements == other.elements and _meaning(one.type) == _meaning(other.type) and one.only == other.only
+        return same and not is_retitled(one, other)
 
     def same_title(one: Field, other: Field) -> bool:
         return one.type.name == other.type.name and one.title == other.title
 
     return by_name(old.fields, new.fields).also(same_bits, same_title)
+
+
+def _is_other_command(old: Command, new: Command) -> bool:
+    """Whether the title of the command, or of the entry of its table, says that two are different ones."""
+    if old.entry and new.entry and is_retitled(old.entry, new.entry):
+        return True
+    return is_other(old.group, old.group_title, new.group, new.group_title)
 
 
 def code_of(command: Command) -> tuple[object, ...]:
