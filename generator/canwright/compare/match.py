@@ -63,13 +63,13 @@ def members(old: Sequence[Member], new: Sequence[Member]) -> Matched[Member]:
 
 
 def is_retitled(old: Titled, new: Titled) -> bool:
-    """Whether two items have different titles that say more than their names."""
+    """Whether two items have different titles, of which at least one says more than the name."""
     return is_other(old.name, old.title, new.name, new.title)
 
 
 def is_other(old: str, old_title: Text, new: str, new_title: Text) -> bool:
-    """Whether the titles of two names differ and say more than the names."""
-    given = all(set(t.values()) != {formatting.spoken(n)} for n, t in ((old, old_title), (new, new_title)))
+    """Whether the titles of two names differ, and at least one says more than the name."""
+    given = any(set(t.values()) != {formatting.spoken(n)} for n, t in ((old, old_title), (new, new_title)))
     return given and any(old_title[language] != new_title[language] for language in old_title.keys() & new_title.keys())
 
 

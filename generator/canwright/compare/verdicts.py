@@ -97,9 +97,10 @@ def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tu
 
 
 def _may_cause(change: Change, observation: Observation) -> bool:
-    """Whether a change of fields, or an added command, makes a frame another message."""
-    by_fields = change.rule.id in _ADDITIONS or bool(_EXPLAINS[change.rule.id] & _CONTENT)
-    return by_fields and observation.aspect in _IDENTIFIED
+    """Whether a change affects the other side, as that of an echo, or makes a frame another message."""
+    aspects = _EXPLAINS[change.rule.id]
+    by_fields = change.rule.id in _ADDITIONS or bool(aspects & _CONTENT)
+    return observation.aspect in (_IDENTIFIED if by_fields else aspects - _CONTENT)
 
 
 class _Index:
@@ -118,22 +119,22 @@ class _Index:
     def of(self, change: Change) -> list[int]:
         """The observations about the item of a change."""
         aspects = _EXPLAINS[change.rule.id]
-        numbers = list(self._of_paths(change))
+        numbers = [n for n in self._of_paths(change) if self._fits(change, n)]
         if change.item.kind != "entry":
             of_fields = change.item.kind in ("edition", "bus") or change.rule.id == "reply-form-changed"
             numbers += (
                 n
                 for n in self.of_commands(change)
+                if self._has_side(change, n)
                 if of_fields or self._observations[n].aspect in aspects - _CONTENT - _ID
             )
             if change.rule.id == "address-of-command-changed":
                 numbers += (n for n in self.of_commands(change) if self._observations[n].aspect is Aspect.ID)
-        return [n for n in dict.fromkeys(numbers) if self._fits(change, n)]
+        return list(dict.fromkeys(numbers))
 
     def of_commands(self, change: Change) -> list[int]:
         """The observations about the commands of a change."""
-        numbers = (n for command in change.used_by for n in self._by_command.get(command, ()))
-        return [n for n in numbers if self._has_side(change, n)]
+        return [n for command in change.used_by for n in self._by_command.get(command, ())]
 
     def _of_paths(self, change: Change) -> Iterator[int]:
         kind = change.rule.id
@@ -144,7 +145,7 @@ class _Index:
                 yield from self._at.get(path[:end], ())
 
     def _fits(self, change: Change, number: int) -> bool:
-        """Whether side, parameter values and member are those of a change."""
+        """Whether parameter values and member are those of a change."""
         observation = self._observations[number]
         known = observation.witness.assignment
         if change.cases and not any(all(known.get(p, v) == v for p, v in case.items()) for case in change.cases):
@@ -152,7 +153,7 @@ class _Index:
         member = {str(change.facts[name]) for name in ("member", "old", "new") if name in change.facts}
         if change.rule.id.startswith("member-") and observation.members and not member & {*observation.members}:
             return False
-        return self._has_side(change, number)
+        return change.item.kind != "address" or self._has_side(change, number)
 
     def _has_side(self, change: Change, number: int) -> bool:
         side = self._observations[number].witness.side

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
-from ...model.layout import Space
+from ...model.layout import NodeRole, Space
 from ...model.message import Command, Direction, IdRule, Message
 from ...model.types import Assignment
 from ...semantics.decoder import Decoder, Identified, Rejection, rejects_constants
@@ -142,6 +142,41 @@ class Behaviour:
                     if kind not in seen:
                         seen.add(kind)
                         yield observation
+                        yield from self._answer_of_another(case, assignment, encoder, observation)
+
+    def _answer_of_another(
+        self, case: _Case, assignment: Assignment, encoder: Encoder, observation: Observation
+    ) -> Iterator[Observation]:
+        """What the old host makes of the reply to a request that the new node takes for another command's."""
+        asked, old = observation.witness.frame, case.old
+        if case.side is not Side.SENDING or observation.aspect is not Aspect.IDENTITY or asked is None or old is None:
+            return
+        receiver = self._decoders[Side.SENDING][1]
+        understood = candidates.message_of(receiver, Direction.REQUEST, asked)
+        if understood is None or old.reply is None or old.request is None:
+            return
+        other = self._editions[Side.SENDING][1].command(understood.command)
+        back, node = case._replace(side=Side.RECEIVING), _common_node(old.request.id, understood.id)
+        reply = self._reply(encoder, other, asked, node)
+        if reply is None or other.reply is None:
+            facts: dict[str, Fact] = {"sent": f"`{old.name}`"}
+            yield self._made(
+                back, Aspect.IDENTITY, Impact.LOUD, assignment, asked, "sent-unanswered", facts, (other,)
+            )
+            return
+        original = _moved(asked, understood.id, old.request.id, node)
+        placed = _moved(reply, other.reply.id, old.reply.id, node)
+        if original is None or placed is None:
+            return
+        facts = {"sent": _whole(other.reply, encoder, reply)}
+        if isinstance(check_reply(self._decoders[Side.SENDING][0], original, placed), Rejection):
+            facts["reason"] = _reason("not_answer")
+            yield self._made(
+                back, Aspect.IDENTITY, Impact.LOUD, assignment, placed, "received-rejected", facts, (other,)
+            )
+        else:
+            facts["read"] = _whole(old.reply, encoder, placed)
+            yield self._made(back, Aspect.IDENTITY, Impact.SILENT, assignment, placed, "received-read", facts, (other,))
 
     def _frames(
         self, side: Side, encoder: Encoder, sent: Message, read: Message | None
@@ -177,7 +212,7 @@ class Behaviour:
             if field.space is Space.ID and not field.is_array:
                 frames += [{**base, name: raw} for raw in candidates.raws(encoder, field, field)]
         for raws in frames:
-            frame = encoder.encode_raws(message, node, raws)
+            frame = encoder.encode_raws(message, node if message.id.nodes else None, raws)
             if isinstance(frame, CanFrame):
                 yield frame
 
@@ -215,6 +250,8 @@ class Behaviour:
                     return None
                 facts = {"sent": (f"`{sent.command}`, ", Word("node"), f" {node}")}
                 facts["read"] = (Word("node"), f" {found.node}")
+            elif read is not None and not sending and self._is_ambiguous(receiver, read, frame, encoder):
+                return None
             else:
                 wrong = rejects_constants(found.message, frame, encoder.assignment)
                 if wrong is not None:
@@ -224,12 +261,16 @@ class Behaviour:
         if isinstance(found, Rejection):
             if read is None and not sending:
                 return None
-            facts["reason"] = Word(found.reason.value)
+            facts["reason"] = _reason(found.reason.value)
             sentence = "sent-rejected" if sending else "received-rejected"
             return self._made(case, aspect, Impact.LOUD, assignment, frame, sentence, facts)
         sentence = "sent-read" if sending else "received-read"
         other = self._editions[case.side][1].command(found.message.command)
         return self._made(case, aspect, Impact.SILENT, assignment, frame, sentence, facts, (other,))
+
+    def _is_ambiguous(self, receiver: Decoder, read: Message, frame: CanFrame, encoder: Encoder) -> bool:
+        """Whether the old host takes the same frame of an old node for another message, too."""
+        return not isinstance(receiver.decode_as(read, frame, encoder.assignment), Rejection)
 
     def _sent(self, encoder: Encoder, message: Message, frame: CanFrame, aspect: Aspect) -> Fact:
         name = f"`{message.command}`"
@@ -274,7 +315,7 @@ class Behaviour:
                 placed = _moved(reply, sent.id, read.id, replier)
                 judged = None if placed is None else check_reply(host, asked, placed)
                 if placed is not None and isinstance(judged, Rejection):
-                    facts = {"sent": f"`{new.name}`", "reason": Word(judged.reason.value)}
+                    facts = {"sent": f"`{new.name}`", "reason": _reason(judged.reason.value)}
                     yield self._made(
                         case, Aspect.ANSWER, Impact.LOUD, assignment, placed, "received-rejected", facts
                     )
@@ -296,11 +337,11 @@ class Behaviour:
         given = [base]
         if not command.is_echoed:
             for name, field in itertools.islice((encoder.fields(reply) or {}).items(), MOST_FIELDS):
-                if not field.is_array and not isinstance(base[name], list):
+                if not field.is_array and not isinstance(field.role, NodeRole):
                     raws = (raw for raw in candidates.raws(encoder, field, field) if raw != base[name])
                     given += [{**base, name: raw} for raw in itertools.islice(raws, 1)]
         for raws_of in given:
-            frame = encoder.encode_raws(reply, node, raws_of)
+            frame = encoder.encode_raws(reply, node if reply.id.nodes else None, raws_of)
             if isinstance(frame, CanFrame):
                 same = command.is_echoed and len(frame.data) == len(asked.data)
                 yield CanFrame(frame.id, asked.data if same else frame.data, frame.extended, frame.remote)
@@ -315,8 +356,14 @@ class Behaviour:
             (n, "received-rejected") for n in unexpected[:1]
         ]:
             name: Fact = (f"`{new.name}`, ", Word("node"), f" {node}")
-            facts: dict[str, Fact] = {"read": name, "sent": name, "reason": Word("not_answer")}
+            facts: dict[str, Fact] = {"read": name, "sent": name, "reason": _reason("not_answer")}
             yield self._made(case, Aspect.ANSWER, Impact.LOUD, {}, None, sentence, facts)
+
+    def _owners(self, case: _Case) -> Iterator[str]:
+        """The commands whose replies those of a case are."""
+        for edition, command in zip(self._editions[Side.SENDING], (case.old, case.new), strict=True):
+            if command is not None and command.reply is not None:
+                yield edition.command(command.reply.command).group
 
     def _absent(
         self, case: _Case, sentence: str, read: Message, assignment: Assignment | None = None
@@ -341,11 +388,16 @@ class Behaviour:
     ) -> Observation:
         commands = (*case.both, *others)
         messages = [m for c in case.both for m in (c.request, c.reply) if m is not None]
-        paths: list[DocumentPath] = [("addresses", m.address) for m in messages if aspect is Aspect.ID]
+        paths: list[DocumentPath] = [("addresses", m.address) for m in messages if aspect is Aspect.ID or len(case.both) == 1]
         paths += [c.entry.path for c in commands if c.entry is not None]
-        groups = tuple(dict.fromkeys(c.group for c in commands))
+        groups = tuple(dict.fromkeys((*(c.group for c in commands), *self._owners(case))))
         witness = Witness(case.side, impact, assignment, frame, sentence, facts)
         return Observation(aspect, witness, groups, tuple(dict.fromkeys(paths)))
+
+
+def _reason(refusal: str) -> Word:
+    """The reason for a rejection: `unknown code`."""
+    return Word(refusal.replace("_", " "))
 
 
 def _whole(message: Message, encoder: Encoder, frame: CanFrame) -> str:

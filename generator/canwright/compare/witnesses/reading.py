@@ -9,7 +9,6 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.layout import Field
 from ...model.message import Message
-from ...model.refusal import Refusal
 from ...model.types import Assignment, Encoding, Type
 from ...semantics.decoder import Value, field_value, value_of
 from ...semantics.encoder import Encoder, Encoders
@@ -142,11 +141,11 @@ class _Pair:
     def _compared(
         self, target: Field, source: Field, assignment: Assignment, encoder: Encoder
     ) -> Iterator[Observation]:
-        for raw, frame in self._frames(source, target, encoder):
+        for one, raw, frame in self._frames(source, target, encoder):
             found = raw_of(target, frame)
             if found != raw:
                 yield self._misread(Aspect.RAW, assignment, encoder, frame, source, raw, target, found)
-            yield from self._meaning(assignment, encoder, frame, source, _single(raw), target)
+            yield from self._meaning(assignment, encoder, frame, source, one, target)
 
     def _meaning(
         self,
@@ -195,7 +194,7 @@ class _Pair:
 
     def ignored(self, source: Field) -> Iterator[Observation]:
         """A field that is sent but not read."""
-        for raw, frame in self._frames(source, source, self._encoder):
+        for _, raw, frame in self._frames(source, source, self._encoder):
             facts = {"sent": self._named(shown(source, raw, self._encoder.assignment))}
             yield self._made(Aspect.RAW, Impact.SILENT, self._assignment, frame, "sent-ignored", facts, (source,))
             return
@@ -206,30 +205,30 @@ class _Pair:
             return
         frames = [self._frame({})]
         if source is not None and source.fixed is None:
-            frames += [frame for _, frame in self._frames(source, source, self._encoder)]
+            frames += [frame for _, _, frame in self._frames(source, source, self._encoder)]
         for frame in filter(None, frames):
             if wrong_constants([target], frame):
                 sentence = "sent-rejected" if self._transfer.side is Side.SENDING else "received-rejected"
                 facts: dict[str, Fact] = {
                     "sent": f"`{self._transfer.sent.command}`",
-                    "reason": Word(Refusal.WRONG_CONSTANT.value),
+                    "reason": Word("wrong constant"),
                 }
                 fields = (target,) if source is None else (source, target)
                 yield self._made(Aspect.RAW, Impact.LOUD, self._assignment, frame, sentence, facts, fields)
                 return
 
-    def _frames(self, source: Field, target: Field, encoder: Encoder) -> Iterator[tuple[Raw, CanFrame]]:
-        """Frames with different raw integers of a field."""
+    def _frames(self, source: Field, target: Field, encoder: Encoder) -> Iterator[tuple[int, Raw, CanFrame]]:
+        """Frames with different raw integers of a field; for an array also the one that differs."""
         if source.fixed is not None:
             frame = self._frame({})
             if frame is not None:
-                yield source.fixed, frame
+                yield source.fixed, source.fixed, frame
             return
         for raw in candidates.raws(encoder, source, target):
             for given in _spread(source, raw, self._base[source.name]):
                 frame = self._frame({source.name: given})
                 if frame is not None:
-                    yield given, frame
+                    yield raw, given, frame
 
     def _frame(self, raws: Mapping[str, Raw]) -> CanFrame | None:
         made = self._encoder.encode_raws(self._transfer.sent, self._node, {**self._base, **raws})
@@ -271,10 +270,6 @@ class _Pair:
         witness = Witness(self._transfer.side, impact, assignment, frame, sentence, facts)
         paths: list[DocumentPath] = [path for f in fields for path in (f.path, f.type.path)]
         return Observation(aspect, witness, self._transfer.commands, tuple(dict.fromkeys(paths)), members)
-
-
-def _single(raw: Raw) -> int:
-    return next((one for one in raw if one), raw[0]) if isinstance(raw, list) else raw
 
 
 def _like(field: Field, raw: int) -> Raw:
@@ -320,7 +315,7 @@ def _members(value: object) -> tuple[str, ...]:
 
 
 def _renamed(names: Mapping[str, str], value: object) -> object:
-    """The members of a value under their names in the other edition; None for one that is not there."""
+    """The members of a value under their names in the other edition; an empty name for one that is not there."""
     if isinstance(value, str):
-        return names.get(value)
-    return [names.get(str(one)) for one in value] if isinstance(value, list) else value
+        return names.get(value, "")
+    return [names.get(str(one), "") for one in value] if isinstance(value, list) else value
