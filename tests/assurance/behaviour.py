@@ -375,8 +375,11 @@ def _floats(type_: Any, parameters: Any) -> list[int]:
     return found
 
 
-def messages_of(cls: Any, parameters: Any, dice: random.Random) -> Iterator[Any]:
-    """Messages of a class: limits and random raw integers of each field for one node, and one set of them for each."""
+def messages_of(cls: Any, parameters: Any, dice: random.Random, holds: str = "") -> Iterator[Any]:
+    """Messages of a class: limits and random raw integers of each field for one node, and one set of them for each.
+
+    `holds` is the field that contains a node.
+    """
     nodes = nodes_of(cls)
     node = dice.choice(nodes)
     empty = cls.__new__(cls)
@@ -385,7 +388,7 @@ def messages_of(cls: Any, parameters: Any, dice: random.Random) -> Iterator[Any]
         fields = empty.fields()
     except ValueError:
         return
-    candidates = {name: _raws(cls.TYPES[name], parameters, dice) for name in fields}
+    candidates = {name: [1, 2, 3] if name == holds else _raws(cls.TYPES[name], parameters, dice) for name in fields}
     if any(not raws for raws in candidates.values()):
         return
     base = {name: dice.choice(raws) for name, raws in candidates.items()}
@@ -397,6 +400,12 @@ def messages_of(cls: Any, parameters: Any, dice: random.Random) -> Iterator[Any]
         yield cls.from_raw(node=node, parameters=parameters, **raws)
     for other in nodes:
         yield cls.from_raw(node=other, parameters=parameters, **base)
+
+
+def holder(message: Message) -> str:
+    """The field of a message that contains a node, as the generated code calls it; empty without one."""
+    bits = message.node_bits
+    return attribute(bits.name) if bits is not None else ""
 
 
 def available(command: Command, assignment: Mapping[str, Any]) -> bool:
@@ -427,7 +436,7 @@ class Old:
                 continue
             cls = self.binding.of(command.request)
             dice = random.Random(f"{self.seed} {command.name}")
-            for message in messages_of(cls, known, dice):
+            for message in messages_of(cls, known, dice, holder(command.request)):
                 one = self.seen(command, message, known)
                 if one is not None:
                     yield one
@@ -469,7 +478,7 @@ class _Run:
             known = self.new.parameters(after)
             first = number == 0
             reread = self.old.binding.parameters(before)
-            answered: set[tuple[str, Any]] = set()
+            answered: set[Any] = set()
             for command, message, mine, frame, meant in self._requests(before):
                 depends = self.old.binding.depends(type(message))
                 heard = self.new.decode(Direction.REQUEST, frame, known)
@@ -547,7 +556,7 @@ class _Run:
         meant: Meaning,
         heard: Any,
         after: Mapping[str, Any],
-        answered: set[tuple[str, Any]],
+        answered: set[Any],
         known: Any,
     ) -> None:
         """One request of the old host to a new node, and its answer."""
@@ -567,8 +576,8 @@ class _Run:
             return
         elif self._refused(heard):
             self.sending.add(SILENT, f"{frame} {meant}: out of range", certain=False)
-        wrong = self.now.get(meant.command) != understood.command
-        key = (command.name, heard.COMMAND, message.node)
+        wrong = bool(differs)
+        key = (command.name, heard.COMMAND, message.node, _asked(theirs, heard))
         if key in answered:
             return
         answered.add(key)
@@ -605,18 +614,21 @@ class _Run:
         key = (cls, repr(known))
         if key not in self.replies:
             self.replies[key] = list(messages_of(cls, known, random.Random(f"1 {command.reply.name}")))
-        sources = list(command.from_each) or [request.node]
+        asked = _asked(command, request)
+        sources = list(command.from_each) or [asked]
+        inside = holder(command.reply)
         for message in self.replies[key]:
             for node in sources:
-                if not hasattr(cls, "NODES"):
-                    yield message
-                elif node is not None:
-                    try:
-                        yield message.replace(node=node)
-                    except ValueError:
-                        continue
-                elif message.node is not None:
-                    yield message
+                values = {"node": node} if hasattr(cls, "NODES") and node is not None else {}
+                if inside and node is not None:
+                    values[inside] = node
+                try:
+                    reply = message.replace(**values) if values else message
+                    frame = frame_of(reply)
+                except ValueError:
+                    continue
+                if not isinstance(self.new.answer(request, frame, known), ValueError):
+                    yield reply
             if (repr(type(request)), cls) in self.done:
                 break
         self.done.add((repr(type(request)), cls))
@@ -696,6 +708,10 @@ class _Run:
                     frame = frame_of(message)
                 except ValueError:
                     continue
+                if theirs.request is None:
+                    continue
+                if isinstance(self.new.answer(self.new.of(theirs.request), frame, known), ValueError):
+                    continue
                 answer = self.old.binding.answer(old_cls, frame, mine)
                 meant = meaning(message)
                 if isinstance(answer, ValueError):
@@ -751,6 +767,12 @@ class _Run:
             self.receiving.add(SILENT, f"{frame} is {meant}; old {meaning(heard)}: {differs}")
         elif self._refused(heard):
             self.receiving.add(SILENT, f"{frame} {meant}: out of range", certain=False)
+
+
+def _asked(command: Command, request: Any) -> int | None:
+    """The node that a request asks."""
+    inside = holder(command.request) if command.request is not None else ""
+    return request.raw()[inside] if inside else request.node  # type: ignore[no-any-return]
 
 
 def _keys(message: Message) -> tuple[Any, ...]:
