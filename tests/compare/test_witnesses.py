@@ -196,8 +196,8 @@ commands:
     ("old", "new", "rule"),
     [
         ("start: {code: 0x10, title: Switch the lamp on", "erase: {code: 0x10, title: Erase", "command-repurposed"),
-        ("bright: {value: 1, title: Bright lamp}", "broken: {value: 1, title: Broken lamp}", "member-repurposed"),
-        ("hot: {bit: 0, title: Lamp too hot}", "cold: {bit: 0, title: Lamp too cold}", "member-repurposed"),
+        ("bright: {value: 1, title: Bright lamp}", "broken: {value: 1, title: Broken lamp}", "member-replaced"),
+        ("hot: {bit: 0, title: Lamp too hot}", "cold: {bit: 0, title: Lamp too cold}", "member-replaced"),
         ("level: {at: 3, raw: u8, title: Brightness}", "age: {at: 3, raw: u8, title: Hours}", "field-replaced"),
     ],
 )

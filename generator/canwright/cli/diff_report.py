@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import click
 
 from ..compare import Category, Change, Impact, Item, by_impact, compare
-from ..diagnostics.diagnostic import DocumentPath, Position
+from ..compare.positions import positions
+from ..diagnostics.diagnostic import Position
 from ..model import formatting
 from ..project.loader import Loaded
 from ..targets.registry import targets
@@ -47,11 +48,7 @@ class Comparison:
 
     def positions(self, change: Change) -> tuple[Position, Position]:
         """The positions of a change in both specs."""
-        return _position(self.old, change.old), _position(self.new, change.new)
-
-
-def _position(loaded: Loaded, path: DocumentPath | None) -> Position:
-    return loaded.document.position(path or (), key=True)
+        return positions(change, self.old.document, self.new.document)
 
 
 def _grouped(changes: Sequence[Change]) -> dict[Item, list[Change]]:

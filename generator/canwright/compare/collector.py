@@ -75,6 +75,10 @@ class Collector:
         self.moved: dict[DocumentPath, DocumentPath] = {}
         """Where the old edition has what is compared under a new name."""
 
+    def apart(self) -> Collector:
+        """An empty collector, for changes that are parts of one."""
+        return Collector(self._names)
+
     def add(
         self,
         rule: str,

@@ -70,16 +70,14 @@ def messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, M
         one, other = (c.message(direction) for c in (old, new))
         if one is None or other is None or one.command != old.name or other.command != new.name:
             continue
-        if direction is Direction.REQUEST or not _is_other_reply(old, new, one, other):
+        if direction is Direction.REQUEST or not _is_other_reply(old, new):
             yield direction, one, other
 
 
-def _is_other_reply(old: Command, new: Command, one: Message, other: Message) -> bool:
-    """Whether a reply is not compared: it is an echo in both editions, or in one and has no field of the other's."""
+def _is_other_reply(old: Command, new: Command) -> bool:
+    """Whether a reply is not compared: it is an echo in one edition, or in both."""
     echoes = old.is_echoed + new.is_echoed
-    if echoes == 2:
-        return old.request is not None and new.request is not None
-    return echoes == 1 and not match.fields(one.layout, other.layout).pairs
+    return echoes == 1 or (echoes == 2 and old.request is not None and new.request is not None)
 
 
 def _item(command: Command) -> Item:
@@ -146,7 +144,23 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
     for direction, one, other in messages(old, new):
         used = Use((Side.of(direction),), (old.group,))
         _message(found, both, old, new, one, other, used)
-        fields.compare(found, both, old.group, one, other, used)
+        if not _other_layout(found, both, old, new, direction, used):
+            fields.compare(found, both, old.group, one, other, used)
+
+
+def _other_layout(found: Collector, both: Editions, old: Command, new: Command, direction: Direction, use: Use) -> bool:
+    """Adds the change of the shared layout of a message to another one, with other fields; whether there is one."""
+    layouts = [message.layout for c in (old, new) if (message := c.message(direction)) is not None]
+    one, other = layouts
+    kept = one.name in {n.name for n in both.new.layouts} or other.name in {n.name for n in both.old.layouts}
+    if not (one.shared and other.shared and kept) or one.name == other.name:
+        return False
+    if match.content(one) == match.content(other):
+        return True
+    rule, key = ("request-changed", "request") if direction is Direction.REQUEST else ("reply-form-changed", "reply")
+    facts = {"old": one.name, "new": other.name}
+    found.add(rule, _item(old), at(paths(old, new), key), Impact.SILENT, use, **facts)
+    return True
 
 
 def _entry(found: Collector, both: Editions, old: Command, new: Command, one: Entry, other: Entry) -> None:
@@ -310,7 +324,10 @@ def _message(
     found: Collector, both: Editions, old: Command, new: Command, one: Message, other: Message, use: Use
 ) -> None:
     rows = list(_OF_MESSAGE)
-    if [discriminators.code_sent(m) for m in (one, other)] != [old.code, new.code]:
+    if discriminators.same_kind(old, new) and [discriminators.code_sent(m) for m in (one, other)] != [
+        old.code,
+        new.code,
+    ]:
         rows.insert(0, _REPLY_CODE)
     if one.id != other.id:
         rows.append(_ADDRESS)

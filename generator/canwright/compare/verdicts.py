@@ -37,6 +37,7 @@ _EXPLAINS: dict[str, frozenset[Aspect]] = {
     "entry-removed": _SUPPORTED,
     "entry-repurposed": _SUPPORTED,
     "table-of-command-changed": _SUPPORTED,
+    "kind-changed": _IDENTIFIED,
     "reply-code-changed": _IDENTIFIED,
     "accept-changed": _IDENTIFIED,
     "reply-form-changed": _SUPPORTED | _CONTENT,
@@ -57,7 +58,9 @@ _EXPLAINS: dict[str, frozenset[Aspect]] = {
     "width-changed": _CONTENT,
     "sign-changed": _CONTENT,
     "encoding-changed": _CONTENT,
+    "field-format-changed": _CONTENT,
     "byte-order-changed": _RAW,
+    "field-meaning-changed": _CONTENT,
     "scale-changed": frozenset({Aspect.VALUE}),
     "offset-changed": frozenset({Aspect.VALUE}),
     "unit-changed": frozenset({Aspect.VALUE}),
@@ -65,12 +68,11 @@ _EXPLAINS: dict[str, frozenset[Aspect]] = {
     "member-added": frozenset({Aspect.MEMBER}),
     "member-removed": frozenset({Aspect.MEMBER}),
     "member-renumbered": frozenset({Aspect.MEMBER}),
-    "member-repurposed": frozenset({Aspect.MEMBER}),
+    "member-replaced": frozenset({Aspect.MEMBER}),
 }
 """The aspects that each kind of change explains; other kinds have no witness."""
 _ADDITIONS = ("command-added", "entry-added", "address-added")
 _ANY_SIDE = (*_ADDITIONS, "command-removed", "entry-removed", "request-changed", "availability-changed")
-_WITHOUT_RULE = {Impact.SILENT: "meaning-changed", Impact.LOUD: "frame-rejected"}
 _ORDER = list(Impact)
 
 
@@ -173,16 +175,14 @@ def _with(change: Change, witnesses: Sequence[Witness]) -> Change:
 
 
 def _unexplained(observations: Iterable[Observation]) -> Iterator[Change]:
-    """A change for each command and impact whose observations have no other explanation."""
-    groups: dict[tuple[str, Impact], list[Observation]] = defaultdict(list)
+    """A change for each command whose observations have no other explanation."""
+    groups: dict[str, list[Observation]] = defaultdict(list)
     for observation in observations:
-        groups[observation.commands[0], observation.witness.impact].append(observation)
-    for (command, impact), found in groups.items():
-        rule = CHANGES[_WITHOUT_RULE[impact]]
-        path = ("commands", command)
-        change = Change(
-            rule, Item("command", command), {"name": command}, path, path, impact, (), (command,)
-        )
+        groups[observation.commands[0]].append(observation)
+    for command, found in groups.items():
+        item, path = Item("command", command), ("commands", command)
+        facts = {"name": command}
+        change = Change(CHANGES["frames-affected"], item, facts, path, path, Impact.SAFE, (), (command,))
         yield _with(change, [observation.witness for observation in found])
 
 

@@ -143,9 +143,15 @@ class _Pair:
     ) -> Iterator[Observation]:
         for one, raw, frame in self._frames(source, target, encoder):
             found = raw_of(target, frame)
-            if found != raw:
+            if self._differs(source, raw, target, found):
                 yield self._misread(Aspect.RAW, assignment, encoder, frame, source, raw, target, found)
             yield from self._meaning(assignment, encoder, frame, source, one, target)
+
+    def _differs(self, source: Field, sent: Raw, target: Field, read: Raw) -> bool:
+        """Whether raw integers differ; those of arrays are compared by the index of their elements."""
+        one, other = _by_index(source, sent), _by_index(target, read)
+        compared = one.keys() | other.keys() if self._transfer.side is Side.SENDING else other.keys()
+        return any(one.get(index) != other.get(index) for index in compared)
 
     def _meaning(
         self,
@@ -270,6 +276,11 @@ class _Pair:
         witness = Witness(self._transfer.side, impact, assignment, frame, sentence, facts)
         paths: list[DocumentPath] = [path for f in fields for path in (f.path, f.type.path)]
         return Observation(aspect, witness, self._transfer.commands, tuple(dict.fromkeys(paths)), members)
+
+
+def _by_index(field: Field, raw: Raw) -> dict[int | None, int]:
+    ordered = raw if isinstance(raw, list) else [raw]
+    return {element.index: one for element, one in zip(field.elements, ordered, strict=True)}
 
 
 def _like(field: Field, raw: int) -> Raw:
