@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 from canwright.model.edition import Edition
 from canwright.model.layout import Segment, Space
-from canwright.model.message import Command, Direction, Key, Message
+from canwright.model.message import Command, Direction, Key, KeyRole, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Order, Parameter
 from canwright.targets import python as target
@@ -79,11 +79,12 @@ class Frame(NamedTuple):
 
 
 class Meaning(NamedTuple):
-    """A decoded frame: its command, its node, and the values of its fields."""
+    """A decoded frame: its command, its node, the values of its fields, and the names of its constants."""
 
     command: str
     node: int | None
     values: dict[str, Any]
+    constants: frozenset[str]
 
     def __str__(self) -> str:
         node = f" of node {self.node}" if self.node is not None else ""
@@ -133,9 +134,11 @@ class Binding:
             exec(compile(self.text, path, "exec"), self.module.__dict__)
         finally:
             del sys.modules[self.module.__name__]
-        self._classes: dict[str, Any] = {}
         self._depends: dict[Any, bool] = {}
-        self.messages = {m.name: m for m in item.edition.all_messages()}
+        for message in item.edition.all_messages():
+            constants = {k.name for k in message.keys if k.role is KeyRole.CONSTANT}
+            constants |= {f.name for f in message.layout.fields if f.demanded is not None}
+            self.of(message).CONSTANTS = frozenset(map(attribute, constants))
 
     @functools.cached_property
     def parts(self) -> dict[str, str]:
@@ -222,7 +225,7 @@ def meaning(message: Any) -> Meaning:
     """The values of all fields in units; the raw integer where there is no scale."""
     raws = message.raw()
     values = {name: _value(message.TYPES[name], raw, message.parameters, name) for name, raw in raws.items()}
-    return Meaning(message.COMMAND, message.node, values)
+    return Meaning(message.COMMAND, message.node, values, message.__class__.__dict__.get("CONSTANTS", frozenset()))
 
 
 def _value(type_: Any, raw: Any, parameters: Any, name: str) -> Any:
@@ -276,27 +279,26 @@ def difference(old: Meaning, new: Meaning, names: Names, *, receiving: bool) -> 
     seen = set()
     for name, value in old.values.items():
         now = names.field(old.command, name)
+        if now is not None and now in new.constants:
+            continue  # its value is the constant, or the frame would have been rejected
         if now is None or attribute(now) not in new.values:
             return f"{name} = {value} or no such field"
         now = attribute(now)
         seen.add(now)
         if not _same(value, new.values[now], names):
             return f"{name} = {value} or {new.values[now]}"
-    extra = [name for name in new.values if name not in seen]
+    extra = [name for name in new.values if name not in seen and name not in old.constants]
     if extra and not receiving:
         return f"{extra[0]} = {new.values[extra[0]]} or no such field"
     return ""
 
 
-def _numbers(parameter: Parameter) -> list[Any]:
-    low, high = parameter.minimum, parameter.maximum
-    start = float(low) if low is not None else 2.0 if high is None or high >= 2 else float(high)
-    return [min(start * 1.5 + 1, float(high)) if high is not None else start * 1.5 + 1]
-
-
-def _values_of(parameter: Parameter) -> list[Any]:
+def _values_of(parameter: Parameter, number: int = 0) -> list[Any]:
+    """Values of a parameter; a `number` that differs from those of others."""
     if not parameter.is_choice:
-        return _numbers(parameter)
+        low = parameter.minimum or 0
+        high = parameter.maximum if parameter.maximum is not None else low + 50
+        return [float(low + (high - low) * Fraction(2 + number % 8, 11))]
     return [v.number if parameter.is_numeric else v.name for v in parameter.values]
 
 
@@ -304,9 +306,9 @@ def assignments(old: Edition, new: Edition, names: Names) -> list[tuple[dict[str
     """Parameters of one node in both editions; each value at least once."""
     there = {p.name: p for p in new.parameters}
     options: list[tuple[str | None, str | None, list[tuple[Any, Any]]]] = []
-    for parameter in old.parameters:
+    for number, parameter in enumerate(old.parameters):
         now = there.pop(names.parameters.get(parameter.name, parameter.name), None)
-        values = _values_of(parameter)
+        values = _values_of(parameter, number)
         if now is None:
             options.append((parameter.name, None, [(value, None) for value in values]))
             continue
@@ -432,7 +434,7 @@ class Old:
     def _make(self, assignment: Mapping[str, Any]) -> Iterator[tuple[Command, Any, Any, Frame, Meaning]]:
         known = self.binding.parameters(assignment)
         for command in self.edition.commands:
-            if command.request is None or not command.implemented or not available(command, assignment):
+            if command.request is None or not available(command, assignment):
                 continue
             cls = self.binding.of(command.request)
             dice = random.Random(f"{self.seed} {command.name}")
@@ -560,9 +562,10 @@ class _Run:
         known: Any,
     ) -> None:
         """One request of the old host to a new node, and its answer."""
+        sure = command.implemented
         if isinstance(heard, ValueError):
             missing = getattr(heard, "refusal", None) == Refusal.MISSING_PARAMETER.value
-            self.sending.add(LOUD, f"{frame} {meant}: {heard}", certain=not missing)
+            self.sending.add(LOUD, f"{frame} {meant}: {heard}", certain=sure and not missing)
             if command.replies:
                 self.receiving.add(LOUD, f"{frame}: no answer", certain=False)
             return
@@ -570,13 +573,15 @@ class _Run:
         understood = meaning(heard)
         differs = difference(meant, understood, self.names, receiving=False)
         if differs:
-            self.sending.add(SILENT, f"{frame} is {meant}; new {understood}: {differs}")
+            self.sending.add(SILENT, f"{frame} is {meant}; new {understood}: {differs}", certain=sure)
+            if command.replies and self.now.get(meant.command) != understood.command:
+                self.receiving.add(SILENT, f"{frame}: the answer to another request", certain=False)
         elif not theirs.implemented or not available(theirs, after):
-            self.sending.add(LOUD, f"{frame} {meant}: not available")
+            self.sending.add(LOUD, f"{frame} {meant}: not available", certain=sure)
             return
         elif self._refused(heard):
             self.sending.add(SILENT, f"{frame} {meant}: out of range", certain=False)
-        wrong = bool(differs)
+        wrong = bool(differs) or not sure
         key = (command.name, heard.COMMAND, message.node, _asked(theirs, heard))
         if key in answered:
             return
@@ -746,7 +751,7 @@ class _Run:
                 continue
             theirs_now = self.new_commands.get(self.now[command.name] or "")
             gone = theirs_now is None or theirs_now.reply is None or theirs_now.request is not None
-            if gone or (theirs_now is not None and not available(theirs_now, after)):
+            if gone or (theirs_now is not None and not (theirs_now.implemented and available(theirs_now, after))):
                 self.receiving.add(LOUD, f"{command.name} is no longer sent without a request")
 
     def _published(self, command: Command | None, frame: Frame, meant: Meaning, mine: Any, known: Any) -> None:

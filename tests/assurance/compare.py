@@ -81,7 +81,10 @@ def reported(changes: Iterable[Change]) -> dict[str, int]:
     """The worst verdict of each side."""
     worst = dict.fromkeys(SIDES, SAFE)
     for change in changes:
-        for side in change.sides:
+        shown = {witness.side for witness in change.witnesses}
+        for witness in change.witnesses:
+            worst[witness.side.value] = max(worst[witness.side.value], _IMPACT[witness.impact.value])
+        for side in (side for side in change.sides if side not in shown):
             worst[side.value] = max(worst[side.value], _IMPACT[change.impact.value])
     return worst
 
@@ -236,6 +239,8 @@ def detail(case: Case) -> Iterator[str]:
     """A case in full."""
     yield case.name
     yield f"    findings: {case.rules or 'none'}"
+    for witness in (w for change in case.changes for w in change.witnesses):
+        yield f"    witness {witness.impact.value} {witness.side.value}: {witness.sent} {witness.says()}"
     for kind in ("dangerous", "over_warned", "debatable", "elsewhere"):
         yield from (f"    {kind}: {line}" for line in getattr(case, kind))
     if case.missing:

@@ -268,7 +268,7 @@ def _replies(data: Data) -> Iterator[Edit]:
                 yield Edit(f"{name} replies with the layout {layout}", put(path, layout))
         for other in names[:1] + names[-1:]:
             target = data["commands"][other].get("reply")
-            if other != name and isinstance(target, (dict, str)) and target not in ("none", "echo"):
+            if other != name and command.get("request") != "none" and isinstance(target, (dict, str)) and target not in ("none", "echo"):
                 if not (isinstance(target, dict) and "of" in target):
                     yield Edit(f"{name} replies as {other}", put(path, {"of": other}))
         if isinstance(reply, dict):
