@@ -14,7 +14,7 @@ import random
 import re
 import struct
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum, IntFlag
 from fractions import Fraction
@@ -22,10 +22,10 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from canwright.model.edition import Edition
-from canwright.model.layout import Segment, Space
+from canwright.model.layout import Space
 from canwright.model.message import Command, Direction, Key, KeyRole, Message
 from canwright.model.refusal import Refusal
-from canwright.model.types import Order, Parameter
+from canwright.model.types import Parameter
 from canwright.targets import python as target
 from canwright.targets.base import Specification
 from canwright.targets.python.text import attribute, class_name
@@ -250,9 +250,7 @@ def _same(one: Any, other: Any, names: Names) -> bool:
     if one == other and not names.members:
         return True
     if isinstance(one, tuple) and one and isinstance(one[0], tuple):
-        return (
-            isinstance(other, tuple) and len(one) == len(other) and all(map(_same, one, other, [names] * len(one)))
-        )
+        return isinstance(other, tuple) and len(one) == len(other) and all(map(_same, one, other, [names] * len(one)))
     if one[0] == "member" == other[0]:
         renamed = names.members.get(one[1].lower(), one[1].lower())
         return renamed is not None and renamed.upper() == other[1]

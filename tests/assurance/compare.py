@@ -27,8 +27,7 @@ import yaml
 from canwright.compare import Category, Change, compare
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.document.document import Document
-from canwright.project.loader import Loaded, load
-from canwright.project.loader import spec_files
+from canwright.project.loader import Loaded, load, spec_files
 
 from ..spec_texts import ROOT, SPECS, called
 from .behaviour import LOUD, NAMES, SAFE, SIDES, SILENT, Behaviour, Old, behaviour
@@ -68,7 +67,8 @@ class Case:
     @property
     def rules(self) -> str:
         return ", ".join(
-            f"{c.impact.value} {c.rule.id}({c.item})" + ("+".join(s.value[0] for s in c.sides)) for c in functional(self.changes)
+            f"{c.impact.value} {c.rule.id}({c.item})" + ("+".join(s.value[0] for s in c.sides))
+            for c in functional(self.changes)
         )
 
 
@@ -247,9 +247,7 @@ def detail(case: Case) -> Iterator[str]:
         yield f"    not found: {case.missing}"
 
 
-def run(
-    files: Sequence[Path], folder: Path, sample: int | None = None, seed: int = 1, only: str = ""
-) -> Totals:
+def run(files: Sequence[Path], folder: Path, sample: int | None = None, seed: int = 1, only: str = "") -> Totals:
     """The cases of all edits of some specs, or of a random sample of them."""
     totals = Totals()
     dice = random.Random(seed)
@@ -279,7 +277,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--spec", action="append", help="as pump/v1 (default: all specs of spec/ and of the tests)")
     parser.add_argument("--edit", default="", help="only edits whose name contains this text")
     parser.add_argument("--show", type=int, default=0, help="print so many wrong cases in full")
-    parser.add_argument("--kinds", type=int, default=40, help="print so many patterns of each list (default %(default)s)")
+    parser.add_argument(
+        "--kinds", type=int, default=40, help="print so many patterns of each list (default %(default)s)"
+    )
     given = parser.parse_args(arguments)
     files = [f for f in (*OWN, *SPECS) if not given.spec or called(f) in given.spec or f.parent.name in given.spec]
     start = time.perf_counter()

@@ -198,9 +198,13 @@ def _commands(data: Data) -> Iterator[Edit]:
         path = ("commands", name)
         yield Edit(f"{name} removed", drop(path), Names(commands=_renamed_forms(data, name, None)))
         yield Edit(
-            f"{name} renamed", rename_command(name, f"{name}_2"), Names(commands=_renamed_forms(data, name, f"{name}_2"))
+            f"{name} renamed",
+            rename_command(name, f"{name}_2"),
+            Names(commands=_renamed_forms(data, name, f"{name}_2")),
         )
-        other = both(put((*path, "title"), _title(data, "Calibrate the scale")), rename_command(name, "calibrate_scale"))
+        other = both(
+            put((*path, "title"), _title(data, "Calibrate the scale")), rename_command(name, "calibrate_scale")
+        )
         yield Edit(f"{name} reused with another title", other, Names(commands=_renamed_forms(data, name, None)))
         if isinstance(command.get("code"), int):
             added = {k: v for k, v in command.items() if k in ("address", "request", "reply", "manual", "table")}
@@ -231,7 +235,9 @@ def _commands(data: Data) -> Iterator[Edit]:
             )
         if command.get("request") == "none":
             yield Edit(f"{name} must be requested", drop((*path, "request")))
-            yield Edit(f"{name} must be requested with data", put((*path, "request"), {"which": {"at": 1, "raw": "u8"}}))
+            yield Edit(
+                f"{name} must be requested with data", put((*path, "request"), {"which": {"at": 1, "raw": "u8"}})
+            )
         elif command.get("reply") not in ("echo", "none"):
             yield Edit(f"{name} is sent by itself", put((*path, "request"), "none"))
         if "implemented" not in command:
@@ -268,7 +274,12 @@ def _replies(data: Data) -> Iterator[Edit]:
                 yield Edit(f"{name} replies with the layout {layout}", put(path, layout))
         for other in names[:1] + names[-1:]:
             target = data["commands"][other].get("reply")
-            if other != name and command.get("request") != "none" and isinstance(target, (dict, str)) and target not in ("none", "echo"):
+            if (
+                other != name
+                and command.get("request") != "none"
+                and isinstance(target, (dict, str))
+                and target not in ("none", "echo")
+            ):
                 if not (isinstance(target, dict) and "of" in target):
                     yield Edit(f"{name} replies as {other}", put(path, {"of": other}))
         if isinstance(reply, dict):
@@ -392,7 +403,9 @@ def _types(data: Data) -> Iterator[Edit]:
                 cases = [c for c in scale if c != "by"]
                 for a, b in _pairs(cases):
                     if scale[a] != scale[b]:
-                        yield Edit(f"scales {a} and {b} of {name} swapped", swap((*path, "scale", a), (*path, "scale", b)))
+                        yield Edit(
+                            f"scales {a} and {b} of {name} swapped", swap((*path, "scale", a), (*path, "scale", b))
+                        )
                 for case in cases:
                     new = "none" if scale[case] != "none" else "1/10"
                     yield Edit(f"scale {case} of {name} is {new}", put((*path, "scale", case), new))
@@ -431,7 +444,9 @@ def _members(data: Data, name: str, type_: Data) -> Iterator[Edit]:
         for member, one in members.items():
             yield Edit(f"{kind} {name}: {member} removed", drop((*path, member)))
             yield Edit(
-                f"{kind} {name}: {member} renamed", rename((*path, member), f"{member}_2"), Names(members={member: f"{member}_2"})
+                f"{kind} {name}: {member} renamed",
+                rename((*path, member), f"{member}_2"),
+                Names(members={member: f"{member}_2"}),
             )
             yield Edit(
                 f"{kind} {name}: {member} reused with another title",
@@ -441,8 +456,10 @@ def _members(data: Data, name: str, type_: Data) -> Iterator[Edit]:
             if free is not None:
                 yield Edit(
                     f"{kind} {name}: {member} moved, its value reused",
-                    both(put((*path, member), free if isinstance(one, int) else {**one, key: free}),
-                         put((*path, "parking"), {key: _member(one, key), **text})),
+                    both(
+                        put((*path, member), free if isinstance(one, int) else {**one, key: free}),
+                        put((*path, "parking"), {key: _member(one, key), **text}),
+                    ),
                 )
 
 
@@ -496,16 +513,23 @@ def _fields(data: Data) -> Iterator[Edit]:
                             Names(fields={name: None}),
                         )
             if "constant" in one:
-                yield Edit(
-                    f"{_dotted(here)} becomes a value", drop((*here, "constant"))
-                )
+                yield Edit(f"{_dotted(here)} becomes a value", drop((*here, "constant")))
                 yield Edit(f"{_dotted(here)} constant renamed", rename(here, f"{name}_2"))
             elif not fixed and "holds" not in one and "array" not in one:
                 plain = {**one, "constant": 1}
                 if "type" not in one:
                     yield Edit(f"{_dotted(here)} becomes a constant", put(here, plain))
-                yield Edit(f"{_dotted(here)} becomes reserved", put(here, {
-                    "at": one["at"], "raw": one["raw"] if "raw" in one else data["types"][one["type"]]["raw"], "reserved": 0}))
+                yield Edit(
+                    f"{_dotted(here)} becomes reserved",
+                    put(
+                        here,
+                        {
+                            "at": one["at"],
+                            "raw": one["raw"] if "raw" in one else data["types"][one["type"]]["raw"],
+                            "reserved": 0,
+                        },
+                    ),
+                )
             if "only" in one:
                 parameter, values = next(iter(one["only"].items()))
                 every = list(data["parameters"][parameter]["values"])
@@ -525,7 +549,8 @@ def _fields(data: Data) -> Iterator[Edit]:
             yield Edit(f"{_dotted(path)}: names of {a} and {b} swapped", _swap_keys(path, a, b))
         for position in range(8):
             yield Edit(
-                f"{_dotted(path)}: field at {position} added", put((*path, "fresh_field"), {"at": position, "raw": "u8"})
+                f"{_dotted(path)}: field at {position} added",
+                put((*path, "fresh_field"), {"at": position, "raw": "u8"}),
             )
 
 
@@ -640,11 +665,14 @@ def _parameters(data: Data) -> Iterator[Edit]:
                 f"value {first} of {name} renamed", _rename_value(name, {first: "Z9"}), Names(values={first: "Z9"})
             )
             if first != last:
-                yield Edit(f"values {first} and {last} of {name} swapped",
-                           _rename_value(name, {first: last, last: first}))
-                yield Edit(f"parameter {name} renamed, cases swapped",
-                           both(_rename_value(name, {first: last, last: first}), _rename_parameter(name, f"{name}_2")),
-                           Names(parameters={name: f"{name}_2"}))
+                yield Edit(
+                    f"values {first} and {last} of {name} swapped", _rename_value(name, {first: last, last: first})
+                )
+                yield Edit(
+                    f"parameter {name} renamed, cases swapped",
+                    both(_rename_value(name, {first: last, last: first}), _rename_parameter(name, f"{name}_2")),
+                    Names(parameters={name: f"{name}_2"}),
+                )
 
 
 def _same(data: Data) -> Iterator[Edit]:
