@@ -618,11 +618,11 @@ class _Run:
         if key not in self.replies:
             self.replies[key] = list(messages_of(cls, known, random.Random(f"1 {command.reply.name}")))
         asked = _asked(command, request)
-        sources = list(command.from_each) or [asked]
+        sources: list[int | None] = [*command.from_each] or [asked]
         inside = holder(command.reply)
         for message in self.replies[key]:
             for node in sources:
-                values = {"node": node} if hasattr(cls, "NODES") and node is not None else {}
+                values: dict[str, Any] = {"node": node} if hasattr(cls, "NODES") and node is not None else {}
                 if inside and node is not None:
                     values[inside] = node
                 try:
@@ -758,8 +758,8 @@ class _Run:
         if isinstance(heard, ValueError):
             if command is not None:
                 cls = self.old.binding.of(command.reply) if command.reply else None
-                low, high = getattr(cls, "NODES", (meant.node, meant.node))
-                certain = meant.node is None or low is None or low <= meant.node <= high
+                nodes = getattr(cls, "NODES", None)
+                certain = meant.node is None or nodes is None or nodes[0] <= meant.node <= nodes[1]
                 self.receiving.add(LOUD, f"{frame} {meant}: {heard}", certain=certain)
             return
         alone = self.new.decode(Direction.REPLY, frame, known)

@@ -266,7 +266,8 @@ def _replies(data: Data) -> Iterator[Edit]:
     for name, command in data["commands"].items():
         path = ("commands", name, "reply")
         reply = command.get("reply")
-        for form in ("none", "echo", {}):
+        forms_: tuple[Any, ...] = ("none", "echo", {})
+        for form in forms_:
             if reply != form and command.get("request") != "none":
                 yield Edit(f"{name} replies {form or 'without fields'}", put(path, form))
         for layout in list(data.get("layouts", {}))[:3]:
@@ -282,34 +283,39 @@ def _replies(data: Data) -> Iterator[Edit]:
             ):
                 if not (isinstance(target, dict) and "of" in target):
                     yield Edit(f"{name} replies as {other}", put(path, {"of": other}))
-        if isinstance(reply, dict):
-            long = {"layout", "fields", "of", "from_each", "code", "accept", "address", "dlc", "remote"} & set(reply)
-            if not long and reply:
-                yield Edit(f"{name} replies with another code", put(path, {"layout": reply, "code": free}))
-            if "accept" in reply:
-                yield Edit(f"{name} accepts one more", put((*path, "accept"), [*reply["accept"], free]))
-                yield Edit(f"{name} accepts nothing else", drop((*path, "accept")))
-                for other in names:
-                    code = data["commands"][other].get("code")
-                    if isinstance(code, int) and code not in reply["accept"]:
-                        yield Edit(
-                            f"{name} accepts the code of {other}", put((*path, "accept"), [*reply["accept"], code])
-                        )
-                        break
-            elif "layout" in reply and isinstance(command.get("code"), int) and "of" not in reply:
-                yield Edit(f"{name} accepts {free}", put((*path, "accept"), [free]))
-            if "code" in reply:
-                yield Edit(f"{name} replies with the usual code", drop((*path, "code")))
-            if "of" in reply:
-                yield Edit(f"{name} has a reply of its own", put(path, {"own": {"at": 1, "raw": "u8"}}))
-        elif reply == "echo":
-            yield Edit(f"{name} replies with a number", put(path, {"own": {"at": 1, "raw": "u8"}}))
+        yield from _own_reply(data, name, free)
     for one, other in itertools.pairwise(names):
         a, b = data["commands"][one].get("reply"), data["commands"][other].get("reply")
         if a != b and a is not None and b is not None:
             yield Edit(
                 f"replies of {one} and {other} swapped", swap(("commands", one, "reply"), ("commands", other, "reply"))
             )
+
+
+def _own_reply(data: Data, name: str, free: int) -> Iterator[Edit]:
+    """Codes and fields of the reply of one command."""
+    command = data["commands"][name]
+    path, reply, names = ("commands", name, "reply"), command.get("reply"), list(data["commands"])
+    if isinstance(reply, dict):
+        long = {"layout", "fields", "of", "from_each", "code", "accept", "address", "dlc", "remote"} & set(reply)
+        if not long and reply:
+            yield Edit(f"{name} replies with another code", put(path, {"layout": reply, "code": free}))
+        if "accept" in reply:
+            yield Edit(f"{name} accepts one more", put((*path, "accept"), [*reply["accept"], free]))
+            yield Edit(f"{name} accepts nothing else", drop((*path, "accept")))
+            for other in names:
+                code = data["commands"][other].get("code")
+                if isinstance(code, int) and code not in reply["accept"]:
+                    yield Edit(f"{name} accepts the code of {other}", put((*path, "accept"), [*reply["accept"], code]))
+                    break
+        elif "layout" in reply and isinstance(command.get("code"), int) and "of" not in reply:
+            yield Edit(f"{name} accepts {free}", put((*path, "accept"), [free]))
+        if "code" in reply:
+            yield Edit(f"{name} replies with the usual code", drop((*path, "code")))
+        if "of" in reply:
+            yield Edit(f"{name} has a reply of its own", put(path, {"own": {"at": 1, "raw": "u8"}}))
+    elif reply == "echo":
+        yield Edit(f"{name} replies with a number", put(path, {"own": {"at": 1, "raw": "u8"}}))
 
 
 def _tables(data: Data) -> Iterator[Edit]:
@@ -323,7 +329,7 @@ def _tables(data: Data) -> Iterator[Edit]:
                 yield Edit(f"{table}: layouts of {a} and {b} swapped", swap((*path, a, "layout"), (*path, b, "layout")))
         for entry in one["entries"]:
 
-            def named(new: str | None, entry: str = entry) -> Names:
+            def named(new: str | None, entry: str = entry, users: Sequence[str] = users) -> Names:
                 return Names(commands={f"{u}_{entry}": new and f"{u}_{new}" for u in users})
 
             yield Edit(f"{table}: {entry} removed", drop((*path, entry)), named(None))
@@ -351,6 +357,15 @@ def _tables(data: Data) -> Iterator[Edit]:
 def _addresses(data: Data) -> Iterator[Edit]:
     """Ids that are exchanged, added, given to others."""
     addresses = data["addresses"]
+    yield from _exchanged_ids(addresses)
+    for name, command in data["commands"].items():
+        for other in addresses:
+            if command.get("address", next(iter(addresses))) != other:
+                yield Edit(f"{name} uses the address {other}", put(("commands", name, "address"), other))
+
+
+def _exchanged_ids(addresses: Data) -> Iterator[Edit]:
+    """Ids and nodes of addresses."""
     for one, other in itertools.combinations(addresses, 2):
         for key in ("id", "request", "reply"):
             if key in addresses[one] and key in addresses[other]:
@@ -371,10 +386,6 @@ def _addresses(data: Data) -> Iterator[Edit]:
             yield Edit(f"nodes of {name} halved", put((*path, "nodes"), f"{low}..{(low + high) // 2}"))
         renamed = both(rename(path, f"{name}_2"), lambda d, n=name: _references(d, "address", n, f"{n}_2"))  # type: ignore[misc]
         yield Edit(f"address {name} renamed", renamed)
-    for name, command in data["commands"].items():
-        for other in addresses:
-            if command.get("address", next(iter(addresses))) != other:
-                yield Edit(f"{name} uses the address {other}", put(("commands", name, "address"), other))
 
 
 def _uses(data: Data, type_: str) -> int:
@@ -382,7 +393,8 @@ def _uses(data: Data, type_: str) -> int:
 
 
 def _member(one: Any, key: str) -> int:
-    return one[key] if isinstance(one, dict) else one
+    value: int = one[key] if isinstance(one, dict) else one
+    return value
 
 
 def _types(data: Data) -> Iterator[Edit]:

@@ -6,10 +6,9 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from canwright.compare import Impact
+from canwright.compare import Impact, compare
 
 from ..spec_texts import SMALL, called
-from . import compare as oracle
 from .behaviour import LOUD, RECEIVING, SAFE, SENDING, SILENT
 from .compare import OWN, Case, Spec, run
 
@@ -47,10 +46,8 @@ def test_a_sample_of_all_edits(tmp_path: Path) -> None:
 
 
 def test_a_wrong_verdict_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    compared = oracle.compare
     monkeypatch.setattr(
-        oracle,
-        "compare",
-        lambda old, new: tuple(dataclasses.replace(c, impact=Impact.SAFE, witnesses=()) for c in compared(old, new)),
+        "tests.assurance.compare.compare",
+        lambda old, new: tuple(dataclasses.replace(c, impact=Impact.SAFE, witnesses=()) for c in compare(old, new)),
     )
     assert _case("pump", "scale of current times 10", tmp_path).dangerous
