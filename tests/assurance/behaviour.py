@@ -396,8 +396,8 @@ def messages_of(cls: Any, parameters: Any, dice: random.Random, holds: str = "")
     for name, raws in candidates.items():
         vectors += [{**base, name: raw} for raw in raws[:VECTORS]]
     vectors += [{name: dice.choice(raws) for name, raws in candidates.items()} for _ in range(3 if fields else 0)]
-    for raws in vectors if fields else [{}]:
-        yield cls.from_raw(node=node, parameters=parameters, **raws)
+    for vector in vectors if fields else [{}]:
+        yield cls.from_raw(node=node, parameters=parameters, **vector)
     for other in nodes:
         yield cls.from_raw(node=other, parameters=parameters, **base)
 

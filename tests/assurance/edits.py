@@ -280,9 +280,8 @@ def _replies(data: Data) -> Iterator[Edit]:
                 and command.get("request") != "none"
                 and isinstance(target, (dict, str))
                 and target not in ("none", "echo")
-            ):
-                if not (isinstance(target, dict) and "of" in target):
-                    yield Edit(f"{name} replies as {other}", put(path, {"of": other}))
+            ) and not (isinstance(target, dict) and "of" in target):
+                yield Edit(f"{name} replies as {other}", put(path, {"of": other}))
         yield from _own_reply(data, name, free)
     for one, other in itertools.pairwise(names):
         a, b = data["commands"][one].get("reply"), data["commands"][other].get("reply")
@@ -411,22 +410,7 @@ def _types(data: Data) -> Iterator[Edit]:
             if isinstance(scale, (int, float)):
                 yield Edit(f"scale of {name} times 10", put((*path, "scale"), scale * 10))
                 yield Edit(f"sign of {name} turned", put((*path, "scale"), -scale))
-            if isinstance(scale, dict):
-                cases = [c for c in scale if c != "by"]
-                for a, b in _pairs(cases):
-                    if scale[a] != scale[b]:
-                        yield Edit(
-                            f"scales {a} and {b} of {name} swapped", swap((*path, "scale", a), (*path, "scale", b))
-                        )
-                for case in cases:
-                    new = "none" if scale[case] != "none" else "1/10"
-                    yield Edit(f"scale {case} of {name} is {new}", put((*path, "scale", case), new))
-            if isinstance(type_.get("raw_range"), dict):
-                cases = [c for c in type_["raw_range"] if c != "by"]
-                for a, b in _pairs(cases):
-                    yield Edit(
-                        f"ranges {a} and {b} of {name} swapped", swap((*path, "raw_range", a), (*path, "raw_range", b))
-                    )
+            yield from _cases(name, type_)
             if "offset" not in type_ and not isinstance(scale, dict):
                 yield Edit(f"offset of {name} is 40", put((*path, "offset"), 40))
             if str(type_["raw"])[0] != "f" and type_["raw"][1:] in ("32", "64"):
@@ -434,6 +418,24 @@ def _types(data: Data) -> Iterator[Edit]:
         yield from _members(data, name, type_)
         renamed = both(rename(path, f"{name}_2"), lambda d, n=name: _references(d, "type", n, f"{n}_2"))  # type: ignore[misc]
         yield Edit(f"type {name} renamed", renamed)
+
+
+def _cases(name: str, type_: Data) -> Iterator[Edit]:
+    """Scales and ranges that depend on a parameter."""
+    path: Path = ("types", name)
+    scale = type_.get("scale")
+    if isinstance(scale, dict):
+        cases = [c for c in scale if c != "by"]
+        for a, b in _pairs(cases):
+            if scale[a] != scale[b]:
+                yield Edit(f"scales {a} and {b} of {name} swapped", swap((*path, "scale", a), (*path, "scale", b)))
+        for case in cases:
+            new = "none" if scale[case] != "none" else "1/10"
+            yield Edit(f"scale {case} of {name} is {new}", put((*path, "scale", case), new))
+    if isinstance(type_.get("raw_range"), dict):
+        cases = [c for c in type_["raw_range"] if c != "by"]
+        for a, b in _pairs(cases):
+            yield Edit(f"ranges {a} and {b} of {name} swapped", swap((*path, "raw_range", a), (*path, "raw_range", b)))
 
 
 def _members(data: Data, name: str, type_: Data) -> Iterator[Edit]:
@@ -524,37 +526,7 @@ def _fields(data: Data) -> Iterator[Edit]:
                             ),
                             Names(fields={name: None}),
                         )
-            if "constant" in one:
-                yield Edit(f"{_dotted(here)} becomes a value", drop((*here, "constant")))
-                yield Edit(f"{_dotted(here)} constant renamed", rename(here, f"{name}_2"))
-            elif not fixed and "holds" not in one and "array" not in one:
-                plain = {**one, "constant": 1}
-                if "type" not in one:
-                    yield Edit(f"{_dotted(here)} becomes a constant", put(here, plain))
-                yield Edit(
-                    f"{_dotted(here)} becomes reserved",
-                    put(
-                        here,
-                        {
-                            "at": one["at"],
-                            "raw": one["raw"] if "raw" in one else data["types"][one["type"]]["raw"],
-                            "reserved": 0,
-                        },
-                    ),
-                )
-            if "only" in one:
-                parameter, values = next(iter(one["only"].items()))
-                every = list(data["parameters"][parameter]["values"])
-                for value in (v for v in every if v not in values):
-                    yield Edit(f"{_dotted(here)} for {value}, too", put((*here, "only"), {parameter: [*values, value]}))
-                if len(values) > 1:
-                    yield Edit(f"{_dotted(here)} only for {values[0]}", put((*here, "only"), {parameter: values[:1]}))
-            if "type" in one:
-                raw = data["types"][one["type"]]["raw"]
-                for other_name, other_type in data["types"].items():
-                    if other_type["raw"] == raw and other_name != one["type"]:
-                        yield Edit(f"{_dotted(here)} has the type {other_name}", put((*here, "type"), other_name))
-                        break
+            yield from _field(data, here, one)
         for a, b in _pairs(list(fields)):
             if fields[a]["at"] == fields[b]["at"]:
                 continue
@@ -564,6 +536,42 @@ def _fields(data: Data) -> Iterator[Edit]:
                 f"{_dotted(path)}: field at {position} added",
                 put((*path, "fresh_field"), {"at": position, "raw": "u8"}),
             )
+
+
+def _field(data: Data, here: Path, one: Data) -> Iterator[Edit]:
+    """One field that becomes constant or reserved, exists under other parameters, or has another type."""
+    name, fixed = here[-1], {"constant", "reserved"} & set(one)
+    if "constant" in one:
+        yield Edit(f"{_dotted(here)} becomes a value", drop((*here, "constant")))
+        yield Edit(f"{_dotted(here)} constant renamed", rename(here, f"{name}_2"))
+    elif not fixed and "holds" not in one and "array" not in one:
+        plain = {**one, "constant": 1}
+        if "type" not in one:
+            yield Edit(f"{_dotted(here)} becomes a constant", put(here, plain))
+        yield Edit(
+            f"{_dotted(here)} becomes reserved",
+            put(
+                here,
+                {
+                    "at": one["at"],
+                    "raw": one["raw"] if "raw" in one else data["types"][one["type"]]["raw"],
+                    "reserved": 0,
+                },
+            ),
+        )
+    if "only" in one:
+        parameter, values = next(iter(one["only"].items()))
+        every = list(data["parameters"][parameter]["values"])
+        for value in (v for v in every if v not in values):
+            yield Edit(f"{_dotted(here)} for {value}, too", put((*here, "only"), {parameter: [*values, value]}))
+        if len(values) > 1:
+            yield Edit(f"{_dotted(here)} only for {values[0]}", put((*here, "only"), {parameter: values[:1]}))
+    if "type" in one:
+        raw = data["types"][one["type"]]["raw"]
+        for other_name, other_type in data["types"].items():
+            if other_type["raw"] == raw and other_name != one["type"]:
+                yield Edit(f"{_dotted(here)} has the type {other_name}", put((*here, "type"), other_name))
+                break
 
 
 def _swap_keys(path: Path, one: str, other: str) -> Callable[[Data], None]:
