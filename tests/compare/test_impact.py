@@ -129,5 +129,5 @@ def test_of_a_constant_that_distinguishes_messages(tmp_path: Path) -> None:
     assert impacts(tmp_path, without, added) == ["safe none: command read_word: field-added"]
     renamed = ["build receiving: command read_word: field-renamed"]
     assert impacts(tmp_path, joint, (zero, zero.replace("zero", "nought"))) == renamed
-    changed = ["loud receiving: command read_word: constant-changed"]
+    changed = ["silent receiving: command read_word: constant-changed"]
     assert impacts(tmp_path, joint, (zero, zero.replace("constant: 0", "constant: 9"))) == changed

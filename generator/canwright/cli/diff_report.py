@@ -10,7 +10,18 @@ from dataclasses import dataclass
 
 import click
 
-from ..compare import Category, Change, Impact, Item, by_impact, compare
+from ..compare import (
+    REASONS,
+    Category,
+    Change,
+    Impact,
+    Item,
+    Witness,
+    by_impact,
+    compare,
+    examples,
+    reason_without_witness,
+)
 from ..compare.positions import positions
 from ..diagnostics.diagnostic import Position
 from ..model import formatting
@@ -80,12 +91,24 @@ def text(comparison: Comparison) -> str:
             lines.append(f"  {impact}  {change.rule.category.value:5}  {change.says()} [{change.rule.id}]")
             affected = _affected(change) and f"{_affected(change)}; "
             lines.append(f"                 {affected}{_location(old)} -> {_location(new)}")
+            lines += (f"                 {line}" for line in _examples(change))
         lines.append("")
     return "\n".join([*lines, summary(comparison.changes)])
 
 
 def _styled(written: str, colour: str | None) -> str:
     return written if os.environ.get("NO_COLOR") else click.style(written, fg=colour, bold=True)
+
+
+def _examples(change: Change) -> list[str]:
+    """The witnesses of a change, one for each side, or why it has none."""
+    reason = reason_without_witness(change)
+    return [REASONS[reason]] if reason else [_example(witness) for witness in examples(change)]
+
+
+def _example(witness: Witness) -> str:
+    condition = f"[{witness.condition}] " if witness.assignment else ""
+    return f"{witness.impact.value}: {condition}{witness.says()}"
 
 
 def _location(at: Position) -> str:
@@ -110,8 +133,12 @@ def markdown(comparison: Comparison) -> str:
     for impact in Impact:
         changes = [change for change in comparison.changes if change.impact is impact]
         if changes:
-            lines += [f"## {_MEANING[impact]}", "", "| item | change | kind | host | old | new |"]
-            lines += ["| --- | --- | --- | --- | --- | --- |", *(_row(comparison, change) for change in changes), ""]
+            lines += [f"## {_MEANING[impact]}", "", "| item | change | frame | kind | host | old | new |"]
+            lines += [
+                "| --- | --- | --- | --- | --- | --- | --- |",
+                *(_row(comparison, change) for change in changes),
+                "",
+            ]
     return "\n".join(lines).rstrip("\n")
 
 
@@ -120,7 +147,8 @@ def _row(comparison: Comparison, change: Change) -> str:
     host = ", ".join(side.value for side in change.sides)
     kind = f"{change.rule.category.value} `{change.rule.id}`"
     locations = [markdown_text(f"{at.file}:{at.line}") for at in (old, new)]
-    return f"| {' | '.join([str(change.item), change.says(escape=markdown_text), kind, host, *locations])} |"
+    frames = "<br>".join(_examples(change))
+    return f"| {' | '.join([str(change.item), change.says(escape=markdown_text), frames, kind, host, *locations])} |"
 
 
 def changelog(comparison: Comparison) -> str:
@@ -172,6 +200,8 @@ def as_json(comparison: Comparison) -> str:
             "item": {"kind": change.item.kind, "name": change.item.name},
             "message": change.says(),
             "used_by": list(change.used_by),
+            "witnesses": list(map(_witness, change.witnesses)),
+            "no_witness": reason_without_witness(change) or None,
             "old": location(comparison.positions(change)[0]),
             "new": location(comparison.positions(change)[1]),
         }
@@ -180,6 +210,16 @@ def as_json(comparison: Comparison) -> str:
     old, new = comparison.old.specification.edition, comparison.new.specification.edition
     listed = {"family": old.family, "old": old.name, "new": new.name, "changes": changes}
     return json.dumps(listed, indent=2, ensure_ascii=False)
+
+
+def _witness(witness: Witness) -> dict[str, object]:
+    return {
+        "host": witness.side.value,
+        "impact": witness.impact.value,
+        "parameters": dict(witness.assignment),
+        "frame": witness.sent or None,
+        "message": witness.says(),
+    }
 
 
 def github(comparison: Comparison) -> str:

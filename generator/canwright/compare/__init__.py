@@ -15,8 +15,8 @@ from .catalogue import CHANGES as CHANGES
 from .change import Category as Category, Change as Change, Impact as Impact, Item as Item, Side as Side
 from .collector import Collector
 from .exported_names import ExportedNames, Exporter
-from .verdicts import judged, reason_without_witness as reason_without_witness
-from .witnesses import Witness as Witness, observe
+from .verdicts import examples as examples, judged, reason_without_witness as reason_without_witness
+from .witnesses import REASONS as REASONS, SENTENCES as SENTENCES, Witness as Witness, observe
 
 _CATEGORIES, _IMPACTS = list(Category), list(Impact)
 

@@ -89,7 +89,8 @@ def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tu
     for number, change in enumerate(changes):
         known = found[number]
         if known is not None:
-            known += (n for n in index.of_commands(change) if n not in explained and _may_cause(change, observations[n]))
+            others = (*index.of_commands(change), *index.of_address(change))
+            known += (n for n in others if n not in explained and _may_cause(change, observations[n]))
     explained.update(n for numbers in found for n in numbers or ())
     made = [
         change if numbers is None else _with(change, [observations[n].witness for n in dict.fromkeys(numbers)])
@@ -101,8 +102,8 @@ def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tu
 def _may_cause(change: Change, observation: Observation) -> bool:
     """Whether a change affects the other side, as that of an echo, or makes a frame another message."""
     aspects = _EXPLAINS[change.rule.id]
-    by_fields = change.rule.id in _ADDITIONS or bool(aspects & _CONTENT)
-    return observation.aspect in (_IDENTIFIED if by_fields else aspects - _CONTENT)
+    by_others = change.rule.id in _ADDITIONS or bool(aspects & (_CONTENT | _ID))
+    return observation.aspect in (_IDENTIFIED if by_others else aspects)
 
 
 class _Index:
@@ -137,6 +138,10 @@ class _Index:
     def of_commands(self, change: Change) -> list[int]:
         """The observations about the commands of a change."""
         return [n for command in change.used_by for n in self._by_command.get(command, ())]
+
+    def of_address(self, change: Change) -> list[int]:
+        """The observations about the address that a change is about."""
+        return list(self._of_paths(change)) if change.item.kind == "address" else []
 
     def _of_paths(self, change: Change) -> Iterator[int]:
         kind = change.rule.id
@@ -187,14 +192,10 @@ def _unexplained(observations: Iterable[Observation]) -> Iterator[Change]:
 
 
 def reason_without_witness(change: Change) -> str:
-    """Why a change has no witness: its kind is in no frame, or no frame differs. Empty with a witness."""
-    if change.witnesses:
+    """The key of the reason why a change of bits or of meaning has no witness; empty with one, and for names and texts."""
+    if change.witnesses or change.rule.category in (Category.API, Category.DOC):
         return ""
-    if change.rule.id in _EXPLAINS:
-        return "frames"
-    if change.rule.category in (Category.API, Category.DOC):
-        return "names" if change.rule.category is Category.API else "text"
-    return _REASONS.get(change.rule.id, "setting")
+    return "frames" if change.rule.id in _EXPLAINS else _REASONS.get(change.rule.id, "setting")
 
 
 _REASONS = {
@@ -203,3 +204,11 @@ _REASONS = {
     "limits-changed": "effects",
     "reply-time-changed": "timing",
 }
+
+
+def examples(change: Change) -> tuple[Witness, ...]:
+    """A witness for each side that a change affects, with the worst impact of the side."""
+    found: dict[Side, Witness] = {}
+    for witness in change.witnesses:
+        found.setdefault(witness.side, witness)
+    return tuple(found.values())

@@ -7,7 +7,13 @@ from __future__ import annotations
 
 from ...model.edition import Edition
 from .behaviour import Behaviour
-from .witness import SENTENCES as SENTENCES, Aspect as Aspect, Observation as Observation, Witness as Witness
+from .witness import (
+    REASONS as REASONS,
+    SENTENCES as SENTENCES,
+    Aspect as Aspect,
+    Observation as Observation,
+    Witness as Witness,
+)
 
 
 def observe(old: Edition, new: Edition) -> tuple[Observation, ...]:

@@ -43,8 +43,7 @@ class Assignments:
 
 def _values(parameters: Sequence[Parameter], prime: int) -> Sequence[str]:
     if all(p.is_choice for p in parameters):
-        common = [v.name for v in parameters[0].values if all(v.name in _names(p) for p in parameters)]
-        return common
+        return [v.name for v in parameters[0].values if all(v.name in _names(p) for p in parameters)]
     number = Fraction(prime)
     for parameter in parameters:
         if parameter.maximum is not None:

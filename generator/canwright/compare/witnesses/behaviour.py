@@ -92,11 +92,11 @@ class Behaviour:
             if new.reply is not None:
                 yield from self._identified(case, new.reply, None)
         elif new.reply is None:
-            request = old.request and self._first(case, old.request)
-            if request is None:
+            if old.request is None:
                 yield self._absent(case, "received-removed", old.reply)
             else:
                 facts = {"sent": f"`{old.name}`"}
+                request = self._first(old.request)
                 yield self._made(case, Aspect.PRESENCE, Impact.LOUD, {}, request, "sent-unanswered", facts)
         else:
             if old.request is None and new.request is not None:
@@ -114,11 +114,9 @@ class Behaviour:
         for assignment in self._assignments.of((*old.only, *new.only)):
             if old.available(assignment) and not new.available(assignment):
                 if old.request is not None:
-                    frame = self._first(case, old.request)
+                    frame = self._first(old.request)
                     facts = {"sent": f"`{old.name}`"}
-                    yield self._made(
-                        case, Aspect.PRESENCE, Impact.LOUD, assignment, frame, "sent-unavailable", facts
-                    )
+                    yield self._made(case, Aspect.PRESENCE, Impact.LOUD, assignment, frame, "sent-unavailable", facts)
                 elif old.reply is not None:
                     missing = case._replace(side=Side.RECEIVING)
                     yield self._absent(missing, "received-removed", old.reply, assignment)
@@ -160,9 +158,7 @@ class Behaviour:
         reply = self._reply(encoder, other, asked, node)
         if reply is None or other.reply is None:
             facts: dict[str, Fact] = {"sent": f"`{old.name}`"}
-            yield self._made(
-                back, Aspect.IDENTITY, Impact.LOUD, assignment, asked, "sent-unanswered", facts, (other,)
-            )
+            yield self._made(back, Aspect.IDENTITY, Impact.LOUD, assignment, asked, "sent-unanswered", facts, (other,))
             return
         original = _moved(asked, understood.id, old.request.id, node)
         placed = _moved(reply, other.reply.id, old.reply.id, node)
@@ -316,22 +312,16 @@ class Behaviour:
                 judged = None if placed is None else check_reply(host, asked, placed)
                 if placed is not None and isinstance(judged, Rejection):
                     facts = {"sent": f"`{new.name}`", "reason": _reason(judged.reason.value)}
-                    yield self._made(
-                        case, Aspect.ANSWER, Impact.LOUD, assignment, placed, "received-rejected", facts
-                    )
+                    yield self._made(case, Aspect.ANSWER, Impact.LOUD, assignment, placed, "received-rejected", facts)
                     break
 
-    def _reply(
-        self, encoder: Encoder, command: Command, asked: CanFrame | None, node: int | None
-    ) -> CanFrame | None:
+    def _reply(self, encoder: Encoder, command: Command, asked: CanFrame | None, node: int | None) -> CanFrame | None:
         return None if asked is None else next(iter(self._replies(encoder, command, asked, node)), None)
 
-    def _replies(
-        self, encoder: Encoder, command: Command, asked: CanFrame, node: int | None
-    ) -> Iterator[CanFrame]:
+    def _replies(self, encoder: Encoder, command: Command, asked: CanFrame, node: int | None) -> Iterator[CanFrame]:
         """Replies to a request: its echo, or frames with different values of the first fields."""
         reply = command.reply
-        base = reply and candidates.base_raws(encoder, reply, node)
+        base = None if reply is None else candidates.base_raws(encoder, reply, node)
         if reply is None or base is None:
             return
         given = [base]
@@ -365,13 +355,11 @@ class Behaviour:
             if command is not None and command.reply is not None:
                 yield edition.command(command.reply.command).group
 
-    def _absent(
-        self, case: _Case, sentence: str, read: Message, assignment: Assignment | None = None
-    ) -> Observation:
+    def _absent(self, case: _Case, sentence: str, read: Message, assignment: Assignment | None = None) -> Observation:
         facts = {"read": f"`{read.command}`"}
         return self._made(case, Aspect.PRESENCE, Impact.LOUD, assignment or {}, None, sentence, facts)
 
-    def _first(self, case: _Case, message: Message) -> CanFrame | None:
+    def _first(self, message: Message) -> CanFrame | None:
         encoder = self._encoders.under(self._assignments.first)
         return next(iter(self._samples(encoder, message, _common_node(message.id, message.id))), None)
 
@@ -388,7 +376,7 @@ class Behaviour:
     ) -> Observation:
         commands = (*case.both, *others)
         messages = [m for c in case.both for m in (c.request, c.reply) if m is not None]
-        paths: list[DocumentPath] = [("addresses", m.address) for m in messages if aspect is Aspect.ID or len(case.both) == 1]
+        paths: list[DocumentPath] = [("addresses", m.address) for m in messages]
         paths += [c.entry.path for c in commands if c.entry is not None]
         groups = tuple(dict.fromkeys((*(c.group for c in commands), *self._owners(case))))
         witness = Witness(case.side, impact, assignment, frame, sentence, facts)
@@ -427,12 +415,14 @@ def _nodes(rule: IdRule) -> Sequence[int | None]:
 
 def _moved(frame: CanFrame, old: IdRule, new: IdRule, node: int | None) -> CanFrame | None:
     """A frame of a node with the id of another rule; None if there is no such id."""
-    if new.nodes is not None and (node is None or node not in new.nodes):
-        node_there = new.nodes[0]
-    else:
-        node_there = node or 0
-    base = new.base + node_there * new.node_step * (new.nodes is not None)
-    id_ = frame.id - old.base - (node or 0) * old.node_step * (old.nodes is not None) + base
+    id_ = frame.id - _id(old, node) + _id(new, node)
     if not 0 <= id_ < 1 << (29 if new.extended else 11):
         return None
     return CanFrame(id_, frame.data, new.extended, frame.remote)
+
+
+def _id(rule: IdRule, node: int | None) -> int:
+    """The id of a node, or of the first one if the rule does not have it."""
+    if rule.nodes is None:
+        return rule.base
+    return rule.base + rule.node_step * (rule.nodes[0] if node is None or node not in rule.nodes else node)

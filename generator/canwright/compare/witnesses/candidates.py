@@ -117,9 +117,7 @@ def _data(node: Node, frame: CanFrame, data: int, variable: int) -> Iterator[int
     yield data
 
 
-def _choices(
-    select: Select, subject: BitRun, frame: CanFrame, data: int, variable: int, mask: int
-) -> Iterator[int]:
+def _choices(select: Select, subject: BitRun, frame: CanFrame, data: int, variable: int, mask: int) -> Iterator[int]:
     now = CanFrame(frame.id, data.to_bytes(len(frame.data), "little"), frame.extended)
     current = read_bits(subject, now)
     other = next((v for v in (current, 0, 1, (1 << subject.width) - 1, 85) if v not in select.by_value), current)

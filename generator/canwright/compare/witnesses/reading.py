@@ -43,8 +43,6 @@ class Transfer:
         return all(assignment.get(name, v[0]) in v for only in self.available for name, v in only.items())
 
 
-
-
 class Reading:
     """Compares the fields of messages of two editions."""
 
@@ -77,7 +75,9 @@ class Reading:
             elif target.fixed is None:
                 yield from pair.field(target, source) if source else pair.unset(target)
         if transfer.side is Side.SENDING:
-            used = {of.get(target.name) for target in read.fields if target.fixed is None or target.demanded is not None}
+            used = {
+                of.get(target.name) for target in read.fields if target.fixed is None or target.demanded is not None
+            }
             for name, field in fields.items():
                 if name not in used:
                     yield from pair.ignored(field)
@@ -184,9 +184,7 @@ class _Pair:
         if expected != read or source.type.is_number != target.type.is_number:
             members = (*_members(sent), *_members(read))
             differing = [m for m in dict.fromkeys(members) if not (m in _members(read) and m in _members(expected))]
-            yield self._misread(
-                Aspect.MEMBER, assignment, encoder, frame, source, raw, target, raw, tuple(differing)
-            )
+            yield self._misread(Aspect.MEMBER, assignment, encoder, frame, source, raw, target, raw, tuple(differing))
 
     def unset(self, target: Field) -> Iterator[Observation]:
         """A field that is read but not sent."""
@@ -308,12 +306,12 @@ def shown(field: Field, raw: Raw, assignment: Assignment) -> str:
 
 def _text(type_: Type, value: Value | list[Value], raw: int, unit: str) -> str:
     if value is None:
-        return f"raw {raw}"
+        return str(raw)
     if isinstance(value, str):
         return value
     if isinstance(value, list):
         known = sum(1 << flag.value for flag in type_.flags)
-        others = [f"raw {raw & ~known}"] if raw & ~known else []
+        others = [str(raw & ~known)] if raw & ~known else []
         return " + ".join([*map(str, value), *others]) or "0"
     written = formatting.exact(value)
     return (written if len(written) < 25 else repr(float(value))) + unit

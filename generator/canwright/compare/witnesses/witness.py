@@ -29,6 +29,14 @@ SENTENCES: Mapping[str, str] = {
 }
 """The sentences about witnesses, with names of facts in braces."""
 
+REASONS: Mapping[str, str] = {
+    "frames": "no frame is understood differently",
+    "effects": "no frame shows it, because it is about what a node does",
+    "setting": "no frame shows it, because it is about a setting",
+    "timing": "no frame shows it, because it is about time",
+}
+"""Why a change has no witness."""
+
 
 @dataclass(frozen=True)
 class Witness:
@@ -61,9 +69,9 @@ class Witness:
         words: Mapping[str, str] = MappingProxyType({}),
         escape: Callable[[str], str] = lambda text: text,
     ) -> str:
-        """The sentence, or another one in `language` with its `words`, with the facts of this witness."""
+        """The frame and the sentence, or another one in `language` with its `words`, with the facts of this witness."""
         facts = {name: filled(fact, language, words, escape) for name, fact in self.facts.items()}
-        return (sentence or SENTENCES[self.sentence]).format_map(facts)
+        return f"{self.sent}: " * bool(self.sent) + (sentence or SENTENCES[self.sentence]).format_map(facts)
 
 
 class Aspect(Enum):
