@@ -113,8 +113,13 @@ def commands(old: Edition, new: Edition) -> Matched[Command]:
     What has another name and another title has another meaning.
     """
 
+    before, after = ({command.group for command in edition.commands} for edition in (old, new))
+
+    def may_be_renamed(one: Command, other: Command) -> bool:
+        return one.group == other.group or not (one.group in after or other.group in before)
+
     def same_names(one: Command, other: Command) -> bool:
-        return code_of(one) == code_of(other) and _same_titles(one, other)
+        return code_of(one) == code_of(other) and _same_titles(one, other) and may_be_renamed(one, other)
 
     def same_fields(one: Command, other: Command) -> bool:
         return same_names(one, other) and _names(one) == _names(other)
@@ -123,7 +128,7 @@ def commands(old: Edition, new: Edition) -> Matched[Command]:
         return same_names(one, other) and _content(one) == _content(other)
 
     def same_purpose(one: Command, other: Command) -> bool:
-        return one.title == other.title and _content(one) == _content(other)
+        return one.title == other.title and _content(one) == _content(other) and may_be_renamed(one, other)
 
     matched = by_former_name(old.commands, new.commands, lambda command: command.former_names)
     return matched.also(same_frames, same_fields, same_purpose)

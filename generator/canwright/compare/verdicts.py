@@ -95,10 +95,19 @@ def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tu
             known += (n for n in others if n not in explained and _may_cause(change, observations[n]))
     explained.update(n for numbers in found for n in numbers or ())
     made = [
-        change if numbers is None else _with(change, [observations[n].witness for n in dict.fromkeys(numbers)])
+        change
+        if numbers is None
+        else _with(change, _effective(change, [observations[n] for n in dict.fromkeys(numbers)]))
         for change, numbers in zip(changes, found, strict=True)
     ]
     return (*made, *_unexplained(o for n, o in enumerate(observations) if n not in explained))
+
+
+def _effective(change: Change, observations: Sequence[Observation]) -> list[Witness]:
+    """The witnesses of a change; where it replaces all fields, none of fields in frames that are rejected."""
+    rejected = {o.witness.side for o in observations if (o.aspect, o.witness.impact) == (Aspect.IDENTITY, Impact.LOUD)}
+    without = rejected if change.rule.id in _WHOLE else ()
+    return [o.witness for o in observations if not (o.witness.side in without and o.aspect in _CONTENT)]
 
 
 def _may_cause(change: Change, observation: Observation) -> bool:

@@ -73,7 +73,8 @@ class Reading:
             if target.demanded is not None:
                 yield from pair.constant(target, source)
             elif target.fixed is None:
-                yield from pair.field(target, source) if source else pair.unset(target)
+                is_sent = source is not None and source.fixed is None
+                yield from pair.field(target, source) if source and is_sent else pair.unset(target, source)
         if transfer.side is Side.SENDING:
             used = {
                 of.get(target.name) for target in read.fields if target.fixed is None or target.demanded is not None
@@ -129,7 +130,7 @@ class _Pair:
     def field(self, target: Field, source: Field) -> Iterator[Observation]:
         """The differences of a field that both messages have."""
         same_type = self._reading.is_same_type(source.type, target.type)
-        if same_type and source.elements == target.elements and source.fixed is None:
+        if same_type and source.elements == target.elements:
             return
         for assignment, encoder in self._reading.further(self._encoder, self._assignment, source, target):
             seen: set[Aspect] = set()
@@ -186,15 +187,17 @@ class _Pair:
             differing = [m for m in dict.fromkeys(members) if not (m in _members(read) and m in _members(expected))]
             yield self._misread(Aspect.MEMBER, assignment, encoder, frame, source, raw, target, raw, tuple(differing))
 
-    def unset(self, target: Field) -> Iterator[Observation]:
-        """A field that is read but not sent."""
+    def unset(self, target: Field, source: Field | None) -> Iterator[Observation]:
+        """A field that is read but not sent, or always sent as the same value."""
         frame = self._frame({})
         if frame is None:
             return
         text = shown(target, raw_of(target, frame), self._encoder.assignment)
         sentence = "sent-unset" if self._transfer.side is Side.SENDING else "received-unset"
         facts: dict[str, Fact] = {"name": target.name, "read": self._named(text)}
-        yield self._made(Aspect.RAW, Impact.SILENT, self._assignment, frame, sentence, facts, (target,))
+        yield self._made(
+            Aspect.RAW, Impact.SILENT, self._assignment, frame, sentence, facts, (source or target, target)
+        )
 
     def ignored(self, source: Field) -> Iterator[Observation]:
         """A field that is sent but not read."""
@@ -223,11 +226,6 @@ class _Pair:
 
     def _frames(self, source: Field, target: Field, encoder: Encoder) -> Iterator[tuple[int, Raw, CanFrame]]:
         """Frames with different raw integers of a field; for an array also the one that differs."""
-        if source.fixed is not None:
-            frame = self._frame({})
-            if frame is not None:
-                yield source.fixed, source.fixed, frame
-            return
         for raw in candidates.raws(encoder, source, target):
             for given in _spread(source, raw, self._base[source.name]):
                 frame = self._frame({source.name: given})
