@@ -18,6 +18,7 @@ from ..targets.registry import target_names
 from . import COULD_NOT_RUN
 from .printers import PRINTERS
 from .run_record import Printed, RunRecord
+from .terminal import print_data, print_text
 
 SPEC_FOLDER = Path("spec")
 OUT_FOLDER = Path("generated")
@@ -132,10 +133,10 @@ def findings_text(findings: Sequence[Diagnostic], printer: str) -> Printed:
 
 def show(printed: Printed) -> None:
     """Prints on standard error, then on standard output; in colour on a terminal."""
-    click.echo(printed.error, nl=False, err=True)
-    click.echo(printed.out, nl=False)
+    print_text(printed.error, error=True, styled=True)
+    print_data(printed.out)
 
 
 def stop(message: str) -> NoReturn:
-    click.echo(f"canwright: {message}", err=True)
+    print_text(f"canwright: {message}\n", error=True)
     sys.exit(COULD_NOT_RUN)
