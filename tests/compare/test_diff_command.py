@@ -38,7 +38,7 @@ def diff(*arguments: str) -> Result:
 )
 def test_ways_to_name_an_edition(old: str, new: str) -> None:
     result = diff(old, new)
-    assert result.exit_code == 0
+    assert result.exit_code == 1
     assert result.output.startswith("lamp v1 -> v2\n")
     assert "the resolution of `level` is 0.01 % (was 0.1 %) [scale-changed]" in result.output
     assert "spec/lamp/v1.yaml:7:32 -> " in result.output
@@ -50,7 +50,7 @@ def test_frames_that_do_not_fit_yet_are_no_hindrance(specs: Path) -> None:
     (specs / "v2.frames.yaml").write_text("\n".join(lines) + "\n", "utf-8")
     assert CliRunner().invoke(main, ["check", "--spec", "spec/lamp/v2.yaml"]).exit_code == 1
     result = diff("v1", "v2")
-    assert (result.exit_code, "[scale-changed]" in result.output) == (0, True)
+    assert (result.exit_code, "[scale-changed]" in result.output) == (1, True)
 
 
 def _git(folder: Path, *arguments: str) -> None:
@@ -85,8 +85,10 @@ def test_exit_codes() -> None:
     assert diff("v1", "v2", "--fail-on", "wire").exit_code == 0
     assert diff("v1", "v2", "--fail-on", "wire, value").exit_code == 1
     assert diff("v1", "v2", "--fail-on", "silent").exit_code == 1
+    assert diff("v1", "v2").exit_code == diff("v1", "v2", "--fail-on", "breaking").exit_code == 1
+    assert diff("v1", "v2", "--fail-on", "none").exit_code == 0
     unknown = diff("v1", "v2", "--fail-on", "values")
-    assert (unknown.exit_code, "wire, value, api, doc" in unknown.output) == (2, True)
+    assert (unknown.exit_code, "breaking, wire, value, api, doc" in unknown.output) == (2, True)
 
 
 def test_what_cannot_be_compared(specs: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 from collections import Counter
 from collections.abc import Sequence
@@ -10,8 +11,10 @@ from typing import Any, NoReturn
 
 import click
 
-from ..diagnostics.diagnostic import Diagnostic, SpecError, near
+from ..diagnostics.diagnostic import Diagnostic, Severity, SpecError, near
+from ..diagnostics.unicode_safety import visible
 from ..model.formatting import counted
+from ..project.configuration import Configuration, candidates, configuration_file, read_configuration
 from ..project.loader import Loaded, all_loaded, frames_file, spec_files
 from ..targets.base import Specification
 from ..targets.registry import target_names
@@ -42,7 +45,9 @@ class FilePath(click.Path):
             )
             match = near(file.name, siblings)
             self.fail(
-                f"{error.message}{f' Did you mean {(file.parent / match).as_posix()}?' if match else ''}", param, ctx
+                f"{visible(error.message)}{f' Did you mean {visible((file.parent / match).as_posix())}?' if match else ''}",
+                param,
+                ctx,
             )
 
 
@@ -95,6 +100,18 @@ set_option = click.option(
 )
 
 
+def configuration() -> tuple[Configuration, Path]:
+    """The configuration of the project and its folder. Errors are printed and exit the command."""
+    try:
+        file = configuration_file(Path())
+        return (read_configuration(file), file.parent) if file else (Configuration(), Path())
+    except SpecError as error:
+        show_findings(error.diagnostics, "text")
+        sys.exit(COULD_NOT_RUN)
+    except OSError as error:
+        stop(str(error))
+
+
 def read(specs: Sequence[Path], printer: str = "text") -> list[Specification]:
     """The editions of the given specs, or of all specs. Errors are printed and exit the command."""
     return [one.specification for one in load(specs, printer)]
@@ -106,14 +123,21 @@ def load(specs: Sequence[Path], printer: str = "text", record: RunRecord | None 
     if not files:
         stop(f"no spec found in {SPEC_FOLDER}/; change to its parent folder, or give a spec as --spec my.yaml")
     if record:
-        record.watch([file for spec in specs or files for file in (spec, frames_file(spec))])
+        record.watch([*(file for spec in specs or files for file in (spec, frames_file(spec))), *candidates(Path())])
+    settings = configuration()[0].check
     try:
-        return all_loaded(files)
+        loaded = all_loaded(files)
     except SpecError as error:
-        show_findings(error.diagnostics, printer)
+        show_findings(settings.applied(error.diagnostics), printer)
         sys.exit(FINDINGS)
     except OSError as error:
         stop(str(error))
+    loaded = [dataclasses.replace(one, warnings=settings.applied(one.warnings)) for one in loaded]
+    findings = [finding for one in loaded for finding in one.warnings]
+    if record and any(finding.severity is Severity.ERROR for finding in findings):
+        show_findings(findings, printer)
+        sys.exit(FINDINGS)
+    return loaded
 
 
 def show_findings(findings: Sequence[Diagnostic], printer: str) -> None:
