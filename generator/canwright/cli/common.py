@@ -103,7 +103,7 @@ set_option = click.option(
 def configuration() -> tuple[Configuration, Path]:
     """The configuration of the project and its folder. Errors are printed and exit the command."""
     try:
-        file = configuration_file(Path())
+        file = configuration_file()
         return (read_configuration(file), file.parent) if file else (Configuration(), Path())
     except SpecError as error:
         show_findings(error.diagnostics, "text")
@@ -123,7 +123,7 @@ def load(specs: Sequence[Path], printer: str = "text", record: RunRecord | None 
     if not files:
         stop(f"no spec found in {SPEC_FOLDER}/; change to its parent folder, or give a spec as --spec my.yaml")
     if record:
-        record.watch([*(file for spec in specs or files for file in (spec, frames_file(spec))), *candidates(Path())])
+        record.watch([*(file for spec in specs or files for file in (spec, frames_file(spec))), *candidates()])
     settings = configuration()[0].check
     try:
         loaded = all_loaded(files)

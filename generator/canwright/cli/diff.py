@@ -79,8 +79,10 @@ def diff(
         baseline = folder / settings.diff.baseline
     if write_baseline is not None and (baseline is None or not write_baseline.strip()):
         stop("--write-baseline requires a reason, and --baseline FILE to write to")
+    if baseline is not None and write_baseline is None and not baseline.exists():
+        stop(f"there is no file {baseline.as_posix()}; write it with --write-baseline REASON")
     try:
-        accepted = read_baseline(baseline) if baseline and (baseline.exists() or not write_baseline) else Baseline()
+        accepted = read_baseline(baseline) if baseline and baseline.exists() else Baseline()
         compared = _compared(references, against)
     except SpecError as error:
         show_findings(error.diagnostics, "text")

@@ -32,7 +32,7 @@ _MEANING = {
 class Policy:
     """Which changes are shown, accepted, and make `diff` fail on some kinds."""
 
-    configuration: DiffConfiguration = DiffConfiguration()
+    configuration: DiffConfiguration = field(default_factory=DiffConfiguration)
     kinds: Sequence[str] = (BREAKING,)
     reasons: Mapping[Identity, str] = field(default_factory=dict)
     without_doc: bool = False

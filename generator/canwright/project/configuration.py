@@ -135,17 +135,16 @@ class Configuration(Concept):
     diff: Annotated[DiffConfiguration, Doc("Changes in `diff`.")] = field(default_factory=DiffConfiguration)
 
 
-def candidates(folder: Path) -> list[Path]:
-    """Where the configuration can be: in `folder`, and above it up to the top of its git repository."""
-    folder = folder.absolute()
-    folders = [folder, *folder.parents]
+def candidates() -> list[Path]:
+    """Where the configuration can be: in the current folder, and above it up to the top of its git repository."""
+    folders = [Path.cwd(), *Path.cwd().parents]
     top = next((i for i, one in enumerate(folders) if (one / ".git").exists()), 0)
-    return [one / NAME for one in folders[: top + 1]]
+    return [Path(*[".."] * level) / NAME for level in range(top + 1)]
 
 
-def configuration_file(folder: Path) -> Path | None:
+def configuration_file() -> Path | None:
     """The nearest configuration; None without one."""
-    return next((file for file in candidates(folder) if file.is_file()), None)
+    return next((file for file in candidates() if file.is_file()), None)
 
 
 def read_configuration(file: Path) -> Configuration:
