@@ -207,9 +207,8 @@ def test_a_repurposed_code_fails_unless_accepted(specs: Path) -> None:
 
 @pytest.mark.machine
 def test_all_specs_against_a_revision(specs: Path) -> None:
-    _git(specs, "init", "-q")
-    _git(specs, "add", ".")
-    _git(specs, "commit", "-qm", "first")
+    for command in (("init", "-q"), ("add", "."), ("commit", "-qm", "first")):
+        _git(Path.cwd(), *command)
     assert diff("--against", "HEAD").output == "no spec differs from HEAD\n"
     (specs / "v1.yaml").rename(specs / "v1-old.yaml")
     (specs / "v1-old.yaml").write_text(OLD.replace("u16", "i16"), "utf-8")
