@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 from canwright.cli import main
-from canwright.cli.diff_report import Comparison, text
+from canwright.cli.diff_report import Comparison, Policy, Report, text
 from canwright.compare import CHANGES, compare
 from canwright.compare.change import Category
 from canwright.project.loader import load, specification
@@ -28,8 +28,8 @@ def test_every_kind_has_an_example() -> None:
 def test_what_a_comparison_says(rule: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(CHANGE_EXAMPLES / rule)
     monkeypatch.setenv("NO_COLOR", "1")
-    found = Comparison.of(load(Path("previous.yaml")), load(Path("current.yaml")))
-    assert text(found) + "\n" == Path("expected.txt").read_text("utf-8")
+    found = Comparison.of(load(Path("previous.yaml")), load(Path("current.yaml")), Policy())
+    assert text(Report((found,))) + "\n" == Path("expected.txt").read_text("utf-8")
     assert rule in [change.rule.id for change in found.changes]
     assert not any(re.search(r"[{}]", change.says()) for change in found.changes)
 
