@@ -89,9 +89,19 @@ def _linear(chance: random.Random, operation: str, given: int, raw: Fraction, mo
     addend = chance.choice((0, 0, any_integer(chance, 63), -math.floor(raw * factor + chance.randint(0, 3)) or 0))
     addend = addend if abs(addend) < 1 << 63 else 0
     ratio = chance.choice(((1, 1), (chance.randint(1, (1 << 31) - 1), chance.randint(1, (1 << 32) - 1)), (36, 7)))
-    decimals = chance.randint(0, most)
+    decimals = chance.randint(0, most if addend else 19)
     value = (raw * factor + addend) / divisor * Fraction(*ratio)
     return _printed(operation, (given, factor, addend, divisor, *ratio, decimals), decimal(value, decimals), chance)
+
+
+def _beside_tie(chance: random.Random) -> Case:
+    """The middle between two texts, and a number in floating point that is too small for any text."""
+    decimals = chance.randint(0, 6)
+    addend, divisor = (2 * chance.getrandbits(20) + 1) * chance.choice((1, -1)), 2 * 10**decimals
+    bits = chance.getrandbits(1) << 63 | chance.choice((0, chance.randint(1, 800))) << 52
+    bits |= chance.choice((0, 1, chance.getrandbits(52), 1 << chance.randrange(52)))
+    value = (number_of(bits, DOUBLE) + addend) / divisor
+    return _printed("d", (bits, 1, addend, divisor, 1, 1, decimals), decimal(value, decimals), chance)
 
 
 def decimal(value: Fraction, decimals: int) -> str:
@@ -178,6 +188,8 @@ def _bits(chance: random.Random) -> Case:
     infinity = (1 << width - precision) - 1 << precision - 1
     special = (0, infinity, infinity + 1, infinity - 1, 1 << width - 1)
     one, other = (chance.choice((*special, *[chance.getrandbits(width) for _ in special])) for _ in range(2))
+    if chance.random() < 0.2:
+        other = one + 1 & (1 << width) - 1
     if not is_finite(other, precision):
         other = 0
     is_less = is_finite(one, precision) and _order(one, precision, width) < _order(other, precision, width)
