@@ -38,6 +38,8 @@ def cases(count: int, chance: random.Random) -> list[Case]:
         _value,
         _floating,
         _floating,
+        _beside_tie,
+        _beside_tie,
         _number,
         _digits,
         _rejected,
