@@ -91,11 +91,12 @@ class Run:
 
     def mutate_runtime(self, specs: Sequence[Path]) -> None:
         """Runs the mutants of the runtime; each subject sees those that survive the one before."""
-        editions = [functools.partial(LANGUAGES[self._language], spec) for spec in specs]
+        editions: list[Callable[[Path], Any]] = [functools.partial(LANGUAGES[self._language], spec) for spec in specs]
+        subjects = [*RUNTIMES[self._language], *editions]
         mutants: dict[tuple[str, str, str], Any] = {}
         reached: set[tuple[str, str, str]] = set()
         left: set[tuple[str, str, str]] = set()
-        for create in (*RUNTIMES[self._language], *editions):
+        for create in subjects:
             with tempfile.TemporaryDirectory() as folder:
                 subject = create(Path(folder))
                 if not mutants:

@@ -158,8 +158,8 @@ def _check_answers(item: Specification, module: ModuleType) -> None:
             pair = request.id, asked.encode(), reply.id, reply.data
             wanted = _outcome(module.check_reply, *pair, **flags, **kinds)
             if kind["extended"] == flags["extended"]:
-                kinds["reply_extended"] = None
-                assert _outcome(module.check_reply, *pair, **flags, **kinds) == wanted
+                same_kind = {"reply_remote": reply.remote}
+                assert _outcome(module.check_reply, *pair, **flags, **same_kind) == wanted
             for parameters in (known, None):
                 answer = _outcome(module.decode_answer, asked, reply.id, reply.data, parameters, **kind)
                 if wanted is None and parameters is not None:
