@@ -11,7 +11,8 @@ import pytest
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.targets.base import header
-from canwright.targets.c import RUNTIME, SHARED
+from canwright.targets.c import RUNTIME
+from canwright.targets.c.files import SHARED
 
 from ..assurance import floating, integers
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, build, each_compiler
