@@ -9,7 +9,7 @@ from ...model.edition import Edition
 from ...model.types import Assignment
 from ..base import NameProblem, Output, Specification, Target
 from . import generate
-from .names import Names, member
+from .names import Names, layouts, member
 from .problems import between, problems
 
 
@@ -31,8 +31,8 @@ class CTarget(Target):
         """Names without the prefix of family and edition; constants have `…_` instead."""
         in_c = Names(edition)
         names = {command.path: f"{command.short_name}_request_t" for command in edition.commands}
-        for layout in edition.layouts:
-            names[layout.path] = f"{layout.name}_t"
+        for layout in (*layouts(edition), *edition.layouts):
+            names.setdefault(layout.path, f"{in_c.short(layout.name)}_t")
         for parameter in edition.parameters:
             at: DocumentPath = ("parameters", parameter.name)
             names[at] = f".{parameter.name}"

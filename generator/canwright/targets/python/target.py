@@ -25,8 +25,8 @@ class PythonTarget(Target):
 
     def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
         names = {command.path: text.class_name(f"{command.name}_request") for command in edition.commands}
-        for layout in edition.layouts:
-            names[layout.path] = text.class_name(layout.name)
+        for layout in (*edition.layouts, *(message.layout for message in edition.all_messages())):
+            names.setdefault(layout.path, text.class_name(layout.name))
         for parameter in edition.parameters:
             at: DocumentPath = ("parameters", parameter.name)
             names[at] = text.attribute(parameter.name)
