@@ -30,9 +30,10 @@ class CTarget(Target):
     def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
         """Names without the prefix of family and edition; constants have `…_` instead."""
         in_c = Names(edition)
-        names = {command.path: f"{command.short_name}_request_t" for command in edition.commands}
-        for layout in (*layouts(edition), *edition.layouts):
-            names.setdefault(layout.path, f"{in_c.short(layout.name)}_t")
+        names = {command.path: f"…_COMMAND_{command.short_name}".upper() for command in edition.commands}
+        for layout in layouts(edition):
+            if any(field.fixed is None for field in layout.fields):
+                names.setdefault(layout.path, f"{in_c.short(layout.name)}_t")
         for parameter in edition.parameters:
             at: DocumentPath = ("parameters", parameter.name)
             names[at] = f".{parameter.name}"
@@ -44,7 +45,7 @@ class CTarget(Target):
             members = (*type_.enum, *type_.flags)
             names |= {(*type_.path, key, m.name): f"…_{stem}_{m.name}".upper() for m in members}
         for message in edition.all_messages():
-            names |= {field.path: member(field.name) for field in message.layout.fields}
+            names |= {field.path: member(field.name) for field in message.layout.fields if field.fixed is None}
         return names
 
 
