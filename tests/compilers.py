@@ -49,8 +49,12 @@ class Compiler:
 _TARGET = ("-target", "native-linux-gnu") if sys.platform == "linux" else ()
 """Makes zig use its own C library: by default it asks the C compiler of the machine, if there is one, for another."""
 
+_TRAP = "-fsanitize-trap=undefined"
+"""Stops a program of zig at whatever the language leaves undefined, which it checks unless it optimizes. Without a trap,
+zig builds the library that describes it, which takes half a minute."""
+
 ZIG_COMMAND = (sys.executable, "-m", "ziglang")
-ZIG = Compiler("zig", (*ZIG_COMMAND, "cc", *_TARGET), (*ZIG_COMMAND, "c++", *_TARGET))
+ZIG = Compiler("zig", (*ZIG_COMMAND, "cc", *_TARGET, _TRAP), (*ZIG_COMMAND, "c++", *_TARGET, _TRAP))
 
 _PAIRS = (("gcc", "g++"), ("clang", "clang++"))
 OF_MACHINE = [Compiler(c, (c,), (cxx,)) for c, cxx in _PAIRS if shutil.which(c) and shutil.which(cxx)]
@@ -63,9 +67,8 @@ each_compiler = pytest.mark.parametrize(
 """Runs a test with the compiler from PyPI, and once more with each of the machine under `-m machine`."""
 
 
-SANITIZED = ("-fsanitize=undefined", "-fsanitize-trap=undefined")
-"""Stops a program of zig at whatever the language leaves undefined; with a trap, since zig builds the library that
-would say what it is for half a minute."""
+SANITIZED = ("-fsanitize=undefined", _TRAP)
+"""Stops a program of any compiler at whatever the language leaves undefined."""
 
 
 def build(

@@ -30,10 +30,10 @@ from .runner import Runner
 COMPLETE = 120
 """So many mutants of one spec, evenly spread over it, are replayed by `pytest -m exhaustive`."""
 
-MOST = 40
+MOST = 24
 """So many of them are always replayed through the reference decoder, and one of each kind."""
 
-GENERATED = 12
+GENERATED = 6
 """So many of the latter, evenly spread, are always replayed through generated code as well."""
 
 EVERYWHERE = {
@@ -54,7 +54,7 @@ EVERYWHERE = {
 }
 """What the targets are shown that take longer."""
 
-JUDGED = 16
+JUDGED = 8
 """So many mutants of each small spec are asked what they make of every single golden frame."""
 
 ORIGINALS = {called(spec): specification(spec) for spec in SPECS}

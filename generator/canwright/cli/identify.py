@@ -13,18 +13,18 @@ import click
 from ..model.edition import Edition
 from ..model.formatting import counted, sent
 from ..recordings.identify import EditionScore, Evidence, NodeResult, identify as look
-from ..recordings.readers import LogError, frames
-from .common import FINDINGS, FilePath, read, spec_option, stop
+from ..recordings.readers import LogError, open_log
+from .common import FINDINGS, read, spec_option, stop
 
 SHOWN = 4
 """How many reasons against an edition, ids or frames are printed."""
 
 
 @click.command()
-@click.argument("log", type=FilePath(exists=True, dir_okay=False))
+@click.argument("log", type=click.Path(exists=True, dir_okay=False, allow_dash=True))
 @spec_option
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True)
-def identify(log: Path, specs: Sequence[Path], form: str) -> None:
+def identify(log: str, specs: Sequence[Path], form: str) -> None:
     """Show which editions a recorded exchange fits, and why.
 
     Each node is identified separately. LOG is a log of candump or of any format that python-can reads. No frame
@@ -35,11 +35,10 @@ def identify(log: Path, specs: Sequence[Path], form: str) -> None:
     editions = [one.edition for one in read(specs)]
     families = dict.fromkeys(edition.family for edition in editions)
     try:
-        recorded = list(frames(log))
+        with open_log(log) as read_log:
+            recorded = [one.frame for one in read_log]
     except (LogError, OSError) as error:
         stop(str(error))
-    if not recorded:
-        stop(f"{log} has no frames")
     by_family = [(family, *look(recorded, [e for e in editions if e.family == family])) for family in families]
     family, results, foreign = max(by_family, key=lambda one: sum(result.frames for result in one[1]))
     if form == "json":

@@ -1,80 +1,108 @@
-"""Readers of logs: the formats of candump, and every format of python-can."""
+"""Logs of any known format, recognized by their content: candump, ASC, BLF, TRC, MF4, CSV; compressed or not."""
 
 from __future__ import annotations
 
-import importlib.util
-import re
-from collections.abc import Iterator
+import contextlib
+import gzip
+import io
+import lzma
+import sys
+import zlib
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import BinaryIO, cast
 
-from ..model.layout import MAX_DATA_BYTES
-from ..semantics.frame import CanFrame
+from . import by_python_can, candump, savvycan
+from .recorded import Counts, Part, Recorded
 
-_LENGTHS = "".join(map(str, range(MAX_DATA_BYTES + 1)))
-_SHORT = re.compile(
-    r"(?:\([\d.]+\)\s+)?(?:\S+\s+)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(?:#[0-9A-Fa-f])?"
-    rf"(R[{_LENGTHS}]?|[0-9A-Fa-f]*)"
-    r"(?:_[0-9A-Fa-f])?(?:\s+[RT])?"
-)
-_LONG = re.compile(
-    r"(?:\([\d:. -]+\)\s+)?\S+\s+(?:[RT]X\s+\S+\s+\S+\s+)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})\s+\[\d+\]"
-    r"\s+(remote request|(?:[0-9A-Fa-f]{2}\s*)*)(?:'.*'|ERRORFRAME)?"
-)
-_COLOUR = re.compile(r"\x1b\[[\d;]*m")
-_ERROR = 0x20000000
-"""Set in the id of an error that the controller reports, which is not a frame."""
-_BINARY = (".asc", ".blf", ".csv", ".db", ".mf4", ".trc")
+STANDARD_INPUT = "-"
+_PEEKED = 4096
+_COMPRESSED: dict[bytes, Callable[[BinaryIO], object]] = {b"\x1f\x8b": gzip.open, b"\xfd7zXZ\x00": lzma.open}
+_BINARY = {b"LOGG": "blf", b"MDF ": "mf4", b"UnFinMF ": "mf4"}
+_MARKED = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
+_ASC = ("date ", "base ", "// version", "begin triggerblock")
+_TRC = (";$", ";##")
 
 
 class LogError(Exception):
-    """A log that cannot be read; the message states where and what to do."""
+    """A log that cannot be read; the message states why and what to do."""
 
 
-def frames(file: Path) -> Iterator[CanFrame]:
-    """The frames of a log in order. Raises LogError and OSError."""
-    if file.suffix.lower() in _BINARY:
-        yield from _by_python_can(file)
-        return
-    try:
-        text = file.read_text("utf-8")
-    except UnicodeDecodeError:
-        raise LogError(f"{file} is not a text file; record it with `candump -l`, or as {', '.join(_BINARY)}") from None
-    for number, line in enumerate(text.splitlines(keepends=True), start=1):
-        written = _COLOUR.sub("", line).strip()
-        if not written or line.startswith(("#", ";", "\t")):
-            continue
-        frame = _parsed(written)
-        if frame is not None and not frame.id & _ERROR:
-            yield frame
-        elif frame is None and line.endswith("\n"):  # an interrupted recording ends within a line
+class Log:
+    """The frames of a log, once, in their order. `counts` has what was skipped so far."""
+
+    def __init__(self, source: BinaryIO, name: str) -> None:
+        self.counts = Counts()
+        self._source, self._name = source, name
+
+    def __iter__(self) -> Iterator[Recorded]:
+        """Raises LogError and OSError."""
+        try:
+            for recorded in _read(_buffered(self._source), self.counts):
+                self.counts.frames += 1
+                self.counts.remote += recorded.frame.remote
+                yield recorded
+        except by_python_can.MissingReaderError as error:
+            raise LogError(str(error)) from None
+        except (EOFError, zlib.error, lzma.LZMAError, gzip.BadGzipFile) as error:
+            self.counts.skip(Part.TRUNCATED, 0, str(error))
+        if not self.counts.frames:
             raise LogError(
-                f"{file}:{number}: expected a frame of candump, `141#9A00000000000000`; found `{written[:60]}`"
+                f"{self._name} has no frames{_found(self.counts)}; record it with `candump -l`, or as "
+                "ASC, BLF, TRC, MF4 or CSV"
             )
 
 
-def _parsed(line: str) -> CanFrame | None:
-    found = _SHORT.fullmatch(line) or _LONG.fullmatch(line)
-    if found is None:
-        return None
-    id_, data = found.groups()
-    remote = data.startswith(("R", "r"))
-    digits = "" if remote else "".join(data.split())
-    return None if len(digits) % 2 else CanFrame(int(id_, 16), bytes.fromhex(digits), len(id_) == 8, remote)
+@contextlib.contextmanager
+def open_log(name: str) -> Iterator[Log]:
+    """A log in a file, or in the standard input for `-`. Raises OSError."""
+    if name == STANDARD_INPUT:
+        yield Log(sys.stdin.buffer, "the standard input")
+        return
+    with Path(name).open("rb") as source:
+        yield Log(source, name)
 
 
-def _by_python_can(file: Path) -> Iterator[CanFrame]:
-    if importlib.util.find_spec("can") is None:
-        raise LogError(f"to read {file.suffix} files, run: pip install python-can; or record the log with `candump -l`")
-    import can
+def _found(counts: Counts) -> str:
+    lines = [line for lines in counts.examples.values() for line in lines]
+    if not lines:
+        return ""
+    number, text = min(lines)
+    return f" (line {number}: `{text}`)" if number else f" ({text})"
 
-    try:
-        with can.LogReader(str(file)) as reader:
-            for message in reader:
-                if not message.is_error_frame:
-                    yield CanFrame(
-                        message.arbitration_id, bytes(message.data), message.is_extended_id, message.is_remote_frame
-                    )
-    except OSError:
-        raise
-    except Exception as error:  # each reader has its own exceptions
-        raise LogError(f"{file} cannot be read as {file.suffix}: {error}") from None
+
+def _buffered(source: BinaryIO) -> io.BufferedReader:
+    return source if isinstance(source, io.BufferedReader) else io.BufferedReader(cast("io.RawIOBase", source))
+
+
+def _read(source: io.BufferedReader, counts: Counts) -> Iterator[Recorded]:
+    """The frames of a log in the format that its first bytes have."""
+    start = source.peek(_PEEKED)[:_PEEKED]
+    for magic, opened in _COMPRESSED.items():
+        if start.startswith(magic):
+            return _read(_buffered(cast("BinaryIO", opened(source))), counts)
+    for magic, form in _BINARY.items():
+        if start.startswith(magic):
+            return by_python_can.read_bytes(form, source, counts)
+    encoding = next((name for mark, name in _MARKED.items() if start.startswith(mark)), _unmarked(start))
+    lines = io.TextIOWrapper(source, encoding, errors="replace")
+    form = _form(start.decode(encoding, "replace").lstrip("\ufeff"))
+    if form == "savvycan":
+        return savvycan.read(lines, counts)
+    return candump.read(lines, counts) if form == "candump" else by_python_can.read_lines(form, lines, counts)
+
+
+def _unmarked(start: bytes) -> str:
+    """The encoding of a text without a mark: every other byte of ASCII in UTF-16 is 0."""
+    return "utf-16-le" if start[1:4:2] == b"\0\0" else "utf-16-be" if start[0:4:2] == b"\0\0" else "utf-8"
+
+
+def _form(start: str) -> str:
+    if start.startswith(savvycan.START):
+        return "savvycan"
+    if start.startswith(by_python_can.CSV_START):
+        return "csv"
+    lowered = start.lstrip().lower()
+    if lowered.startswith(_ASC):
+        return "asc"
+    return "trc" if lowered.startswith(_TRC) else "candump"

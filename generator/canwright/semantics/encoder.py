@@ -204,10 +204,12 @@ class Encoder:
             line = type_.linear.at(self.assignment)
             needed = (type_.linear.parameter, line.times if line else None)
             missing = next((name for name in needed if name is not None and name not in self.assignment), None)
-            text = f"depends on `{missing}`, which is missing" if missing else "has no scale here"
-            rejection = Rejection(
-                Refusal.MISSING_PARAMETER if missing else Refusal.NO_SCALE, f"`{field.name}` {text}", field.name
-            )
+            reason, text = Refusal.NO_SCALE, "has no scale here"
+            if missing:
+                reason, text = Refusal.MISSING_PARAMETER, f"depends on `{missing}`, which is missing"
+            elif line and line.times:
+                reason, text = Refusal.OUT_OF_RANGE, f"depends on `{line.times}`, which must be above 0"
+            rejection = Rejection(reason, f"`{field.name}` {text}", field.name)
             return lambda _: rejection
         if type_.encoding is Encoding.FLOAT:
             scale, offset = linear.scale, linear.offset

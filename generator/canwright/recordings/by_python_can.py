@@ -1,0 +1,189 @@
+"""The formats that python-can reads: ASC, TRC and CSV as lines, BLF and MF4 as bytes.
+
+Its readers stop at a line that they cannot read and skip others without a word. Here each line that gives no frame is
+counted, and after a failure reading goes on with the next line.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import io
+import re
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, BinaryIO, cast
+
+from ..model.layout import MAX_DATA_BYTES
+from ..semantics.frame import CanFrame
+from .recorded import Counts, Mark, Part, Recorded
+
+if TYPE_CHECKING:
+    import can
+    from can.io.generic import MessageReader
+
+CSV_START = "timestamp,arbitration_id"
+_FRAME = {
+    "asc": re.compile(r"\s*\d+\.\d+\s+(\d+|CANFD)\s"),
+    "trc": re.compile(r"\s*\d+\)?\s+\d+\.\d+\s"),
+    "csv": re.compile(r"[\d.]+,0x"),
+}
+"""What a line of a frame starts with; the lines before the first are the header."""
+_ERROR_LINE = re.compile(r"\s*\d+\)?\s+[\d.]+\s+(\d+\s+)?(ERROR|Error|Warng|ER|STATUS|ST)\b")
+_MARKED = ("asc", "trc", "blf", "mf4")
+_FIRST_BUS = {"asc": 1, "blf": 1}
+"""What python-can subtracts from the number of a channel in a file."""
+
+
+class MissingReaderError(Exception):
+    """A package that reads a format is not installed; the message states how to install it."""
+
+
+def read_lines(form: str, lines: Iterable[str], counts: Counts) -> Iterator[Recorded]:
+    """The frames of the lines of a log in the form `asc`, `trc` or `csv`. Raises MissingReaderError."""
+    reader = _reader(form)
+    feed = _Feed(form, lines, counts)
+    while not feed.ended:
+        try:
+            for message in reader(feed):
+                found = _recorded(form, message)
+                if isinstance(found, Part):
+                    feed.skip(found)
+                else:
+                    feed.took()
+                    yield found
+        except Exception:  # each reader has its own
+            feed.failed()
+
+
+def read_bytes(form: str, source: BinaryIO, counts: Counts) -> Iterator[Recorded]:
+    """The frames of a log in the form `blf` or `mf4`. Raises MissingReaderError."""
+    opened = _reader(form)
+    counted = _Counted(source)
+    objects, size, listed = 0, 0, 0
+    try:
+        reader = opened(io.BytesIO(source.read()) if form == "mf4" else counted)
+        size, listed = getattr(reader, "file_size", 0), getattr(reader, "object_count", 0)
+        for message in reader:
+            objects += 1
+            found = _recorded(form, message)
+            if isinstance(found, Part):
+                counts.skip(found)
+            else:
+                yield found
+    except NotImplementedError:
+        raise MissingReaderError("to read .mf4 files, run: pip install asammdf") from None
+    except Exception as error:  # each reader has its own
+        counts.skip(Part.TRUNCATED, 0, str(error) or type(error).__name__)
+        return
+    if counted.size < size:
+        counts.skip(Part.TRUNCATED, 0, f"{counted.size} of {size} bytes")
+    elif listed > objects:
+        counts.skipped[Part.OTHER] += listed - objects
+
+
+def _reader(form: str) -> Callable[..., MessageReader]:
+    if importlib.util.find_spec("can") is None:
+        raise MissingReaderError(
+            f"to read .{form} files, run: pip install python-can; or record the log with `candump -l`"
+        )
+    import can
+
+    readers = {
+        "asc": can.ASCReader,
+        "trc": can.TRCReader,
+        "csv": can.CSVReader,
+        "blf": can.BLFReader,
+        "mf4": can.MF4Reader,
+    }
+    return cast("Callable[..., MessageReader]", readers[form])
+
+
+def _recorded(form: str, message: can.Message) -> Recorded | Part:
+    """The frame that a message of python-can is, or what it is instead."""
+    if message.is_error_frame:
+        return Part.ERROR
+    if message.is_fd or len(message.data) > MAX_DATA_BYTES:
+        return Part.FD
+    if not message.is_remote_frame and len(message.data) != message.dlc:
+        return Part.MALFORMED
+    frame = CanFrame(message.arbitration_id, bytes(message.data), message.is_extended_id, message.is_remote_frame)
+    bus = message.channel
+    if isinstance(bus, int):
+        bus += _FIRST_BUS.get(form, 0)
+    mark = (Mark.RECEIVED if message.is_rx else Mark.SENT) if form in _MARKED else None
+    # A float of seconds since the epoch is exact to less than a microsecond.
+    return Recorded(round(message.timestamp * 1e6) * 1_000, "" if bus is None else str(bus), frame, mark)
+
+
+class _Feed:
+    """The lines of a log for readers, one after the other, each of which gets the header first."""
+
+    def __init__(self, form: str, lines: Iterable[str], counts: Counts) -> None:
+        self.ended = False
+        self._form, self._counts = form, counts
+        self._lines = enumerate(lines, start=1)
+        self._header: list[str] = []
+        self._in_header, self._replayed = True, 0
+        self._open: tuple[int, str] | None = None
+
+    def __iter__(self) -> Iterator[str]:
+        return self
+
+    def __next__(self) -> str:
+        self._close()
+        if self._replayed < len(self._header) and not self._in_header:
+            self._replayed += 1
+            return self._header[self._replayed - 1]
+        try:
+            number, line = next(self._lines)
+        except StopIteration:
+            self.ended = True
+            raise
+        self._in_header = self._in_header and not _FRAME[self._form].match(line)
+        if self._in_header:
+            self._header.append(line)
+            self._replayed += 1
+        else:
+            self._open = number, line
+        return line
+
+    def took(self) -> None:
+        """The last line is a frame."""
+        self._open = None
+
+    def skip(self, part: Part) -> None:
+        """The last line is no frame; a line that was cut off is the truncated end."""
+        if self._open is not None:
+            number, line = self._open
+            cut_off = part is Part.MALFORMED and not line.endswith("\n")
+            self._counts.skip(Part.TRUNCATED if cut_off else part, number, line)
+            self._open = None
+
+    def failed(self) -> None:
+        """A reader stopped at the last line; the next one starts with the header."""
+        self.skip(Part.MALFORMED)
+        self._replayed = 0
+
+    def close(self) -> None:
+        """Readers close what they read."""
+
+    def _close(self) -> None:
+        """A reader gave nothing for the last line."""
+        if self._open is not None:
+            line = self._open[1]
+            is_frame = _FRAME[self._form].match(line) and not _ERROR_LINE.match(line)
+            self.skip(Part.MALFORMED if is_frame else Part.ERROR if _ERROR_LINE.match(line) else Part.OTHER)
+
+
+class _Counted:
+    """A binary file whose bytes are counted as they are read."""
+
+    def __init__(self, source: BinaryIO) -> None:
+        self.source, self.size = source, 0
+
+    def read(self, size: int = -1) -> bytes:
+        found = self.source.read(size)
+        self.size += len(found)
+        return found
+
+    def close(self) -> None:
+        """Readers close what they read."""

@@ -1,0 +1,79 @@
+"""The formats of candump: `-l` and `-L`, the terminal with any time stamps and marks, and lines of cansend."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from datetime import datetime, timezone
+
+from ..model.layout import MAX_DATA_BYTES
+from ..semantics.frame import CanFrame
+from .recorded import Counts, Mark, Part, Recorded
+
+_SHORT = re.compile(
+    r"(?:\((?P<time>[\d.]+)\)\s+)?(?:(?P<bus>\S+)\s+)?(?P<id>[0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#"
+    r"(?P<data>[Rr]\d?|(?:[0-9A-Fa-f]{2}\.?)*)(?:_[0-9A-Fa-f])?(?:\s+(?P<mark>[RT]))?(?:\s+[B-]\s*[E-]?)?"
+)
+_LONG = re.compile(
+    r"(?:\((?P<time>[\d:. -]+)\)\s+)?(?P<bus>\S+)\s+(?:(?P<mark>[RT]X)\s+\S\s+\S\s+)?"
+    r"(?P<id>[0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})\s+[\[{](?P<length>\d+)[\]}]\s*"
+    r"(?P<data>remote request|(?:[0-9A-Fa-f]{2}\s*)*)(?:'.*')?(?:ERRORFRAME)?"
+)
+_NOT_CLASSIC = re.compile(r"(?:\S+\s+)*?[0-9A-Fa-f]+#(?:#[0-9A-Fa-f]|[0-9A-Fa-f]{2}:[0-9A-Fa-f]{2}:).*")
+_COLOUR = re.compile(r"\x1b\[[\d;]*m")
+_COMMENTS = ("#", ";", "//")
+_ERROR_BIT = 0x20000000
+"""Set in the id of an error that the controller reports, which is not a frame."""
+_MARKS = {"R": Mark.RECEIVED, "T": Mark.SENT, "RX": Mark.RECEIVED, "TX": Mark.SENT, None: None}
+
+
+def read(lines: Iterable[str], counts: Counts) -> Iterator[Recorded]:
+    """The frames of the lines of a log. A last line that was cut off is counted as the truncated end."""
+    for number, line in enumerate(lines, start=1):
+        written = (_COLOUR.sub("", line) if "\x1b" in line else line).strip()
+        found = _SHORT.fullmatch(written) or _LONG.fullmatch(written)
+        if found is None:
+            counts.skip(_part(line, written), number, written)
+            continue
+        id_, data, remote = int(found["id"], 16), b"", found["data"].startswith(("R", "r"))
+        if not remote:
+            data = bytes.fromhex(found["data"].replace(".", " "))
+        if id_ & _ERROR_BIT:
+            counts.skip(Part.ERROR, number, written)
+        elif len(data) > MAX_DATA_BYTES:
+            counts.skip(Part.FD, number, written)
+        elif _is_cut_off(found, data, remote, line):
+            counts.skip(Part.MALFORMED if line.endswith("\n") else Part.TRUNCATED, number, written)
+        else:
+            frame = CanFrame(id_, data, len(found["id"]) == 8, remote)
+            yield Recorded(_nanoseconds(found["time"]), found["bus"] or "", frame, _MARKS[found["mark"]])
+
+
+def _is_cut_off(found: re.Match[str], data: bytes, remote: bool, line: str) -> bool:
+    """Whether data are missing: fewer than a length that is printed, or an interrupted line without any."""
+    length = found.groupdict().get("length")
+    if length is not None:
+        return not remote and int(length) != len(data)
+    return not data and not remote and not line.endswith("\n") and found["time"] is not None
+
+
+def _part(line: str, written: str) -> Part:
+    if not written or written.startswith(_COMMENTS) or line.startswith("\t"):  # a tab starts the details of an error
+        return Part.OTHER
+    if _NOT_CLASSIC.fullmatch(written):
+        return Part.FD
+    return Part.MALFORMED if line.endswith("\n") else Part.TRUNCATED
+
+
+def _nanoseconds(written: str | None) -> int | None:
+    """A time stamp in nanoseconds; a date is read as UTC. None without one, or with one of no known form."""
+    if written is None:
+        return None
+    seconds, _, fraction = written.rpartition(".")
+    if fraction.isdigit() and seconds.isdigit():
+        return int(seconds) * 1_000_000_000 + int(fraction[:9].ljust(9, "0"))
+    try:
+        date = datetime.strptime(written, "%Y-%m-%d %H:%M:%S.%f").replace(tzinfo=timezone.utc)
+    except ValueError:
+        return None
+    return int(date.timestamp()) * 1_000_000_000 + date.microsecond * 1_000

@@ -1,0 +1,59 @@
+"""A frame as a log has it, and the count of everything in a log that is not one."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import NamedTuple
+
+from ..semantics.frame import CanFrame
+
+
+class Mark(str, Enum):
+    """The mark of a log at a frame: sent by the recorder itself, or received by it."""
+
+    SENT = "Tx"
+    RECEIVED = "Rx"
+
+
+class Recorded(NamedTuple):
+    """A frame of a log; `time` in nanoseconds since the epoch or the start of the log, `bus` as the log names it."""
+
+    time: int | None
+    bus: str
+    frame: CanFrame
+    mark: Mark | None
+
+
+class Part(str, Enum):
+    """What else is in a log; each is counted and then skipped."""
+
+    MALFORMED = "malformed"
+    TRUNCATED = "truncated end"
+    ERROR = "error frames"
+    FD = "CAN FD or XL frames"
+    OTHER = "other lines"
+    """Comments and events that a log format allows."""
+
+
+EXAMPLES = 3
+"""How many lines of each part are kept to be shown."""
+
+
+@dataclass
+class Counts:
+    """The frames of a log, and everything else in it, as far as it has been read."""
+
+    frames: int = 0
+    remote: int = 0
+    skipped: Counter[Part] = field(default_factory=Counter)
+    examples: dict[Part, list[tuple[int, str]]] = field(default_factory=dict)
+    """Number and text of the first lines of each part."""
+
+    def skip(self, part: Part, number: int = 0, text: str = "") -> None:
+        """Counts what is no frame; `number` is that of its line, 0 in a binary log."""
+        self.skipped[part] += 1
+        kept = self.examples.setdefault(part, [])
+        if len(kept) < EXAMPLES:
+            kept.append((number, text.strip()[:80]))

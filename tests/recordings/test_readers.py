@@ -1,0 +1,193 @@
+"""Logs of every format give the same frames, and what is no frame is counted."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import lzma
+from collections.abc import Callable
+from pathlib import Path
+
+import can
+import pytest
+from canwright.recordings.readers import Log, LogError, open_log
+from canwright.recordings.recorded import Mark, Part, Recorded
+from canwright.semantics.frame import CanFrame
+
+START = 1_700_000_000
+MESSAGES = [
+    can.Message(START + i / 8, id_, data=bytes.fromhex(data), is_extended_id=id_ > 0x7FF, channel=channel, is_rx=rx)
+    for i, (id_, data, channel, rx) in enumerate(
+        [
+            (0x141, "A100000064000000", 0, False),
+            (0x141, "A11A640000002301", 0, True),
+            (0x280, "", 1, False),
+            (0x12345678, "00FF", 1, True),
+        ]
+    )
+]
+FRAMES = [CanFrame(m.arbitration_id, bytes(m.data), m.is_extended_id) for m in MESSAGES]
+MARKS = [Mark.SENT, Mark.RECEIVED, Mark.SENT, Mark.RECEIVED]
+
+CANDUMP_LOG = """\
+(1700000000.000000) can0 141#A100000064000000 T
+(1700000000.125000) can0 141#A11A640000002301 R
+(1700000000.250000) can1 280# T
+(1700000000.375000) can1 12345678#00FF R
+"""
+CANDUMP_TERMINAL = """\
+ (2023-11-14 22:13:20.000000)  can0  TX - -  141   [8]  A1 00 00 00 64 00 00 00   '........'
+ (2023-11-14 22:13:20.125000)  can0  RX - -  141   [8]  A1 1A 64 00 00 00 23 01
+ (2023-11-14 22:13:20.250000)  can1  TX B -  280   [0]
+ (2023-11-14 22:13:20.375000)  can1  RX - E  12345678   [2]  00 FF
+"""
+SAVVYCAN = """\
+Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8
+1700000000000000,00000141,false,Tx,0,8,A1,00,00,00,64,00,00,00,
+1700000000125000,00000141,false,Rx,0,8,A1,1A,64,00,00,00,23,01,
+1700000000250000,00000280,false,Tx,1,0,
+1700000000375000,12345678,true,Rx,1,2,00,FF,
+"""
+
+
+COMPRESSED: dict[str, Callable[[bytes], bytes]] = {"gz": gzip.compress, "xz": lzma.compress}
+
+
+def log(content: bytes) -> Log:
+    return Log(io.BytesIO(content), "the log")
+
+
+def of(text: str) -> tuple[list[Recorded], Log]:
+    read = log(text.encode())
+    return list(read), read
+
+
+@pytest.mark.parametrize("text", [CANDUMP_LOG, CANDUMP_TERMINAL, SAVVYCAN], ids=["-L -x", "-x -t A", "SavvyCAN"])
+@pytest.mark.parametrize("changed", ["", "utf-8-sig", "utf-16", "utf-16-le", "crlf", "gz", "xz"])
+def test_a_text_has_times_buses_and_marks_in_every_encoding(text: str, changed: str) -> None:
+    content = text.encode(changed if changed.startswith("utf") else "utf-8")
+    if changed == "crlf":
+        content = content.replace(b"\n", b"\r\n")
+    if changed in COMPRESSED:
+        content = COMPRESSED[changed](content)
+    read = log(content)
+    found = list(read)
+    assert [r.frame for r in found] == FRAMES
+    assert [r.mark for r in found] == MARKS
+    assert [r.time for r in found] == [START * 10**9 + i * 125_000_000 for i in range(4)]
+    assert len({r.bus for r in found[:2]}) == len({r.bus for r in found[2:]}) == 1
+    assert found[0].bus != found[2].bus
+    assert not read.counts.skipped
+    assert read.counts.frames == 4
+
+
+@pytest.mark.parametrize("suffix", ["asc", "blf", "trc", "csv", "mf4", "log"])
+def test_what_python_can_writes_is_read(suffix: str, tmp_path: Path) -> None:
+    file = tmp_path / f"log.{suffix}"
+    with can.Logger(str(file)) as writer:
+        for message in MESSAGES:
+            writer.on_message_received(message)
+    with open_log(str(file)) as read:
+        found = list(read)
+    assert [r.frame for r in found] == FRAMES
+    assert [r.mark for r in found] == ([None] * 4 if suffix == "csv" else MARKS)
+    times = [r.time - found[0].time for r in found if r.time is not None and found[0].time is not None]
+    assert times == [i * 125_000_000 for i in range(4)]
+    buses = {"csv": ["", ""], "log": ["can0", "can1"], "mf4": ["0", "1"]}.get(suffix, ["1", "2"])
+    assert [found[0].bus, found[2].bus] == buses
+    assert not {p: n for p, n in read.counts.skipped.items() if p is not Part.OTHER}
+
+
+@pytest.mark.parametrize(
+    ("line", "part"),
+    [
+        ("(1.0) can0 141##0A100", Part.FD),
+        ("(1.0) can0 45123#81:00:12345678#1122", Part.FD),
+        (" can0  141  [12]  A1 00 00 00 00 00 00 00 00 00 00 00", Part.FD),
+        ("(1.0) can0 20000004#0001000000000000", Part.ERROR),
+        ("  can0  20000004   [8]  00 01 00 00 00 00 00 00   ERRORFRAME", Part.ERROR),
+        ("\tcontroller-problem{rx-overflow-warning}", Part.OTHER),
+        ("# a comment", Part.OTHER),
+        ("", Part.OTHER),
+        ("(1.0) can0 141#A1000", Part.MALFORMED),
+        ("(1.0) can0 141#A1G0", Part.MALFORMED),
+        ("  can0  141   [8]  A1 00 00", Part.MALFORMED),
+        ("garbage \ufffd \x00", Part.MALFORMED),
+    ],
+)
+def test_what_is_no_frame_is_counted(line: str, part: Part) -> None:
+    found, read = of(f"141#A1\n{line}\n141#A2\n")
+    assert [r.frame.data for r in found] == [b"\xa1", b"\xa2"]
+    assert read.counts.skipped == {part: 1}
+    assert read.counts.examples == {part: [(2, line.strip())]}
+
+
+def test_remote_frames_and_lines_of_cansend() -> None:
+    found, read = of("141#R\n12345678#R8\ncan0 142#A1.00.FF\n can0  143   [8]  remote request\n")
+    assert [r.frame for r in found] == [
+        CanFrame(0x141, b"", remote=True),
+        CanFrame(0x12345678, b"", True, True),
+        CanFrame(0x142, b"\xa1\x00\xff"),
+        CanFrame(0x143, b"", remote=True),
+    ]
+    assert read.counts.remote == 3
+    assert [(r.time, r.mark) for r in found] == [(None, None)] * 4
+
+
+@pytest.mark.parametrize("cut", [20, 21, 22, 23])
+def test_a_recording_that_was_interrupted(cut: int) -> None:
+    found, read = of(CANDUMP_LOG[: len("(1700000000.000000) can0 141#A100000064000000 T\n") + cut])
+    assert len(found) == 1
+    assert read.counts.skipped == {Part.TRUNCATED: 1}
+
+
+@pytest.mark.parametrize(
+    ("suffix", "wrong"),
+    [
+        ("asc", "   0.500000 1  141             Rx   d 8 A1 ZZ 00 00 00 00 00 00\n"),
+        ("asc", "   0.500000 1  141             Rx   d\n"),
+        ("trc", "  9)         1.5 Rx     0141  8  A1 ZZ 00 00 00 00 00 00 \n"),
+        ("csv", "0.5,0x141,0,0,0\n"),
+        ("csv", "0.5,0x141,0,0,0,8,*\n"),
+    ],
+)
+def test_reading_goes_on_after_a_line_that_python_can_refuses(suffix: str, wrong: str, tmp_path: Path) -> None:
+    file = tmp_path / f"log.{suffix}"
+    with can.Logger(str(file)) as writer:
+        for message in MESSAGES:
+            writer.on_message_received(message)
+    lines = file.read_text("utf-8").splitlines(keepends=True)
+    at = next(i for i, line in enumerate(lines) if "141" in line and not line.startswith(";"))
+    lines.insert(at + 1, wrong)
+    read = log("".join(lines).encode())
+    assert [r.frame for r in read] == FRAMES
+    assert read.counts.skipped[Part.MALFORMED] == 1
+    assert read.counts.examples[Part.MALFORMED] == [(at + 2, wrong.strip())]
+
+
+@pytest.mark.parametrize("suffix", ["blf", "blf.gz", "log.gz", "log.xz"])
+def test_a_truncated_file_gives_what_it_has(suffix: str, tmp_path: Path) -> None:
+    file = tmp_path / f"log.{suffix.split('.')[0]}"
+    with can.Logger(str(file)) as writer:
+        for i in range(20_000):
+            writer.on_message_received(can.Message(START + i / 8, 0x141, data=(i * 7919).to_bytes(8, "little")))
+    content = file.read_bytes()
+    if suffix == "blf":
+        content = content[: len(content) // 2]
+    elif suffix.endswith("gz"):
+        content = gzip.compress(content)
+        content = content[: len(content) // 2]
+    else:
+        content = lzma.compress(content)
+        content = content[: len(content) * 3 // 4]
+    read = log(content)
+    found = list(read)
+    assert 1_000 < len(found) < 20_000
+    assert read.counts.skipped[Part.TRUNCATED] == 1
+
+
+def test_a_log_without_frames_names_its_first_line() -> None:
+    with pytest.raises(LogError, match=r"the log has no frames \(line 1: `hello`\); record it with `candump -l`"):
+        of("hello\n")
+    with pytest.raises(LogError, match=r"the log has no frames;"):
+        of("")
