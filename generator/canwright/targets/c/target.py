@@ -38,7 +38,7 @@ class CTarget(Target):
             at: DocumentPath = ("parameters", parameter.name)
             names[at] = f".{parameter.name}"
             names |= {(*at, "values", v.name): f"…_{parameter.name}_{v.name}".upper() for v in parameter.values}
-        for type_ in edition.types:
+        for type_ in (t for t in edition.types if t.path[0] == "types"):
             key = "enum" if type_.enum else "flags"
             stem = in_c.type_stem(type_)
             names[type_.path] = f"…_{stem}_to_milli"

@@ -40,7 +40,8 @@ class PythonTarget(Target):
             key = "enum" if type_.enum else "flags"
             members = (*type_.enum, *type_.flags)
             names |= {(*type_.path, key, m.name): text.member_name(m.name) for m in members}
-        names |= {("settings", setting.name): f'"{setting.name}"' for setting in edition.settings}
+        used = {setting for command in edition.commands for setting in (*command.limited_by, *command.not_limited_by)}
+        names |= {("settings", s.name): f'"{s.name}"' for s in edition.settings if s in used}
         names |= {("effects", effect.name): f'"{effect.name}"' for effect in edition.effects}
         for message in edition.all_messages():
             names |= {field.path: text.attribute(field.name) for field in message.layout.fields if field.fixed is None}
