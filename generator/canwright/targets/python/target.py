@@ -40,7 +40,7 @@ class PythonTarget(Target):
             key = "enum" if type_.enum else "flags"
             members = (*type_.enum, *type_.flags)
             names |= {(*type_.path, key, m.name): text.member_name(m.name) for m in members}
-        used = {setting for command in edition.commands for setting in (*command.limited_by, *command.not_limited_by)}
+        used = {setting for command in edition.commands for setting in command.limited_by}
         names |= {("settings", s.name): f'"{s.name}"' for s in edition.settings if s in used}
         names |= {("effects", effect.name): f'"{effect.name}"' for effect in edition.effects}
         for message in edition.all_messages():
