@@ -109,3 +109,12 @@ def test_no_name_is_suggested_if_none_is_similar(tmp_path: Path) -> None:
     text = MINIMAL.replace("types:\n", many).replace("type: level", "type: qq")
     hints = [f.hint for f in findings(tmp_path, text) if f.rule == "unknown-reference"]
     assert hints == ["define it under `types`; none of the 15 names there is similar"]
+
+
+@pytest.mark.parametrize(
+    ("date", "exists"),
+    [("2024", True), ("2024-02", True), ("2024-02-29", True), ("2024-02-30", False), ("2023-02-29", False)],
+)
+def test_dates_of_the_calendar(tmp_path: Path, date: str, exists: bool) -> None:
+    found = findings(tmp_path, MINIMAL.replace("edition: v1", f'edition: v1\ndate: "{date}"'))
+    assert [one.message for one in found] == ([] if exists else [f"`{date}` is not a date"])

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from canwright.output.paths import LOCK, OutputError
-from canwright.output.writer import write
+from canwright.output.writer import Content, write
 
 from .runs import Binding, Runs
 from .scenario import USER_FILES, Scenario, memory_folder, tree
@@ -87,3 +87,13 @@ def test_the_lock_is_removed_after_a_failure(scenario: Scenario, out: Path) -> N
     with pytest.raises(OutputError, match="was edited by hand"):
         write(out, scenario.content)
     assert not (out / LOCK).exists()
+
+
+def test_a_lock_that_is_a_hard_link(tmp_path: Path) -> None:
+    """Locking would open, and some versions of filelock would empty, a file outside the output folder."""
+    (tmp_path / "out").mkdir()
+    (tmp_path / "empty").touch()
+    (tmp_path / "out" / LOCK).hardlink_to(tmp_path / "empty")
+    with pytest.raises(OutputError, match="hard link"):
+        write(tmp_path / "out", Content(("lamp v1",), ("dbc",), {"dbc/a.dbc": b""}))
+    assert not (tmp_path / "out/dbc").exists()

@@ -20,6 +20,29 @@ def test_ids_that_no_message_has_run_into_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("ids", "expected"),
+    [
+        (
+            "request: 0x300 + node, reply: 0x380 + node, nodes: 1..200",
+            "0x381 is the reply of node 1 and the request of node 129",
+        ),
+        ("request: 0x300 + node, reply: 0x380 + node, nodes: 1..128", ""),
+        ("request: node * 2, reply: 1 + node * 2, nodes: 1..200", ""),
+        ("request: node, reply: 2, nodes: 1..127", "0x2 is the reply and the request of node 2"),
+        ("request: 0x7E5, reply: 0x7E0 + node, nodes: 1..5", "0x7E5 is the reply of node 5 and the request"),
+        ("request: 0x7E5, reply: 0x7E5", ""),
+    ],
+)
+def test_ids_of_a_request_and_a_reply_overlap(tmp_path: Path, ids: str, expected: str) -> None:
+    text = MINIMAL.replace("id: 0x100 + node, nodes: 1..4", ids)
+    found = [finding for finding in findings(tmp_path, text) if finding.rule == "id-collision"]
+    assert [finding.message.rpartition(": ")[2] for finding in found] == ([expected] if expected else [])
+    assert all(
+        finding.position.text[finding.related[0].position.column - 1 :].startswith(ids[9:13]) for finding in found
+    )
+
+
+@pytest.mark.parametrize(
     ("one", "other", "met"),
     [
         ("300 + node * 10", "305 + node * 10", ""),

@@ -171,6 +171,7 @@ def test_json(tmp_path: Path) -> None:
         "rule": "unknown-key",
         "message": "unknown key `selecter`",
         "hint": "did you mean `selector`?",
+        "related": [],
     }
 
 
@@ -190,6 +191,32 @@ def test_sarif(tmp_path: Path) -> None:
     assert {rule["id"] for rule in run["tool"]["driver"]["rules"]} == {result["ruleId"] for result in run["results"]}
     region = run["results"][0]["locations"][0]["physicalLocation"]["region"]
     assert region == {"startLine": 6, "startColumn": 1, "endColumn": 9}
+
+
+def test_the_other_position_of_two_colliding_items(tmp_path: Path) -> None:
+    """Every format has it; the text has it in one line that an editor links."""
+    text = MINIMAL.replace("type: level}}", "type: level}, glow: {at: 3, raw: u8}}")
+    (found,) = json.loads(machine(tmp_path, "json", text)[1])["findings"]
+    assert found["related"] == [{"file": "folder/a, b.yaml", "line": 12, "column": 27, "item": "`level`"}]
+    assert "byte 3 with `level`%0A`level` is at folder/a, b.yaml:12:27%0Amove" in machine(tmp_path, "github", text)[1]
+    (run,) = json.loads(machine(tmp_path, "sarif", text)[1])["runs"]
+    (related,) = run["results"][0]["relatedLocations"]
+    assert related["message"] == {"text": "`level`"}
+    assert related["physicalLocation"]["region"] == {"startLine": 12, "startColumn": 27, "endColumn": 28}
+
+
+def test_a_big_endian_field_at_its_low_byte_is_reported_itself(tmp_path: Path) -> None:
+    fields = "a: {at: 1, raw: u8}, b: {at: 4, raw: u16, byte_order: big}, c: {at: 5, raw: u8}"
+    wrong = MINIMAL.replace("level: {at: 2, type: level}}", f"{fields}}}")
+    (found,) = json.loads(machine(tmp_path, "json", wrong)[1])["findings"]
+    assert found["message"].startswith("`b` is big-endian")
+    assert found["hint"].endswith("write at: 3 for bytes 3 to 4")
+    assert [one["item"] for one in found["related"]] == ["`c`"]
+    full = wrong.replace("a: {at: 1, raw: u8}", "a: {at: 3, raw: u8}")
+    (found,) = json.loads(machine(tmp_path, "json", full)[1])["findings"]
+    assert found["message"].startswith("`c` shares")
+    last = MINIMAL.replace("at: 2, type: level", "at: 7, raw: u16, byte_order: big")
+    assert "write at: 6 for bytes 6 to 7" in machine(tmp_path, "github", last)[1]
 
 
 def test_the_caret_stands_under_what_is_meant_in_a_terminal() -> None:

@@ -16,6 +16,7 @@ from canwright.resolve.limits import MOST_COMMANDS
 from click.testing import CliRunner
 
 from ..spec_texts import MINIMAL, findings, marked, places
+from .attacks import ATTACKS
 
 AT_ONCE = 8.0
 """CPU seconds, for a slow machine; what is unbounded takes minutes, or does not end."""
@@ -162,3 +163,19 @@ def test_limits_leave_room() -> None:
     assert notation.at("id.28").bit == notation.LAST_ID_BIT
     assert notation.number("1" * notation.DIGITS) > 0
     assert MOST_COMMANDS >= 100 * 28
+
+
+@pytest.mark.parametrize(
+    "name", ["layout x commands x series", "enum x fields", "entries x commands", "array x commands"]
+)
+def test_what_would_generate_too_much_is_rejected_with_its_size(name: str, tmp_path: Path) -> None:
+    start = time.process_time()
+    (found,) = (one for one in findings(tmp_path, ATTACKS[name]().spec) if one.rule == "too-large")
+    assert time.process_time() - start < AT_ONCE
+    assert "exceeds the maximum of" in found.message
+    assert found.hint
+
+
+def test_a_file_has_a_limited_number_of_values(tmp_path: Path) -> None:
+    (found,) = findings(tmp_path, ATTACKS["long list"]().spec)
+    assert (found.rule, found.position.line) == ("file-size", 7)

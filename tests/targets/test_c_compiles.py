@@ -12,6 +12,7 @@ import pytest
 from canwright.project.loader import specification
 from canwright.targets import c
 from canwright.targets.base import Specification
+from canwright.targets.c.files import PARTS
 
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, each_compiler
 from ..conformance.adapters.c_harness import harness
@@ -35,7 +36,7 @@ def write(described_: Sequence[Specification], folder: Path) -> Path:
 
 def headers(described_: Sequence[Specification]) -> list[str]:
     names = [f"{d.edition.family}/{d.edition.identifier}" for d in described_]
-    return [f"{name}{part}.h" for name in names for part in c.PARTS]
+    return [f"{name}{part}.h" for name in names for part in PARTS]
 
 
 def everything(include: Path, names: Sequence[str]) -> str:

@@ -10,7 +10,8 @@ import pytest
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.targets.base import header
-from canwright.targets.c import RUNTIME, SHARED
+from canwright.targets.c import RUNTIME
+from canwright.targets.c.files import SHARED
 
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, build, each_compiler
 from .test_c_compiles import MAIN, everything, write

@@ -21,8 +21,9 @@ import can
 import pytest
 from canwright.model import refusal
 from canwright.project.loader import specification
-from canwright.targets.python import RUNTIME, SHARED, target
+from canwright.targets.python import RUNTIME, target
 from canwright.targets.python.imports import NAMES, PUBLIC, Imports
+from canwright.targets.python.module import SHARED
 from canwright.targets.python.runtime import _codec, _dispatch
 from canwright.targets.python.runtime._codec import (
     ArrayType,

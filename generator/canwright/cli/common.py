@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 
 import click
 
-from ..diagnostics.diagnostic import Diagnostic, SpecError, near
+from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, SpecError, near
 from ..model.formatting import counted
 from ..project.loader import Loaded, all_loaded, frames_file, spec_files
 from ..targets.base import Specification
@@ -39,7 +39,7 @@ class FilePath(click.Path):
             siblings = (
                 sorted(f.name for f in file.parent.glob("*")) if file.parent.is_dir() and not file.exists() else []
             )
-            match = near(file.name, siblings)
+            match = near(file.name, [name for name in siblings if name != file.name])
             self.fail(
                 f"{error.message}{f' Did you mean {(file.parent / match).as_posix()}?' if match else ''}", param, ctx
             )
@@ -127,7 +127,8 @@ def findings_text(findings: Sequence[Diagnostic], printer: str) -> Printed:
         return Printed(listed)
     counts = Counter(finding.severity.value for finding in findings)
     total = " and ".join(counted(count, kind) for kind, count in sorted(counts.items()))
-    return Printed("", f"{listed}{total}; `canwright explain RULE` explains a rule\n")
+    more = "; there may be more, because a check stops there" if len(findings) >= MOST_FINDINGS else ""
+    return Printed("", f"{listed}{total}{more}; `canwright explain RULE` explains a rule\n")
 
 
 def show(printed: Printed) -> None:

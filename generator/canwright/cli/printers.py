@@ -38,7 +38,7 @@ def _coloured(finding: Diagnostic) -> str:
 
 
 def as_json(findings: Sequence[Diagnostic]) -> str:
-    """An object with `findings`: file, line, column, end_column, severity, rule, message and hint of each."""
+    """An object with `findings`: file, line, column, end_column, severity, rule, message, hint and related positions."""
     listed = [
         {
             "file": d.position.file,
@@ -49,6 +49,9 @@ def as_json(findings: Sequence[Diagnostic]) -> str:
             "rule": d.rule,
             "message": d.message,
             "hint": d.hint,
+            "related": [
+                {"file": at.file, "line": at.line, "column": at.column, "item": item} for at, item in d.related
+            ],
         }
         for d in findings
     ]
@@ -61,7 +64,7 @@ def github(findings: Sequence[Diagnostic]) -> str:
 
 
 def _annotation(finding: Diagnostic) -> str:
-    message = f"{finding.message}\n{finding.hint}" if finding.hint else finding.message
+    message = "\n".join(filter(None, (finding.message, *finding.related_lines, finding.hint)))
     return annotation(finding.severity.value, finding.position, finding.rule, message)
 
 
@@ -93,15 +96,20 @@ def sarif(findings: Sequence[Diagnostic]) -> str:
 
 
 def _result(finding: Diagnostic) -> dict[str, Any]:
-    at = finding.position
-    region = {"startLine": at.line, "startColumn": at.column, "endColumn": at.column + max(1, at.length)}
     message = f"{finding.message}; {finding.hint}" if finding.hint else finding.message
+    related = [{**_location(at), "id": i, "message": {"text": item}} for i, (at, item) in enumerate(finding.related, 1)]
     return {
         "ruleId": finding.rule,
         "level": finding.severity.value,
         "message": {"text": message},
-        "locations": [{"physicalLocation": {"artifactLocation": {"uri": at.file}, "region": region}}],
+        "locations": [_location(finding.position)],
+        **({"relatedLocations": related} if related else {}),
     }
+
+
+def _location(at: Position) -> dict[str, Any]:
+    region = {"startLine": at.line, "startColumn": at.column, "endColumn": at.column + max(1, at.length)}
+    return {"physicalLocation": {"artifactLocation": {"uri": at.file}, "region": region}}
 
 
 def _dump(data: object) -> str:

@@ -7,12 +7,16 @@ import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 DocumentPath = tuple[str | int, ...]
 """The path to an item of a YAML document: keys and indices from the top."""
 
-MOST_FINDINGS = 1000
+MOST_FINDINGS = 500
 """The maximum number of findings of one kind of check that one run reports."""
+
+MOST_NAMES = 1000
+"""The maximum number of names that are compared with a misspelled one."""
 
 WIDTH = 160
 """The maximum number of characters of a source line; a longer line is cut on both sides of the marked part."""
@@ -36,6 +40,13 @@ class Position:
     text: str
 
 
+class Related(NamedTuple):
+    """Another position that a finding is about, and the item there."""
+
+    position: Position
+    item: str
+
+
 @dataclass(frozen=True)
 class Diagnostic:
     """A finding: what is wrong, where, by which rule, and what to do about it."""
@@ -45,6 +56,7 @@ class Diagnostic:
     message: str
     position: Position
     hint: str = ""
+    related: tuple[Related, ...] = ()
 
     @property
     def place(self) -> tuple[str, int, int]:
@@ -52,7 +64,7 @@ class Diagnostic:
         return self.position.file, self.position.line, self.position.column
 
     def __str__(self) -> str:
-        """`file:line:col: severity: message [rule]`, the source line, a caret, and the hint."""
+        """`file:line:col: severity: message [rule]`, the source line, a caret, the related positions, and the hint."""
         at = self.position
         lines = [f"{at.file}:{at.line}:{at.column}: {self.severity.value}: {self.message} [{self.rule}]"]
         if at.text:
@@ -62,9 +74,13 @@ class Diagnostic:
             margin = "".join("\t" if c == "\t" else " " * _cells(c) for c in shown[:start])
             marked = _cells(shown[start : start + at.length]) or 1
             lines += [f"  {shown}", f"  {margin}{'^' * marked}"]
-        if self.hint:
-            lines.append(f"  {self.hint}")
+        lines += [f"  {shown}" for shown in (*self.related_lines, self.hint) if shown]
         return "\n".join(lines)
+
+    @property
+    def related_lines(self) -> list[str]:
+        """One line for each related position."""
+        return [f"{one.item} is at {p.file}:{p.line}:{p.column}" for one in self.related for p in (one.position,)]
 
 
 def _cells(text: str) -> int:
@@ -86,14 +102,13 @@ class SpecError(Exception):
 
 def near(name: str, known: Iterable[str]) -> str | None:
     """The name in `known` that `name` is probably a misspelling of; None without one."""
-    names = (sorted(known) if isinstance(known, (set, frozenset)) else list(dict.fromkeys(known)))[:MOST_FINDINGS]
+    names = (sorted(known) if isinstance(known, (set, frozenset)) else list(dict.fromkeys(known)))[:MOST_NAMES]
     same = next((n for n in names if n.casefold() == name.casefold()), None)
     if same is not None:
         return same
-    matches = difflib.get_close_matches(name, names, n=len(names) or 1, cutoff=CUTOFF)
+    matches = _similarities(name, names)
     if matches:
-        best = _similarity(name, matches[0])
-        return next(n for n in names if n in matches and _similarity(name, n) == best)
+        return max(matches, key=matches.__getitem__)
     starts = [n for n in names if min(len(n), len(name)) > 2 and (n.startswith(name) or name.startswith(n))]
     return starts[0] if len(starts) == 1 else None
 
@@ -102,8 +117,15 @@ CUTOFF = 0.61
 """The minimum similarity of a misspelling, from 0 to 1; that of `meta` and `errata` is lower."""
 
 
-def _similarity(name: str, other: str) -> float:
-    return difflib.SequenceMatcher(None, other, name).ratio()
+def _similarities(name: str, names: Iterable[str]) -> dict[str, float]:
+    """The names that are similar to `name`, in their order, with their similarity."""
+    matcher = difflib.SequenceMatcher(None, "", name)
+    found = {}
+    for other in names:
+        matcher.set_seq1(other)
+        if min(matcher.real_quick_ratio(), matcher.quick_ratio()) >= CUTOFF and (ratio := matcher.ratio()) >= CUTOFF:
+            found[other] = ratio
+    return found
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

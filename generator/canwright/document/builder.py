@@ -14,6 +14,8 @@ from .marks import Mark, Source
 from .scalars import LOADER, MERGE, Scalar, name_of, plain
 
 MAX_DEPTH = 24
+MAX_VALUES = 150_000
+"""The maximum number of values in a file: mappings, lists and scalars."""
 MAX_ISSUES = 100
 """The number of issues after which reading stops."""
 
@@ -27,6 +29,8 @@ class Issue(NamedTuple):
     rule: str
     message: str
     hint: str
+    related: tuple[Mark, str] | None = None
+    """The mark of another item that the issue is about, and what it is."""
 
 
 class BuiltData(NamedTuple):
@@ -58,6 +62,7 @@ class _Builder:
         self._hidden = hidden
         self._issues: list[Issue] = []
         self._unreadable: set[DocumentPath] = set()
+        self._values = 0
         self._plain: dict[str, Scalar] = {}
         self._names: dict[str, str] = {}
         self._event: Any = None
@@ -100,10 +105,10 @@ class _Builder:
         if unreadable is not None:
             self._unreadable.add(unreadable)
 
-    def _add(self, mark: Mark, rule: str, message: str, hint: str) -> None:
+    def _add(self, mark: Mark, rule: str, message: str, hint: str, related: tuple[Mark, str] | None = None) -> None:
         if len(self._issues) == MAX_ISSUES:
             self._stop(mark, rule, message, f"{hint}; reading stops after {MAX_ISSUES} findings")
-        self._issues.append(Issue(mark, rule, message, hint))
+        self._issues.append(Issue(mark, rule, message, hint, related))
 
     def _stop(self, mark: Mark, rule: str, message: str, hint: str = "") -> NoReturn:
         """Stops reading with an issue, unless there is one at the same place already."""
@@ -159,6 +164,7 @@ class _Builder:
         items: list[Data] = []
         while not isinstance(event := self._next(), yaml.SequenceEndEvent):
             self._event = event
+            self._count_value()
             items.append(self._value(None if path is None else (*path, len(items)), depth))
         return items
 
@@ -167,6 +173,7 @@ class _Builder:
         next_event, names, known = self._next, self._names, self._plain if depth <= MAX_DEPTH else {}
         while not isinstance(event := next_event(), yaml.MappingEndEvent):
             self._event = event
+            self._count_value()
             is_plain = isinstance(event, yaml.ScalarEvent) and not (event.style or event.anchor or event.tag)
             name = names.get(event.value) if is_plain else None
             if name is None:
@@ -183,6 +190,13 @@ class _Builder:
             if name is not None and is_first:
                 entries[name] = value
         return entries
+
+    def _count_value(self) -> None:
+        """Counts an entry of a mapping or a list, and stops reading if there are too many in the file."""
+        self._values += 1
+        if self._values > MAX_VALUES:
+            text = f"the file has more than {MAX_VALUES} values"
+            self._stop(Mark.of(self._event), "file-size", text, "split the protocol, or list fewer values")
 
     def _name(self, path: DocumentPath | None, depth: int) -> str | None:
         """A key; None after an issue if it is not a name."""
@@ -212,9 +226,11 @@ class _Builder:
     def _report_duplicate(self, path: DocumentPath | None, name: str) -> None:
         if path is not None:
             duplicate: DocumentPath = (*path, name)
-            first = self._source.marks.keys[duplicate].line
-            hint = "remove or rename one"
-            self._report("duplicate-key", f"the key `{name}` is already on line {first}", hint, duplicate)
+            first = self._source.marks.keys[duplicate]
+            message = f"the key `{name}` is already on line {first.line}"
+            related = first, f"the first `{name}`"
+            self._add(Mark.of(self._event), "duplicate-key", message, "remove or rename one", related)
+            self._unreadable.add(duplicate)
 
     def _is_masked(self, text: str) -> bool:
         """Whether a text contains the mask of an invisible character."""

@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import NoReturn
 
 from ..diagnostics import unicode_safety
-from ..diagnostics.diagnostic import Diagnostic, DocumentPath, Position, Severity, SpecError
-from .builder import Data, build
+from ..diagnostics.diagnostic import Diagnostic, DocumentPath, Position, Related, Severity, SpecError
+from .builder import Data, Issue, build
 from .marks import Mark, Source
 
-MAX_BYTES = 1 << 23
+MAX_BYTES = 1 << 22
 MAX_MESSAGE = 400
 """The maximum number of characters in a message, which may quote a text as long as the file."""
 
@@ -44,7 +44,7 @@ class Document:
         places = unicode_safety.places(written) if masked != written else ()
         built = build(self._source, [(Mark(line, column, 1), character) for line, column, character in places])
         self.unreadable = built.unreadable
-        self.findings = [self._finding(*issue) for issue in built.issues]
+        self.findings = [self._finding(issue) for issue in built.issues]
         if built.data is None:
             raise SpecError(self.findings)
         self.data: Data = built.data
@@ -75,8 +75,11 @@ class Document:
         severity = Severity.WARNING if warning else Severity.ERROR
         return Diagnostic(severity, rule, _line(message), self.position(path, key=key), _line(hint))
 
-    def _finding(self, mark: Mark, rule: str, message: str, hint: str) -> Diagnostic:
-        return Diagnostic(Severity.ERROR, rule, _line(message), self._position(mark), _line(hint))
+    def _finding(self, issue: Issue) -> Diagnostic:
+        related = [Related(self._position(mark), _line(item)) for mark, item in filter(None, [issue.related])]
+        hint = _line(issue.hint)
+        position = self._position(issue.mark)
+        return Diagnostic(Severity.ERROR, issue.rule, _line(issue.message), position, hint, tuple(related))
 
     def _position(self, mark: Mark) -> Position:
         lines = self._source.lines

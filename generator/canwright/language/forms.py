@@ -18,6 +18,14 @@ from . import aliases, notation, suggestions
 from .concept import Choose, Concept, DeclaredKey, JsonSchema, Limits, Notation, keys, metadata, per_concept
 from .findings import Findings
 
+
+def kind_of(data: object) -> str:
+    """The kind of a value, with an article."""
+    if isinstance(data, dict):
+        return "a mapping"
+    return "a list" if isinstance(data, list) else "a text" if isinstance(data, str) else "a single value"
+
+
 INVALID: Any = object()
 """The result for a value that cannot be decoded and has a finding."""
 
@@ -87,6 +95,8 @@ class TextForm(Form):
             message = f"{len(data)} characters exceed the maximum of {limits.max_length}"
             return self._value(report, location, message, "shorten it")
         if limits.pattern is None or re.search(_pattern(limits.pattern), data):
+            if limits.pattern == suggestions.DATE and not suggestions.is_day(data):
+                return self._value(report, location, f"`{data}` is not a date", "this month has fewer days")
             return data
         if limits.pattern == suggestions.VISIBLE:
             return self._value(report, location, "this text is blank", "write one, or omit the key")
@@ -217,7 +227,9 @@ class ListForm(Form):
             shown = report.written(location.path, data)
             hint = f"write [{shown}]" if is_scalar(data) else ""
             hint = f"write a space after a dash: `- {shown[1:]}`" if re.match("-[A-Za-z]", shown) else hint
-            return self._type(report, location, "expected a list here", hint)
+            if isinstance(data, dict) and data and not self.item.example:
+                hint = f"write a list of names: [{', '.join(data)}]"
+            return self._type(report, location, f"expected a list here, not {kind_of(data)}", hint)
         if not _has_valid_size(self, report, data, location, self.limits):
             return INVALID
         items = ((location.at(i), one) for i, one in enumerate(data))
@@ -242,7 +254,7 @@ class MapForm(Form):
     def decode(self, report: Findings, data: Any, location: Location) -> Any:
         if not isinstance(data, dict):
             hint = aliases.named(data) or aliases.listed(data, location.last) or aliases.mapping(data, location.path)
-            return self._type(report, location, "expected a mapping here", hint)
+            return self._type(report, location, f"expected a mapping here, not {kind_of(data)}", hint)
         if self._is_reversed(data):
             text = "names and values are reversed here"
             return self._value(report, location, text, f"write {aliases.names_first(data)}")
@@ -287,7 +299,7 @@ class ConceptForm(Form):
     def decode(self, report: Findings, data: Any, location: Location) -> Any:
         if not isinstance(data, dict):
             hint = aliases.named(data) or aliases.mapping(data, location.path)
-            return self._type(report, location, "expected a mapping here", hint)
+            return self._type(report, location, f"expected a mapping here, not {kind_of(data)}", hint)
         known, cases = declared(self.concept), self.concept.cases
         if cases and "by" not in data:
             text = "`by` is missing here"

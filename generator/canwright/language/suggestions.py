@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from calendar import monthrange
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
 
@@ -236,6 +237,12 @@ def date(written: str) -> str:
     valid = "-".join(part.zfill(2) for part in parts.groups() if part) if parts else ""
     rule = "write a year, a month or a day, as 2023, 2023-03 or 2023-03-21"
     return f"{rule}: `{valid}`" if valid != written and re.fullmatch(DATE, valid) else rule
+
+
+def is_day(written: str) -> bool:
+    """Whether a year, a month or a day in the valid form exists in the calendar."""
+    year, month, day = (*map(int, written.split("-")), 1, 1)[:3]
+    return day <= monthrange(max(year, 1), month)[1]
 
 
 def as_yaml(value: object) -> str:

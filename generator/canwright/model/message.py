@@ -12,6 +12,9 @@ from .layout import Layout, NodeRole, Segment, Space
 from .metadata import Effect, Setting
 from .types import Assignment, Order, Text
 
+LISTED_NODES = 256
+"""The maximum number of nodes of an address that an output lists one by one."""
+
 
 class Direction(str, Enum):
     """The direction of a frame: the host sends requests, the node sends replies."""

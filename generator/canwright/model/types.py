@@ -6,7 +6,7 @@ Every number is an int or a Fraction; nothing here is a float.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
@@ -102,19 +102,18 @@ class Dependent(Generic[T]):
             return self.constant
         return self.cases.get(assignment.get(self.parameter, ""))
 
-    def distinct(self) -> list[tuple[tuple[str, ...], T | None]]:
+    def distinct(self) -> Sequence[tuple[tuple[str, ...], T | None]]:
         """The different values, each with the parameter values under which it applies, in spec order."""
+        return self._distinct
+
+    @cached_property
+    def _distinct(self) -> Sequence[tuple[tuple[str, ...], T | None]]:
         if self.parameter is None:
             return [((), self.constant)]
-        groups: list[tuple[tuple[str, ...], T | None]] = []
+        groups: dict[T | None, list[str]] = {}
         for name, value in self.cases.items():
-            for index, (names, known) in enumerate(groups):
-                if known == value:
-                    groups[index] = ((*names, name), known)
-                    break
-            else:
-                groups.append(((name,), value))
-        return groups
+            groups.setdefault(value, []).append(name)
+        return [(tuple(names), value) for value, names in groups.items()]
 
 
 @dataclass(frozen=True)

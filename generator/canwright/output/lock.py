@@ -20,6 +20,8 @@ def locked(out: Path, patience: float) -> Iterator[None]:
     file = out / LOCK
     if content_of(file):
         raise OutputError(f"{file.as_posix()} is not a lock of canwright, it has content; move it away and run again")
+    if file.exists() and file.stat().st_nlink > 1:
+        raise OutputError(f"{file.as_posix()} is a hard link to another file; remove it and run again")
     lock = FileLock(file, timeout=patience)
     try:
         lock.acquire()

@@ -94,7 +94,7 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     clashes = (clash for target in targets() for clash in target.collisions(editions))
     documents = {one.specification.edition: one.document for one in result}
     findings = [
-        documents[edition].finding(("edition",), "name-collision", text, "rename one of the editions")
+        documents[edition].finding(("edition",), "name-collision", text, "rename this edition")
         for edition, text in clashes
     ]
     if findings:

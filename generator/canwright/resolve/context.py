@@ -30,7 +30,7 @@ class Context:
     affected: Affected
 
     def __post_init__(self) -> None:
-        self.invalid: list[DocumentPath] = []
+        self.invalid: dict[DocumentPath, None] = {}
         """Paths of errors, except for errors in texts."""
         self.unknown: list[DocumentPath] = []
         """Paths of names without a valid definition."""
@@ -53,7 +53,7 @@ class Context:
         about: DocumentPath | None = None,
     ) -> None:
         """Adds a finding at `path`; `about` is the path of the invalid value, if it is a different one."""
-        self.invalid.append(path if about is None else about)
+        self.invalid[path if about is None else about] = None
         self._report(path, rule, message, hint, key)
 
     def _report(self, path: DocumentPath, rule: str, message: str, hint: str, key: bool = False) -> None:
@@ -69,7 +69,7 @@ class Context:
             self.unknown.append(path)
             section = _SECTION.get(kind.partition(" ")[0], "")
             if section in (self.affected.sections if " " in kind else self.affected.incomplete):
-                self.invalid.append(path)
+                self.invalid[path] = None
             else:
                 if not self.is_full:
                     hint = hint or self._other_kind(name) or nearest(name, known) or _defined(kind, len(known))

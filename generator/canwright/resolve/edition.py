@@ -18,7 +18,7 @@ from .command_forms import CommandForm
 from .context import Context
 from .discriminators import keyed_by_constants, with_claims
 from .layouts import LayoutResolver
-from .limits import check_commands
+from .limits import check_limits
 from .messages import ENTRY, MessageResolver
 from .parameters import resolve_parameters
 from .types import read_units, resolve_types
@@ -41,11 +41,11 @@ def resolve(
     """The edition of a spec, and all findings; with findings, the edition is only for further checks.
 
     `digest` is the hash of the text, `invalid` are the paths of values that the decoder omitted. Raises SpecError for
-    more commands than are resolved.
+    more commands or fields than are resolved.
     """
-    check_commands(document, spec)
+    check_limits(document, spec)
     context = Context(document, tuple(spec.languages), [], Affected(document.data, invalid))
-    return _edition(context, spec, digest), Unresolved(context.diagnostics, context.invalid, context.unknown)
+    return _edition(context, spec, digest), Unresolved(context.diagnostics, [*context.invalid], context.unknown)
 
 
 def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition:

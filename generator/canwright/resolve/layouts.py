@@ -127,9 +127,9 @@ class LayoutResolver:
     def _field(self, path: DocumentPath, name: str, written: schema.FieldSpec, manual: str) -> Field:
         type_ = self._type(path, written)
         start, count = written.at, len(written.array) if written.array else 1
+        bits = frame_bits(start, type_.width * count, type_.order)
         elements = []
         for i in range(count):
-            bits = frame_bits(start, type_.width * count, type_.order)
             offset = i * type_.width if type_.order is Order.LITTLE or start.space is Space.ID else None
             first = offset if offset is not None else type_.width * (count - 1 - i)
             elements.append(

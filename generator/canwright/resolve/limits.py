@@ -1,19 +1,62 @@
-"""The limit of commands, checked before they are resolved."""
+"""Limits of a spec that are checked before it is resolved, because resolving it would take too long."""
 
 from __future__ import annotations
 
-from ..diagnostics.diagnostic import SpecError
+from collections.abc import Iterable, Iterator
+
+from ..diagnostics.diagnostic import DocumentPath, SpecError
 from ..document.document import Document
-from ..language.edition import EditionSpec
+from ..language.edition import CommandSpec, EditionSpec, Fields, MessageSpec
 
-MOST_COMMANDS = 5000
+MOST_COMMANDS = 3000
 """The maximum number of commands; a command with a table counts once for each entry."""
+MOST_FIELDS = 20_000
+"""The maximum number of fields that a spec defines; an array counts once for each element."""
 
 
-def check_commands(document: Document, spec: EditionSpec) -> None:
-    """Raises SpecError for too many commands."""
+def check_limits(document: Document, spec: EditionSpec) -> None:
+    """Raises SpecError for too many commands or fields, at the first command or field above the limit."""
     entries = {name: len(table.entries) for name, table in spec.tables.items()}
-    count = sum(entries.get(command.table or "", 1) for command in spec.commands.values())
-    if count > MOST_COMMANDS:
-        text = f"{count} commands, with one for each table entry, exceed the maximum of {MOST_COMMANDS}"
-        raise SpecError([document.finding(("commands",), "too-large", text, "split the protocol", key=True)])
+    commands = {("commands", name): entries.get(command.table or "", 1) for name, command in spec.commands.items()}
+    _check(document, commands.items(), MOST_COMMANDS, "commands, with one for each table entry,")
+    _check(document, _elements(spec), MOST_FIELDS, "fields, with one for each element of an array,")
+
+
+def _check(document: Document, counts: Iterable[tuple[DocumentPath, int]], most: int, what: str) -> None:
+    total, first = 0, None
+    for path, count in counts:
+        total += count
+        if total > most and first is None:
+            first = path
+    if first is not None:
+        text = f"the spec has {total} {what} which exceeds the maximum of {most}"
+        hint = "split the protocol into several specs; this is the first one above the maximum"
+        raise SpecError([document.finding(first, "too-large", text, hint, key=True)])
+
+
+def _elements(spec: EditionSpec) -> Iterator[tuple[DocumentPath, int]]:
+    """The number of elements of each field."""
+    for path, fields in _fields(spec):
+        for name, field in fields.items():
+            yield (*path, name), len(field.array or (0,))
+
+
+def _fields(spec: EditionSpec) -> Iterator[tuple[DocumentPath, Fields]]:
+    for name, layout in spec.layouts.items():
+        yield ("layouts", name, "fields"), layout.fields
+    for name, table in spec.tables.items():
+        for entry_name, entry in table.entries.items():
+            if isinstance(entry.layout, dict):
+                yield ("tables", name, "entries", entry_name, "layout"), entry.layout
+    for name, command in spec.commands.items():
+        yield from _fields_of(name, command)
+
+
+def _fields_of(name: str, command: CommandSpec) -> Iterator[tuple[DocumentPath, Fields]]:
+    for key, message in (("request", command.request), ("reply", command.reply)):
+        path: DocumentPath = ("commands", name, key)
+        if isinstance(message, dict):
+            yield path, message
+        elif isinstance(message, MessageSpec):
+            parts = (("layout", message.layout), ("fields", message.fields))
+            yield from (((*path, part), fields) for part, fields in parts if isinstance(fields, dict))

@@ -208,9 +208,10 @@ class MessageResolver:
             hint = "add the `table` of the command"
             self._context.report(path, "entry-of-nothing", f"`{command}` has no table, so `entry` is unknown", hint)
         elif isinstance(spec.layout, str):
-            hint = suggestions.layout(
-                spec.layout, (*self._shared, *LAYOUT_WORDS), self._spec.commands, self._spec.types
-            )
+            hint = ""
+            if spec.layout not in self._shared and not self._context.is_full:
+                known = (*self._shared, *LAYOUT_WORDS)
+                hint = suggestions.layout(spec.layout, known, self._spec.commands, self._spec.types)
             layout = self._context.find(path, "layout", spec.layout, self._shared, hint)
         if layout is None:
             fields = spec.layout if isinstance(spec.layout, dict) else {}

@@ -16,6 +16,7 @@ from . import (
     duplicate_code,
     duplicate_name,
     exchange_contradiction,
+    file_name,
     frame_contradiction,
     id_bits,
     id_collision,
@@ -44,8 +45,10 @@ WARNING = Severity.WARNING
 RULES: tuple[Rule, ...] = (
     Rule(
         "too-large",
-        "A spec has at most 5000 commands, 64 combinations of choices and 2500000 generated lines.",
+        "A spec has at most 3000 commands, 20000 fields, 64 combinations of choices and a size of 200000, which is the "
+        "sum of the sizes of its parts.",
         too_large.check,
+        phase=Phase.SIZE,
     ),
     Rule(
         "overlap",
@@ -73,6 +76,11 @@ RULES: tuple[Rule, ...] = (
     Rule("repeated-value", "A list of names or codes has no duplicates.", repeated_value.check),
     Rule("reserved-word", "A reserved word of the language is not used as a name.", reserved_word.check),
     Rule(
+        "file-name",
+        "Families, editions and commands have names that files can have on every system.",
+        file_name.check,
+    ),
+    Rule(
         "duplicate-code",
         "No two commands of one address have the same code.",
         duplicate_code.check,
@@ -92,7 +100,7 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "id-collision",
-        "No id belongs to two addresses of one direction, unless all their ids are equal.",
+        "No id belongs to two addresses, or to a request and a reply of one address, unless all their ids are equal.",
         id_collision.check,
         phase=Phase.WHOLE,
     ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import islice
 
 from ..language.edition import EditionSpec
 from ..model.edition import Edition
@@ -10,7 +11,10 @@ from ..model.layout import Space
 from ..model.message import Direction, Message
 from . import bit_patterns, can_ids
 from .duplicate_code import sends_the_same
-from .rule import Finding, Findings, Subject
+from .rule import Finding, Findings, RelatedItem, Subject
+
+MOST_PAIRS = 2000
+"""The maximum number of ambiguous pairs that findings are about; there are more only if very many commands are wrong."""
 
 _ID_KEYS = 32
 _DATA = 2 * _ID_KEYS
@@ -26,20 +30,24 @@ def check(subject: Subject) -> Findings:
         groups = {name: edition.command(name).group for name in messages}
         others: dict[str, set[str]] = {}
         first = dict(zip(reversed(groups.values()), reversed(messages.values()), strict=True))
-        for one, other in _ambiguous(edition, direction):
+        for one, other in islice(_ambiguous(edition, direction), MOST_PAIRS):
             pair = groups[one.command], groups[other.command]
             if without_code.isdisjoint(pair):
                 for group, its in (pair, pair[::-1]):
                     others.setdefault(group, set()).add(its)
-        order = list(first)[::-1]
+        order = {group: place for place, group in enumerate(reversed(first))}
         while others:
-            most = max(others, key=lambda group: (len(others[group]), order.index(group)))
+            most = max(others, key=lambda group: (len(others[group]), order[group]))
             found = others.pop(most)
             for group in found - {most}:
                 others[group].discard(most)
             others = {group: left for group, left in others.items() if left}
-            names = sorted(found, key=order.index)
-            yield _finding(first[most], names, _without_explicit_request(subject.spec, direction, [most, *names]))
+            names = sorted(found, key=order.__getitem__)
+            yield _finding(
+                first[most],
+                [first[name] for name in names],
+                _without_explicit_request(subject.spec, direction, [most, *names]),
+            )
             if edition.command(first[most].command).code is None:
                 without_code.add(most)
 
@@ -62,15 +70,20 @@ def _without_explicit_request(spec: EditionSpec, direction: Direction, commands:
     return next(bare, "")
 
 
-def _finding(message: Message, others: Sequence[str], implicit: str) -> Finding:
+def _finding(message: Message, others: Sequence[Message], implicit: str) -> Finding:
+    shown = others[:SHOWN]
     more = f" and {len(others) - SHOWN} more" if len(others) > SHOWN else ""
-    names = ", ".join(f"`{name}`" for name in others[:SHOWN]) + more
+    names = ", ".join(f"`{other.command}`" for other in shown) + more
     those = "that" if len(others) == 1 else "those"
     text = f"this {message.direction.value} cannot be distinguished from {those} of {names}, but their fields differ"
     hint = "give it a different code, id, dlc or constant, or use one layout for both"
     if implicit:
         hint = f"if nodes send `{implicit}` without a request, write `request: none` there; else {hint}"
-    return Finding((*message.path, "code"), text, hint, key=True)
+    related = tuple(
+        RelatedItem((*other.path, "code"), f"the {message.direction.value} of `{other.command}`", key=True)
+        for other in shown
+    )
+    return Finding((*message.path, "code"), text, hint, key=True, related=related)
 
 
 SHOWN = 3

@@ -6,6 +6,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model.layout import MAX_DATA_BYTES, Field, Segment, Space
 from ..model.message import KeyRole, Message
 from ..model.types import Order
+from .byte_order import highest_byte
 from .rule import Finding, Findings, Subject
 
 
@@ -69,6 +70,8 @@ def _beyond(message: Message, field: Field, limit: int) -> Finding:
     hint = "check `at`, the type and `dlc`"
     if MAX_DATA_BYTES <= first < MAX_DATA_BYTES * 8:
         hint = f"`at` counts bytes from 0 to {MAX_DATA_BYTES - 1}; bit {first} is in byte {first // 8}"
+    elif (start := highest_byte(field)) is not None and first < message.dlc:
+        hint = f"`at` is the first, highest byte of a big-endian field: write at: {start} for bytes {start} to {first}"
     elif (
         field.type.order is Order.BIG and field.elements[0].segments[-1].low + field.elements[0].segments[-1].width < 8
     ):

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
-from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, Severity
+from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, Related, Severity
 from ..document.document import Document
 from ..resolve.affected import Affected, decides_code
 from ..resolve.edition import Unresolved
@@ -29,6 +30,9 @@ def check(
     """
     checker = _Checker(subject, document, frames, errors)
     invalid = list(invalid)
+    checker.check(Phase.SIZE, [])
+    if checker.invalid:
+        return checker.errors, checker.warnings
     checker.check(Phase.PARTS, [*invalid, *unresolved.references])
     checker.check(Phase.CODES, filter(decides_code, [*invalid, *unresolved.paths]))
     checker.check(Phase.WHOLE, [*invalid, *unresolved.paths, *checker.invalid])
@@ -71,6 +75,9 @@ class _Checker:
         diagnostic = document.finding(
             finding.path, rule.id, finding.message, finding.hint, key=finding.key, warning=is_warning
         )
+        if finding.related:
+            items = ((self._document.position(r.path, key=r.key), r.item) for r in finding.related)
+            diagnostic = replace(diagnostic, related=tuple(Related(*item) for item in items))
         if self._rules.setdefault(diagnostic.place, rule.id) != rule.id and finding.key:
             return
         (self.warnings if is_warning else self.errors).append(diagnostic)

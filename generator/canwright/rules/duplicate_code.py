@@ -6,7 +6,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
 from ..model.message import Command, Direction
 from ..semantics.dispatch import selection
-from .rule import Finding, Findings, Subject
+from .rule import Finding, Findings, RelatedItem, Subject
 
 
 def check(subject: Subject) -> Findings:
@@ -37,7 +37,9 @@ def _accepted_codes(edition: Edition) -> Findings:
             )
             if other is not None:
                 text = f"0x{code:02X} is the code of `{other.command}` and identifies it"
-                yield Finding((*message.path, "accept", i), text, "check both codes, or remove it")
+                related = RelatedItem((*edition.command(other.command).path, "code"), f"the code of `{other.command}`")
+                path = (*message.path, "accept", i)
+                yield Finding(path, text, "check both codes, or remove it", related=(related,))
 
 
 def sends_the_same(one: Command, other: Command) -> bool:
@@ -55,6 +57,9 @@ def _sent(command: Command) -> object:
 def _finding(command: Command, other: Command) -> Finding:
     if command.entry is not None and other.entry is not None and command.group == other.group:
         text = f"`{other.entry.name}` also has this index, so `{command.name}` and `{other.name}` are one command"
-        return Finding((*command.entry.path, "index"), text, "give each entry its own `index`")
+        related = RelatedItem((*other.entry.path, "index"), f"the index of `{other.entry.name}`")
+        return Finding((*command.entry.path, "index"), text, "give each entry its own `index`", related=(related,))
     text = f"`{other.group}` also has the code 0x{command.code:02X}"
-    return Finding((*command.path, "code"), text, "check both codes, or give one of them another `address` or `dlc`")
+    hint = "check both codes, or give one of them another `address` or `dlc`"
+    related = RelatedItem((*other.path, "code"), f"the code of `{other.group}`")
+    return Finding((*command.path, "code"), text, hint, related=(related,))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
-from .rule import Finding, Findings, Subject
+from .rule import Finding, Findings, RelatedItem, Subject
 
 
 def check(subject: Subject) -> Findings:
@@ -15,13 +15,16 @@ def check(subject: Subject) -> Findings:
         first: dict[str, DocumentPath] = {}
         for name, path in named:
             if name in first:
+                is_key = what != "erratum"
                 text = f"the {what} `{name}` is already defined at {'.'.join(map(str, first[name]))}"
-                yield Finding(path, text, "rename one of them", key=what != "erratum")
+                related = RelatedItem(first[name], f"the other {what}", key=is_key)
+                yield Finding(path, text, "rename one of them", key=is_key, related=(related,))
             first.setdefault(name, path)
     for message in edition.all_messages():
         seen: dict[str, DocumentPath] = {}
         for field in message.layout.fields:
             if field.name in seen:
                 text = f"the layout of this message already has a field `{field.name}`"
-                yield Finding(seen[field.name], text, "rename one of them", key=True)
+                related = RelatedItem(field.path, "the other field", key=True)
+                yield Finding(seen[field.name], text, "rename one of them", key=True, related=(related,))
             seen.setdefault(field.name, field.path)

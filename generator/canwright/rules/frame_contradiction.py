@@ -133,7 +133,9 @@ def _header(message: Message, frame: GoldenFrame, can: CanFrame) -> EntryProblem
         hint = f"did you mean 0x{from_hex:X}?" if is_decimal else _id_of(message, frame)
         return ("id",), wrong.text, hint
     if wrong.part == "length":
-        return ("data",), wrong.text, "check `data` and `dlc`"
+        path = ".".join(map(str, message.path))
+        hint = f"write {message.dlc} bytes; this length is `dlc` of {path} in the spec, of `bus`, or the default"
+        return ("data",), wrong.text, hint
     return ("data",), wrong.text, "check `data` and the code in the spec"
 
 

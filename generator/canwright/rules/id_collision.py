@@ -1,4 +1,4 @@
-"""No id belongs to two addresses of one direction, unless all their ids are equal."""
+"""No id belongs to two addresses, or to a request and a reply of one address, unless all their ids are equal."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..language.edition import EditionSpec
 from ..model.edition import Edition
 from ..model.layout import Space
-from ..model.message import Address, Direction, Message
+from ..model.message import Address, Direction, IdRule, Message
 from ..semantics.dispatch import dispatch_plan, node_of_id
 from . import bit_patterns, can_ids
-from .rule import Finding, Findings, Subject
+from .rule import Finding, Findings, RelatedItem, Subject
 
 
 def check(subject: Subject) -> Findings:
@@ -20,14 +20,61 @@ def check(subject: Subject) -> Findings:
     for direction in Direction:
         for (address, other), shared in sorted(_shared(subject, direction).items()):
             one, two = edition.addresses[address], edition.addresses[other]
-            own = subject.spec.addresses[one.name].id is None
-            path: DocumentPath = (*one.path, direction.value if own else "id")
+            path = _path(subject, one, direction)
             if one.rule(direction) != two.rule(direction) and (path, two.name) not in seen:
                 seen.add((path, two.name))
                 text = f"the {direction.value} id 0x{shared:X} also belongs to `{two.name}`"
-                yield Finding(path, text, "check `id` and `nodes` of both addresses")
+                related = RelatedItem(_path(subject, two, direction), f"the id of `{two.name}`")
+                yield Finding(path, text, "check `id` and `nodes` of both addresses", related=(related,))
         if not seen and not subject.partial:
             yield from _unreachable(edition, direction)
+    yield from _between_directions(subject)
+
+
+def _path(subject: Subject, address: Address, direction: Direction) -> DocumentPath:
+    """The path of the id of an address, which has one id or one for each direction."""
+    return (*address.path, "id" if subject.spec.addresses[address.name].id is not None else direction.value)
+
+
+def _between_directions(subject: Subject) -> Findings:
+    """Findings about ids that are requests of one node and replies of another."""
+    edition = subject.edition
+    for address in edition.addresses:
+        rules = address.request, address.reply
+        if rules[0] == rules[1] or (subject.partial and _is_selected_by_id(subject.spec, address.name)):
+            continue
+        used = {message.address for message in edition.all_messages()}
+        owned = [(direction, its) for direction in Direction for its in _ids(edition, direction, address, used)]
+        for i, j in bit_patterns.pairs([can_ids.known(its) for _, its in owned]):
+            (direction, replies), (other, requests) = owned[i], owned[j]
+            shared = can_ids.meet(replies, requests) if direction is not other and replies != requests else None
+            if shared is not None:
+                yield _shared_by_directions(subject, address, replies, requests, shared)
+                break
+
+
+def _shared_by_directions(subject: Subject, address: Address, replies: range, requests: range, shared: int) -> Finding:
+    paths = {direction: _path(subject, address, direction) for direction in Direction}
+    owners = {
+        direction: _owner(address.rule(direction), ids, shared)
+        for direction, ids in ((Direction.REQUEST, requests), (Direction.REPLY, replies))
+    }
+    return Finding(
+        paths[Direction.REPLY],
+        f"the reply ids {_span(replies)} overlap the request ids {_span(requests)}: 0x{shared:X} is "
+        f"the reply{owners[Direction.REPLY]} and the request{owners[Direction.REQUEST]}",
+        "check `request`, `reply` and `nodes`; if nodes reply on the id of their request, write one `id` for both",
+        related=(RelatedItem(paths[Direction.REQUEST], "`request`"),),
+    )
+
+
+def _owner(rule: IdRule, ids: range, shared: int) -> str:
+    """` of node 5`, or nothing if the id does not contain a node; `ids` are those of the rule and of keys in the id."""
+    return "" if rule.nodes is None else f" of node {rule.nodes[ids.index(shared)]}"
+
+
+def _span(ids: range) -> str:
+    return f"0x{ids[0]:X}" if len(ids) == 1 else f"0x{ids[0]:X}..0x{ids[-1]:X}"
 
 
 def _unreachable(edition: Edition, direction: Direction) -> Findings:

@@ -6,7 +6,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..language import aliases
 from ..model import formatting
 from ..model.types import Member, Range, Type
-from .rule import Finding, Findings, Subject
+from .rule import Finding, Findings, RelatedItem, Subject
 
 
 def check(subject: Subject) -> Findings:
@@ -31,7 +31,8 @@ def _members(type_: Type, key: str, members: tuple[Member, ...], low: int, high:
         path: DocumentPath = (*type_.path, key, member.name)
         if member.value in first:
             text = f"`{member.name}` and `{first[member.value]}` are both {member.value}"
-            yield Finding(path, text, "give each a different value")
+            other = RelatedItem((*type_.path, key, first[member.value]), f"`{first[member.value]}`", key=True)
+            yield Finding(path, text, "give each a different value", related=(other,))
         elif not low <= member.value <= high:
             what = "bit " if key == "flags" else ""
             text = (

@@ -9,7 +9,7 @@ from ..diagnostics.diagnostic import Severity
 from ..model.edition import Edition
 from ..targets.base import NameProblem
 from ..targets.registry import targets
-from .rule import Finding, Findings, Subject
+from .rule import Finding, Findings, RelatedItem, Subject
 
 
 def check(subject: Subject) -> Findings:
@@ -20,7 +20,8 @@ def findings(subject: Subject, severity: Severity) -> Findings:
     """The problems of one severity that any target has with names."""
     for problem in _problems(subject.edition):
         if problem.severity is severity:
-            yield Finding(problem.path, problem.message, problem.hint, key=True)
+            related = (RelatedItem(*problem.other, key=True),) if problem.other else ()
+            yield Finding(problem.path, problem.message, problem.hint, key=len(problem.path) > 1, related=related)
 
 
 @functools.lru_cache(maxsize=1)

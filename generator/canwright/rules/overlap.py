@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.edition import EditionSpec
-from ..model.layout import Space, Variant, bits_of
+from ..model.layout import Field, Space, Variant, bits_of
 from ..model.message import Direction, Key, KeyRole, Message
 from ..model.types import Order
-from .rule import Finding, Findings, Subject
+from .byte_order import highest_byte
+from .rule import Finding, Findings, RelatedItem, Subject
 
 HIGHEST = "; `at` is the highest bit of a big-endian field"
 INDEX = "the table's index"
@@ -29,26 +30,60 @@ def check(subject: Subject) -> Findings:
 
 
 def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Findings:
-    taken: dict[Space, dict[int, str]] = {space: {} for space in Space}
+    taken: dict[Space, dict[int, RelatedItem]] = {space: {} for space in Space}
     for key in message.keys:
         bits, others = bits_of(key.segments), taken[key.space]
         clash = next(filter(others.__contains__, bits), None)
         if clash is not None and key.role is KeyRole.INDEX:
-            text = f"the table's index shares {_where(key.space, clash)} with {others[clash]}"
-            at = _path_of(spec, message, key)
-            yield Finding(at, text, "move one of them")
-        others.update(dict.fromkeys(bits, INDEX if key.role is KeyRole.INDEX else "the selector"))
+            text = f"the table's index shares {_where(key.space, clash)} with {others[clash].item}"
+            yield Finding(_path_of(spec, message, key), text, "move one of them", related=(others[clash],))
+        others.update(dict.fromkeys(bits, _item(spec, message, key)))
     for field in variant.fields:
         others = taken[field.space]
         for element in field.elements:
             clash = next(filter(others.__contains__, element.bits), None)
-            if clash is not None:
-                hint = WITHOUT_INDEX if others[clash] == INDEX and message.direction is Direction.REPLY else APART
+            misplaced = clash is not None and _misplaced(message, variant, field, others[clash])
+            if clash is not None and misplaced:
+                path, text, hint = misplaced
+                both = (others[clash], RelatedItem((*field.path, "at"), f"`{field.name}`"))
+                yield Finding(path, text, hint, related=tuple(one for one in both if one.path != path))
+            elif clash is not None:
+                hint = WITHOUT_INDEX if others[clash].item == INDEX and message.direction is Direction.REPLY else APART
                 if field.type.order is Order.BIG and field.type.width % 8 and field.space is Space.DATA:
                     hint += HIGHEST
-                text = f"`{field.name}` shares {_where(field.space, clash)} with {others[clash]}"
-                yield Finding((*field.path, "at"), text, hint)
-            others.update(dict.fromkeys(element.bits, f"`{field.name}`"))
+                text = f"`{field.name}` shares {_where(field.space, clash)} with {others[clash].item}"
+                yield Finding((*field.path, "at"), text, hint, related=(others[clash],))
+            others.update(dict.fromkeys(element.bits, RelatedItem((*field.path, "at"), f"`{field.name}`")))
+
+
+def _misplaced(
+    message: Message, variant: Variant, field: Field, other: RelatedItem
+) -> tuple[DocumentPath, str, str] | None:
+    """Path, text and hint for a big-endian field at its lowest byte; None if its bytes would not be free before that."""
+    fields = {(*one.path, "at"): one for one in variant.fields if one.space is Space.DATA}
+    for path in (other.path, (*field.path, "at")):
+        start = highest_byte(fields[path]) if path in fields else None
+        if start is not None:
+            size = fields[path].type.width // 8
+            wanted = set(range(start * 8, (start + size) * 8))
+            keys = {bit for key in message.keys if key.space is Space.DATA for bit in bits_of(key.segments)}
+            used = {b for at, one in fields.items() if at != path for e in one.elements for b in e.bits} | keys
+            if wanted.isdisjoint(used):
+                name = fields[path].name
+                last = start + size - 1
+                text = f"`{name}` is big-endian and uses bytes {last} to {last + size - 1}, where other fields are"
+                return path, text, f"`at` is the first, highest byte: write at: {start} for bytes {start} to {last}"
+    return None
+
+
+def _item(spec: EditionSpec, message: Message, key: Key) -> RelatedItem:
+    """A key of a message: the index of a table, a selector or a constant."""
+    if key.role is KeyRole.INDEX:
+        return RelatedItem(_path_of(spec, message, key), INDEX)
+    address = spec.addresses[message.address]
+    of_edition = not (address.selector or address.reply_selector)
+    path: DocumentPath = ("selector",) if of_edition else ("addresses", message.address)
+    return RelatedItem(path, "the selector", key=True)
 
 
 def _path_of(spec: EditionSpec, message: Message, key: Key) -> DocumentPath:

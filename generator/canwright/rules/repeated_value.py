@@ -6,22 +6,25 @@ from collections.abc import Iterator, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.edition import EditionSpec, MessageSpec
-from .rule import Finding, Findings, Subject
+from .rule import Finding, Findings, RelatedItem, Subject
 
 
 def check(subject: Subject) -> Findings:
     for path, values in _lists(subject.spec):
-        seen: set[object] = set()
+        first: dict[object, int] = {}
         for i, value in enumerate(values):
-            if value in seen:
-                yield Finding((*path, i), f"duplicate value {value}", "remove one")
-            seen.add(value)
+            if value in first:
+                related = RelatedItem((*path, first[value]), "the first one")
+                yield Finding((*path, i), f"duplicate value {value}", "remove one", related=(related,))
+            first.setdefault(value, i)
     for name, command in subject.spec.commands.items():
         limited_by = {*command.limited_by}
         for i, setting in enumerate(command.not_limited_by):
             if setting in limited_by:
                 at: DocumentPath = ("commands", name, "not_limited_by", i)
-                yield Finding(at, f"`{setting}` is also in `limited_by`", "remove one of them")
+                other: DocumentPath = ("commands", name, "limited_by", command.limited_by.index(setting))
+                text = f"`{setting}` is also in `limited_by`"
+                yield Finding(at, text, "remove one of them", related=(RelatedItem(other, "the other one"),))
     for message in subject.edition.all_messages():
         for i, code in enumerate(message.accept):
             if message.keys and code == message.keys[0].value:

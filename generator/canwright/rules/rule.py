@@ -24,14 +24,26 @@ class Subject(NamedTuple):
     partial: bool = False
 
 
+class RelatedItem(NamedTuple):
+    """Another item of the spec that a finding is about: its path and what it is."""
+
+    path: DocumentPath
+    item: str
+    key: bool = False
+
+
 class Finding(NamedTuple):
-    """Where, what is wrong, and what to do about it; the place is in the golden frames with `in_frames`."""
+    """Where, what is wrong, and what to do about it; the place is in the golden frames with `in_frames`.
+
+    `related` are other items of the spec that the finding is about.
+    """
 
     path: DocumentPath
     message: str
     hint: str = ""
     key: bool = False
     in_frames: bool = False
+    related: tuple[RelatedItem, ...] = ()
 
 
 Findings = Iterator[Finding]
@@ -40,15 +52,17 @@ Findings = Iterator[Finding]
 class Phase(IntEnum):
     """When a rule is checked: what an earlier phase finds invalid is left out of what a later one checks."""
 
-    PARTS = 0
+    SIZE = 0
+    """Limits the work of the phases after it, which do not run if it has a finding."""
+    PARTS = 1
     """Checks one thing of the spec, or where things stand."""
-    CODES = 1
+    CODES = 2
     """Compares names and codes of commands."""
-    WHOLE = 2
+    WHOLE = 3
     """Compares commands and addresses."""
-    FRAMES = 3
+    FRAMES = 4
     """Compares golden frames with a spec without errors."""
-    COVERAGE = 4
+    COVERAGE = 5
     """Looks for what is missing or unused in a spec without errors."""
 
 

@@ -1,37 +1,163 @@
-"""The number of combinations of choices and of generated lines is limited; `resolve` limits the commands."""
+"""The number of combinations of choices and the size of what is generated are limited.
+
+The size is an estimate in units of about 25 microseconds. It is computed from the edition before anything is generated,
+in time proportional to the spec. `resolve` limits the commands and fields before that.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
+from enum import Enum
+from functools import cache
+from typing import NamedTuple
 
+from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
-from ..model.message import Message
+from ..model.layout import Field, Layout
+from ..model.message import LISTED_NODES, Command, Message
+from ..model.metadata import Effect, Setting
+from ..model.types import Text, Type
 from .rule import Finding, Findings, Subject
 
 MOST_COMBINATIONS = 64
 """The maximum number of combinations of choices among names; each has its own files."""
-MOST_LINES = 2_500_000
-"""The maximum number of messages and fields, once for each node and each combination of choices."""
+MOST_SIZE = 400_000
+"""The maximum size: about 10 seconds and 500 MB."""
+
+COMMAND, MESSAGE, FIELD, TYPE, VALUE, CASE, FRAME, CODE, ITEM = 12, 35, 10, 10, 3, 8, 5, 3, 2
+"""The size of a command, a message, a defined field, a type, a named value, a scale or range for a choice, a golden
+frame, an accepted code, and any other item."""
+REPEATED = 0.7
+"""The size of an element of a field in one message."""
+LISTED = 0.15
+"""The size of an element of a field in one message, for one node and one combination of choices."""
+NODE = 0.05
+"""The size of a node that replies."""
+CHARACTER = 0.01
+"""The size of a character of a text in one place."""
+VALUE_OF_LINE = 1 / 16
+"""The size of a named value of an element, in relation to that of the element."""
+
+
+class Part(Enum):
+    """The causes of the size: what they are, and how to reduce them."""
+
+    MESSAGES = "commands, messages and fields", "split the protocol into several specs"
+    IDS = "fields * nodes * choices", "limit `nodes` of the addresses to those of one bus, or merge choices"
+    TYPES = "types and their named values", "list fewer values, or write a plain number"
+    TEXTS = "texts", "shorten texts that occur in many commands, such as those of layouts, types and effects"
+    FACTS = "errata, settings, effects and other facts", "list fewer of them"
+    FRAMES = "golden frames", "keep frames that differ in more than their values"
+
+
+class Size(NamedTuple):
+    """The size of one item."""
+
+    part: Part
+    path: DocumentPath
+    size: float
 
 
 def check(subject: Subject) -> Findings:
     edition = subject.edition
-    choices = [p for p in edition.parameters if p.is_choice and not p.is_numeric]
-    combinations = math.prod(len(p.values) for p in choices)
+    combinations = _combinations(edition)
     if combinations > MOST_COMBINATIONS:
         text = f"{combinations} combinations of choices exceed the maximum of {MOST_COMBINATIONS}"
         hint = "merge choices that depend on each other, or split the protocol"
         yield Finding(("parameters",), text, hint, key=True)
-    lines = combinations * sum(map(_lines, edition.all_messages()))
-    if lines > MOST_LINES:
-        text = f"fields * nodes * choices are {lines}, which exceeds the maximum of {MOST_LINES}"
-        yield Finding(_longest(edition).path, text, "limit `nodes` of the addresses to those of one bus", key=True)
+        return
+    totals, largest = dict.fromkeys(Part, 0.0), dict.fromkeys(Part, Size(Part.FRAMES, (), 0))
+    for one in (*_sizes(edition, combinations), *_sizes_of_frames(subject)):
+        totals[one.part] += one.size
+        largest[one.part] = max(largest[one.part], one, key=lambda size: size.size)
+    total = sum(totals.values())
+    if total > MOST_SIZE:
+        part = max(totals, key=lambda part: totals[part])
+        what, hint = part.value
+        text = f"the size of this spec is {total:.0f}, which exceeds the maximum of {MOST_SIZE}"
+        text += f"; {totals[part]:.0f} are due to {what}, most of them here"
+        yield Finding(largest[part].path, text, hint, key=True)
 
 
-def _lines(message: Message) -> int:
-    elements = sum(len(field.elements) for field in message.layout.fields)
-    return (1 + elements) * len(message.id.nodes or (0,))
+def _combinations(edition: Edition) -> int:
+    return math.prod(len(p.values) for p in edition.parameters if p.is_choice and not p.is_numeric)
 
 
-def _longest(edition: Edition) -> Message:
-    return max(edition.all_messages(), key=_lines)
+def _sizes(edition: Edition, combinations: int) -> Iterator[Size]:
+    elements, listed, texts = cache(_elements), cache(_listed), cache(_texts_of_layout)
+    for message in edition.all_messages():
+        yield Size(Part.MESSAGES, message.path, MESSAGE + CODE * len(message.accept) + elements(message.layout))
+        yield Size(Part.IDS, message.path, _ids(message, combinations) * listed(message.layout))
+        yield Size(Part.TEXTS, message.path, texts(message.layout))
+    for layout in {**dict.fromkeys(edition.layouts), **{m.layout: None for m in edition.all_messages()}}:
+        yield Size(Part.MESSAGES, layout.path, ITEM + FIELD * len(layout.fields))
+    for command in edition.commands:
+        yield Size(Part.MESSAGES, command.path, COMMAND + NODE * len(command.from_each))
+        yield Size(Part.TEXTS, command.path, _texts_of_command(command))
+        facts = (command.effects, command.limited_by, command.not_limited_by, command.notes)
+        yield Size(Part.FACTS, command.path, ITEM * sum(map(len, facts)))
+    yield from (Size(Part.TYPES, type_.path, _type(type_)) for type_ in edition.types)
+    for erratum_number, erratum in enumerate(edition.errata):
+        yield Size(Part.FACTS, ("errata", erratum_number), ITEM * (2 + len(erratum.where)))
+    for key, items in (
+        ("settings", edition.settings),
+        ("effects", edition.effects),
+        ("parameters", edition.parameters),
+    ):
+        yield from (Size(Part.FACTS, (key, item.name), ITEM) for item in items)
+    yield from (Size(Part.FACTS, ("parameters", p.name), ITEM * len(p.values)) for p in edition.parameters)
+    yield from (
+        Size(Part.FACTS, ("bus", "modes", m.name), ITEM * (1 + len(m.bit_rates_kbps))) for m in edition.bus.modes
+    )
+
+
+def _sizes_of_frames(subject: Subject) -> Iterator[Size]:
+    frames = subject.frames
+    number = len(frames.frames) + len(frames.refused) + len(frames.exchanges) if frames else 0
+    yield Size(Part.FRAMES, ("commands",), FRAME * number)
+
+
+def _elements(layout: Layout) -> float:
+    return REPEATED * sum(len(field.elements) for field in layout.fields)
+
+
+def _listed(layout: Layout) -> float:
+    return LISTED * (
+        1 + sum(len(field.elements) * (1 + VALUE_OF_LINE * _values(field.type)) for field in layout.fields)
+    )
+
+
+def _ids(message: Message, combinations: int) -> int:
+    """How often an output lists a message."""
+    nodes = min(len(message.id.nodes), LISTED_NODES) + 1 if message.id.nodes else 1
+    return nodes * combinations * max(1, len(message.claims))
+
+
+def _type(type_: Type) -> float:
+    cases = len(type_.linear.cases) + len(type_.raw_range.cases)
+    return TYPE + VALUE * _values(type_) + CASE * cases
+
+
+def _values(type_: Type) -> int:
+    return len(type_.enum) + len(type_.flags)
+
+
+def _texts_of_layout(layout: Layout) -> float:
+    return _characters((layout.title, layout.about, *(t for f in layout.fields for t in _texts_of_field(f))))
+
+
+def _texts_of_field(field: Field) -> tuple[Text, ...]:
+    return field.title, field.about, field.type.title, field.type.about
+
+
+def _texts_of_command(command: Command) -> float:
+    facts: tuple[Effect | Setting, ...] = (*command.effects, *command.limited_by, *command.not_limited_by)
+    texts = [command.title, command.about, *command.notes]
+    texts += [text for fact in facts for text in (fact.title, fact.about)]
+    texts += [command.entry.title, command.entry.about] if command.entry else []
+    return _characters(texts)
+
+
+def _characters(texts: Iterable[Text]) -> float:
+    return CHARACTER * sum(len(written) for text in texts for written in text.values())

@@ -36,6 +36,8 @@ class NameProblem(NamedTuple):
     message: str
     hint: str
     severity: Severity = Severity.ERROR
+    other: tuple[DocumentPath, str] | None = None
+    """The path of another item with that name, and what it is."""
 
 
 class Target(ABC):

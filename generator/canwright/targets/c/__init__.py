@@ -14,16 +14,13 @@ from ..base import PACKAGE_VERSION, Output, Specification
 from .cxx import cxx_example, cxx_view
 from .examples import example
 from .expressions import operand
+from .files import PARTS, SHARED
 from .selftest import has_self_test, self_test
 from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import EditionView, edition_view
 
 RUNTIME = Path(__file__).parent / "runtime"
 """The headers that are the same for every protocol."""
-
-SHARED = ("canwright.h", "canwright_exact.h", "canwright_float.h", "canwright_print.h", "canwright_selftest.h")
-PARTS = ("", "_float", "_print")
-"""The endings of the names of the headers of an edition."""
 
 PACKAGES = ("CMakeLists.txt", "library.json", "library.properties", "README.md", "MISRA.md")
 FILTERS: dict[str, Callable[..., object]] = {

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.layout import Layout
+from ...model.layout import Field, Layout
 from ...model.types import Parameter, Type
 from ..base import NameProblem
 from .patterns import named_patterns, pattern_of
@@ -30,7 +30,9 @@ CXX_WORDS = (
 LOWER_CASE_MACROS = (
     "assert complex errno far i386 imaginary interface linux near offsetof small stderr stdin stdout unix"
 )
-RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS}".split())
+TYPES_OF_MEMBERS = "int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t size_t"
+"""C++ forbids a member with the name of a type that the same struct uses."""
+RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS} {TYPES_OF_MEMBERS}".split())
 
 TYPE_ENDINGS = (
     *("_valid", "_name", "_first_flag", "_write"),
@@ -141,19 +143,21 @@ def layouts(edition: Edition) -> list[Layout]:
 
 def problems(edition: Edition) -> Iterator[NameProblem]:
     """Different items of an edition that would have one name in C, and names that a compiler may take for one."""
-    owners: dict[str, str] = {}
+    owners: dict[str, tuple[str, DocumentPath]] = {}
     for name, what, path in defined(edition):
-        other = owners.setdefault(name, what)
+        other, at = owners.setdefault(name, (what, path))
         if other != what:
-            yield NameProblem(path, f"{what} and {other} would both be `{name}` in C", "rename one of them")
+            text = f"{what} and {other} would both be `{name}` in C"
+            yield NameProblem(path, text, "rename one of them", other=(at, other) if at else None)
     yield from _long_names(edition)
     for layout in layouts(edition):
-        fields: dict[str, str] = {}
+        fields: dict[str, Field] = {}
         for field in layout.fields:
-            other = fields.setdefault(member(field.name), field.name)
-            if other != field.name:
-                text = f"the fields `{field.name}` and `{other}` would both be `{member(other)}` in C"
-                yield NameProblem(field.path, text, "rename one of them")
+            other_field = fields.setdefault(member(field.name), field)
+            if other_field.name != field.name:
+                other, name = f"`{other_field.name}`", member(field.name)
+                text = f"the fields `{field.name}` and {other} would both be `{name}` in C"
+                yield NameProblem(field.path, text, "rename one of them", other=(other_field.path, other))
 
 
 def _long_names(edition: Edition) -> Iterator[NameProblem]:

@@ -31,9 +31,10 @@ class ShowView(NamedTuple):
 def show(names: Names, type_: Type) -> ShowView:
     kind = raw_kind(type_)
     plain = f"canwright_print_{kind if kind == 'signed' else 'unsigned'}(printer, raw);"
+    is_raw = lacks_floating(type_)
 
     def formula(linear: Linear | None) -> Formula:
-        if linear is None or lacks_floating(type_):
+        if linear is None or is_raw:
             return RAW
         if linear.is_identity and type_.encoding is not Encoding.FLOAT:
             return Formula(number=plain)

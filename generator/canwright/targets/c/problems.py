@@ -7,12 +7,33 @@ from collections.abc import Iterator, Sequence
 from ...model.edition import Edition
 from ..base import NameProblem
 from . import names, validity
+from .files import SHARED
+
+C_HEADERS = (
+    "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic "
+    "stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype"
+)
+POSIX_HEADERS = "endian fcntl poll pthread sched semaphore strings termios unistd"
+HEADERS = frozenset((f"{C_HEADERS} {POSIX_HEADERS} arduino").split())
+"""Headers that a header of the same name would replace; some file systems find `arduino.h` for `Arduino.h`."""
 
 
 def problems(edition: Edition) -> Iterator[NameProblem]:
     """The problems of one edition."""
+    yield from _headers(edition)
     yield from names.problems(edition)
     yield from validity.problems(edition)
+
+
+def _headers(edition: Edition) -> Iterator[NameProblem]:
+    """Headers in place of those of the C library, of Arduino, or of those that every family has."""
+    family, file = edition.family, edition.identifier
+    if family in HEADERS:
+        text = f"the header `{family}.h` for Arduino would replace a header of the C library or of Arduino"
+        yield NameProblem(("family",), text, f"choose another name, for example {family}_protocol")
+    if f"{file.lower()}.h" in SHARED:
+        text = f"the C library already contains a header `{file.lower()}.h`"
+        yield NameProblem(("edition",), text, f"choose another name, for example v-{edition.name}")
 
 
 def between(editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:

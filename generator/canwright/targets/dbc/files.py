@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 
 from ...language import notation
 from ...model.edition import Edition
@@ -67,6 +68,12 @@ def _assignments(edition: Edition, set_parameters: Assignment) -> Iterator[Assig
     yield from map(dict, itertools.product(*choices))
 
 
+def stems(edition: Edition) -> Iterator[str]:
+    """The first part of the names of files: the edition, and the parameter values that have files of their own."""
+    for assignment in _assignments(edition, {}):
+        yield "-".join((f"{edition.family}-{edition.name}", *_known(edition, assignment, {})))
+
+
 def node_name(address: str, node: int | None) -> str:
     """The name of a node: the name of its address and its number."""
     number_ = "" if node is None else str(node)
@@ -114,7 +121,7 @@ def _file(
     ends = [end for message in messages for end in (*message.senders, *message.receivers) if end != _NO_NODE]
     return File(
         f"{edition.family}-{edition.name}",
-        tuple(_known(scope)),
+        tuple(_known(scope.edition, scope.assignment, scope.numbers)),
         KIND[scope.direction],
         joined,
         (*filter(None, [joined]), *part),
@@ -158,17 +165,17 @@ def _comment(scope: Scope, frame: Frame, shared: bool) -> str:
     return f"{in_ascii(about)}: {KIND[scope.direction]}.{warning}"
 
 
-def _known(scope: Scope) -> Iterator[str]:
+def _known(edition: Edition, assignment: Assignment, numbers: Mapping[str, Fraction]) -> Iterator[str]:
     """The parameter values in file names: a name alone, a number together with the name of its parameter."""
-    for name, value in scope.assignment.items():
-        yield f"{name}_{value}" if scope.edition.parameter(name).is_numeric else value
-    for name, fixed in scope.numbers.items():
+    for name, value in assignment.items():
+        yield f"{name}_{value}" if edition.parameter(name).is_numeric else value
+    for name, fixed in numbers.items():
         yield f"{name}_{number(fixed)}"
 
 
 def _about(scope: Scope) -> str:
     kind, other = KIND[scope.direction], KIND[_OTHER[scope.direction]]
-    known = "".join(f", {word}" for word in _known(scope))
+    known = "".join(f", {word}" for word in _known(scope.edition, scope.assignment, scope.numbers))
     return (
         f"{scope.edition.family} {scope.edition.name}{known}: {kind} frames only. "
         f"DBC files do not specify directions: a {other} frame decoded with this file shows meaningless values."

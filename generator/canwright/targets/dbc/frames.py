@@ -9,11 +9,8 @@ from typing import NamedTuple
 
 from ...model.edition import Edition
 from ...model.layout import Field, Space
-from ...model.message import Address, Command, Direction, IdRule, Key, Message
+from ...model.message import LISTED_NODES, Address, Command, Direction, IdRule, Key, Message
 from ...model.types import Assignment
-
-MOST_NODES = 256
-"""A DBC lists every id, so the files contain at most this number of nodes of an address."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +25,7 @@ class Scope:
 
     def nodes(self, rule: IdRule) -> range | None:
         """The nodes of a rule that the file lists; None if the id is fixed."""
-        return rule.nodes[: 1 if self.first_node_only else MOST_NODES] if rule.nodes else rule.nodes
+        return rule.nodes[: 1 if self.first_node_only else LISTED_NODES] if rule.nodes else rule.nodes
 
 
 class Part:

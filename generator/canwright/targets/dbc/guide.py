@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 from ...language.golden_frames import GoldenFrame
 from ...model.edition import Edition
-from ...model.message import Direction
+from ...model.message import LISTED_NODES, Direction
 from ...model.types import Parameter
 from ...semantics import parameters
 from ..base import Specification, header
 from .fields import LETTER
 from .files import KIND, Traffics
-from .frames import MOST_NODES, Part, obstacle
+from .frames import Part, obstacle
 from .selectors import joined_span
 from .text import number
 from .view import EXTENDED, File, Message, Signal
@@ -148,8 +148,8 @@ def _lacking(edition: Edition, traffics: Traffics) -> Iterator[tuple[str, str, s
                 yield kind, message.command, f"omitted: {what}, which a multiplexor cannot express"
         for frame in frames:
             nodes = frame.rule.nodes or range(0)
-            if len(nodes) > MOST_NODES:
-                last = nodes[MOST_NODES - 1]
+            if len(nodes) > LISTED_NODES:
+                last = nodes[LISTED_NODES - 1]
                 yield (
                     kind,
                     frame.parts[0].command.name,

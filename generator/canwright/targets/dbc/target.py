@@ -10,6 +10,7 @@ from ...model.layout import Space
 from ...model.types import Assignment
 from ..base import NameProblem, Output, Specification, Target
 from . import generate
+from .files import stems
 from .names import long_names
 
 
@@ -23,6 +24,15 @@ class DbcTarget(Target):
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
         return long_names(edition)
+
+    def collisions(self, editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
+        owners: dict[str, Edition] = {}
+        for edition in editions:
+            for name in stems(edition):
+                other = owners.setdefault(name.lower(), edition)
+                if other is not edition:
+                    yield edition, f"{other.family} {other.name} would also have the files `{name}-….dbc`"
+                    break
 
     def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
         """Signal names with `…_` in place of the prefix of direction and code."""

@@ -46,20 +46,22 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
             "id_rule": formatting.id_rule,
         },
     )
-    families = {d.edition.family for d in specifications}
-    folders = {
-        d.edition: d.edition.name if len(families) == 1 else f"{d.edition.family}-{d.edition.name}"
-        for d in specifications
-    }
-    books = list(_books(specifications, folders))
+    folder_of = folders([d.edition for d in specifications])
+    books = list(_books(specifications, folder_of))
     for book in books:
         yield from _front(env, book)
     for item in specifications:
         common = Common(item.edition, item.frames)
         for book in books:
             if book.language in item.edition.languages:
-                folder = f"{book.language}/{folders[item.edition]}"
+                folder = f"{book.language}/{folder_of[item.edition]}"
                 yield from _edition(env, common, book, folder)
+
+
+def folders(editions: Sequence[Edition]) -> Mapping[Edition, str]:
+    """The folder of each edition."""
+    families = {edition.family for edition in editions}
+    return {one: one.name if len(families) == 1 else f"{one.family}-{one.name}" for one in editions}
 
 
 def _books(specifications: Sequence[Specification], folders: Mapping[Edition, str]) -> Iterator[_Book]:

@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ...model.edition import Edition
 from ...model.types import Assignment
 from ..base import Output, Specification, Target
-from . import generate
+from . import folders, generate
+
+SITE = frozenset(
+    {"404.html", "assets", "assurance", "en", "index.html", "new-edition", "search"}
+    | {"sitemap.xml", "sitemap.xml.gz", "support", "zh"}
+)
+"""Files and folders beside those of the editions, in the documents or in their site."""
 
 
 class DocsTarget(Target):
@@ -16,6 +23,11 @@ class DocsTarget(Target):
 
     def generate(self, specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
         return generate(specifications, set_parameters)
+
+    def collisions(self, editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
+        for edition, folder in folders(editions).items():
+            if folder.lower() in SITE:
+                yield edition, f"the folder `{folder}` of this edition is already part of the documentation site"
 
 
 TARGET = DocsTarget()

@@ -10,13 +10,10 @@ from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, Output, Specification
 from . import code, text
 from .examples import example
-from .module import module_view
+from .module import SHARED, module_view
 
 RUNTIME = Path(__file__).parent / "runtime"
 """The code that is the same for every protocol."""
-
-SHARED = ("_codec.py", "_dispatch.py", "nodes.py", "python_can.py")
-"""The modules of the runtime that are copied into the package of each family."""
 
 
 def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:

@@ -14,6 +14,9 @@ from .messages import MessageViews
 from .parameters import choice_view, parameter_view
 from .types import type_views
 
+SHARED = ("_codec.py", "_dispatch.py", "nodes.py", "python_can.py")
+"""The modules of the runtime that are copied into the package of each family."""
+
 CONSTANTS = (
     *("EDITION", "FAMILY", "REPLY_WITHIN_MS", "SPEC_HASH", "UNKNOWN"),
     *("AnyReply", "AnyRequest", "Parameters"),

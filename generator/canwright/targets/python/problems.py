@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 
 from ...diagnostics.diagnostic import DocumentPath
@@ -10,11 +11,23 @@ from ...model.layout import Layout
 from ..base import NameProblem
 from . import text
 from .imports import NAMES
-from .module import CONSTANTS
+from .module import CONSTANTS, SHARED
+
+OTHER_VERSIONS = (
+    "aifc annotationlib asynchat asyncore audioop binhex cgi cgitb chunk compression crypt distutils imghdr imp lib2to3 "
+    "mailcap msilib nis nntplib ossaudiodev pipes smtpd sndhdr spwd sunau telnetlib tomllib uu xdrlib"
+)
+"""Modules that only some versions from Python 3.10 to 3.14 have."""
+UNLISTED = "idlelib sitecustomize test turtledemo usercustomize"
+"""Modules that `sys` does not list, and those that Python imports if they exist."""
+STANDARD_LIBRARY = sys.stdlib_module_names.union(OTHER_VERSIONS.split(), UNLISTED.split())
+PACKAGES = frozenset({"can", "canwright", "pip", "setuptools", "typing_extensions", "wheel"})
+"""Packages that generated code or its installation imports, and canwright."""
 
 
 def problems(edition: Edition) -> Iterator[NameProblem]:
     """The collisions of one edition."""
+    yield from _modules(edition)
     yield from _clashes(_module_names(edition), "a name in every module")
     for layout in dict.fromkeys(m.layout for m in edition.all_messages()):
         yield from _clashes(_attributes(layout), "")
@@ -31,13 +44,27 @@ def problems(edition: Edition) -> Iterator[NameProblem]:
             yield from _clashes(iter(values), "")
 
 
+def _modules(edition: Edition) -> Iterator[NameProblem]:
+    """Packages that hide another package, and modules in place of those that every package contains."""
+    family, module = edition.family, edition.identifier
+    if family in STANDARD_LIBRARY or family in PACKAGES:
+        owner = "of the standard library" if family in STANDARD_LIBRARY else "that other programs need"
+        text = f"the Python package `{family}` would replace the module `{family}` {owner}"
+        yield NameProblem(("family",), text, f"choose another name, for example {family}_protocol")
+    if f"{module}.py" in SHARED:
+        text = f"the Python package already contains a module `{module}`"
+        yield NameProblem(("edition",), text, f"choose another name, for example v-{edition.name}")
+
+
 def _clashes(names: Iterator[tuple[str, str, DocumentPath]], taken: str) -> Iterator[NameProblem]:
     """Names of two items, or of an item and a name in every module; `taken` describes that."""
-    owners = dict.fromkeys((*NAMES, *CONSTANTS), taken) if taken else {}
+    every: tuple[str, DocumentPath] = (taken, ())
+    owners = dict.fromkeys((*NAMES, *CONSTANTS), every) if taken else {}
     for name, what, path in names:
-        other = owners.setdefault(name, what)
+        other, at = owners.setdefault(name, (what, path))
         if other != what:
-            yield NameProblem(path, f"{what} and {other} would both be `{name}` in Python", "rename one of them")
+            text = f"{what} and {other} would both be `{name}` in Python"
+            yield NameProblem(path, text, "rename one of them", other=(at, other) if at else None)
 
 
 def _module_names(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
