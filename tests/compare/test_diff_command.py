@@ -122,7 +122,9 @@ def test_github() -> None:
 
 
 def test_markdown_and_changelog(specs: Path) -> None:
-    (specs / "v2.yaml").write_text(NEW.replace("    code", "    title: a | <b> c\n    code"), "utf-8")
+    (specs / "v2.yaml").write_text(
+        NEW.replace("    code", "    renamed_from: dim\n    title: a | <b> c\n    code"), "utf-8"
+    )
     text = diff("v1", "v2", "--format", "markdown").output
     assert "# lamp v1 -> v2\n" in text and "## Silent: " in text
     rows = [line for line in text.splitlines() if line.startswith("| ")]

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from xml.etree import ElementTree
 
 from ..compare import Category, Change, Impact, Item, by_impact, compare
-from ..diagnostics.diagnostic import DocumentPath, Position
+from ..compare.positions import positions
+from ..diagnostics.diagnostic import Position
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting
 from ..project.accepted import Identity, identity
@@ -80,7 +81,7 @@ class Comparison:
 
     def positions(self, change: Change) -> tuple[Position, Position]:
         """The positions of a change in both specs."""
-        return _position(self.old, change.old), _position(self.new, change.new)
+        return positions(change, self.old.document, self.new.document)
 
 
 @dataclass(frozen=True)
@@ -115,10 +116,6 @@ class Report:
 def _title(old: Loaded, new: Loaded) -> str:
     before, after = old.specification.edition, new.specification.edition
     return f"{before.family} {before.name} -> {after.name}"
-
-
-def _position(loaded: Loaded, path: DocumentPath | None) -> Position:
-    return loaded.document.position(path or (), key=True)
 
 
 def _grouped(changes: Sequence[Change]) -> dict[Item, list[Change]]:
