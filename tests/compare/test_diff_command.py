@@ -232,7 +232,7 @@ def test_wrong_arguments() -> None:
 
 
 def test_reports_for_build_servers(specs: Path) -> None:
-    text = NEW.replace("    code", "    title: a </details> <b> |\n    code")
+    text = NEW.replace("    code", "    renamed_from: dim\n    title: a </details> <b> |\n    code")
     (specs / "v2.yaml").write_text(text, "utf-8")
     suite = ElementTree.fromstring(diff("v1", "v2", "--format", "junit").output)[0]
     assert (suite.get("tests"), suite.get("failures")) == ("3", "1")
