@@ -151,6 +151,11 @@ _API = (
         "A member of an enum or of flags is renamed.",
         "`{old}` of `{name}` is renamed to `{new}`: {names}",
     ),
+    (
+        "layout-of-command-changed",
+        "The same fields are defined in a different place: in a shared layout, or in the command.",
+        "the {direction} has {new} (was {old}): {names}",
+    ),
     ("layout-renamed", "A shared layout is renamed.", "`{old}` is renamed to `{new}`: {names}"),
     ("address-renamed", "An address is renamed.", "`{old}` is renamed to `{new}`"),
     ("table-renamed", "A table is renamed.", "`{old}` is renamed to `{new}`"),

@@ -72,6 +72,7 @@ class Collector:
     def __init__(self, names: ExportedNames) -> None:
         self._names = names
         self._changes: dict[object, Change] = {}
+        self._texts: dict[object, Places] = {}
         self.moved: dict[DocumentPath, DocumentPath] = {}
         """Where the old edition has what is compared under a new name."""
 
@@ -118,9 +119,12 @@ class Collector:
         if facts["old"] == facts["new"]:
             return
         if "{names}" in CHANGES[rule].says:
-            names = self._names.renamed(self._original(places[0]), places[1])
-            facts["names"] = names or f"`{facts['old']}` → `{facts['new']}`"
+            facts["names"] = self.names(*places) or f"`{facts['old']}` → `{facts['new']}`"
         self.add(rule, item, places, Impact.BUILD, use, **facts)
+
+    def names(self, old: DocumentPath, new: DocumentPath) -> str:
+        """The exported names of an item in both editions, of every target where they differ."""
+        return self._names.renamed(self._original(old), new)
 
     def _original(self, path: DocumentPath) -> DocumentPath:
         """Where the old edition has an item, given its path under new names."""
@@ -137,7 +141,8 @@ class Collector:
 
     def text(self, rule: str, item: Item, places: Places, name: str, old: Text, new: Text) -> None:
         """Adds a change of a text, in any language that both have."""
-        if differ(old, new):
+        key = (rule, item, name, _frozen(old), _frozen(new))
+        if differ(old, new) and self._texts.setdefault(key, places) == places:  # as the title of an entry and its field
             self.add(rule, item, places, Impact.SAFE, UNUSED, name=name, old=shortened(old), new=shortened(new))
 
     def title(self, item: Item, places: Places, names: tuple[str, str], old: Text, new: Text) -> None:

@@ -20,10 +20,10 @@ _OTHER_KEYS = {
 def positions(change: Change, old: Document, new: Document) -> tuple[Position, Position]:
     """The positions of a change: of its item or key, or of what differs inside, if that is a single key."""
     before, after = change.old or (), change.new or ()
-    if after[: len(before)] == before and after in old:  # written in both, but without effect in the old edition
-        before = after
-    elif before[: len(after)] == after and before in new:
-        after = before
+    item = max(before, after, key=len)
+    is_named = bool(item) and isinstance(item[-1], str)  # a number is that of another item in the other edition
+    if is_named and item in old and item in new and item[: min(len(before), len(after))] in (before, after):
+        before = after = item  # written in both, but without effect in one
     before, after = _edited(old, new, before, after)
     return old.position(before, key=True), new.position(after, key=True)
 
