@@ -34,6 +34,7 @@ from .common import (
 )
 from .run_record import Printed, RunRecord
 from .settings import assignment, options
+from .terminal import print_text
 
 
 @click.command(cls=OfSpecs)
@@ -84,7 +85,7 @@ def generate(
         stop(str(error))
     if printer == "text":
         for path in changes.removed:
-            click.echo(f"removed {out.as_posix()}/{path}")
+            print_text(f"removed {out.as_posix()}/{path}\n")
     show(_report(warnings, _summary(content, changes, out), printer))
     if not no_cache:
         unchanged = FileChanges((), (), len(content.files))
@@ -152,7 +153,7 @@ def check(
         return
     if printer == "text":
         for text in found:
-            click.echo(text, nl=False)
+            print_text(text)
     differs = f"{len(found)} files in {out.as_posix()}/ differ from the specs"
     place = Position(out.as_posix(), 1, 1, 1, "")
     stale = Diagnostic(Severity.ERROR, "stale-output", differs, place, "run `canwright generate`")
