@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 
 import click
 
-from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, SpecError, near
+from ..diagnostics.diagnostic import Diagnostic, SpecError, near
 from ..model.formatting import counted
 from ..project.loader import Loaded, all_loaded, frames_file, spec_files
 from ..targets.base import Specification
@@ -127,8 +127,7 @@ def findings_text(findings: Sequence[Diagnostic], printer: str) -> Printed:
         return Printed(listed)
     counts = Counter(finding.severity.value for finding in findings)
     total = " and ".join(counted(count, kind) for kind, count in sorted(counts.items()))
-    more = "; there may be more, because a check stops there" if len(findings) >= MOST_FINDINGS else ""
-    return Printed("", f"{listed}{total}{more}; `canwright explain RULE` explains a rule\n")
+    return Printed("", f"{listed}{total}; `canwright explain RULE` explains a rule\n")
 
 
 def show(printed: Printed) -> None:
