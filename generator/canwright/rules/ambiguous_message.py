@@ -25,7 +25,7 @@ _DATA = 2 * _ID_KEYS
 def check(subject: Subject) -> Findings:
     try:
         yield from _findings(subject)
-    except bit_patterns.TooManyPairs:
+    except bit_patterns.TooManyPairsError:
         text = "the messages of these commands have too much in common to compare every two of them"
         hint = "distinguish commands by one selector, or split the protocol; there may be further ambiguous messages"
         yield Finding(("commands",), text, hint, key=True)

@@ -17,7 +17,7 @@ from .rule import Finding, Findings, RelatedItem, Subject
 def check(subject: Subject) -> Findings:
     try:
         yield from _findings(subject)
-    except bit_patterns.TooManyPairs:
+    except bit_patterns.TooManyPairsError:
         text = "these addresses have too many ids in common to compare every two of them"
         yield Finding(
             ("addresses",), text, "use fewer addresses, or fewer nodes; there may be further collisions", True
@@ -39,7 +39,8 @@ def _findings(subject: Subject) -> Findings:
         if not seen and not subject.partial:
             yield from _unreachable(edition, direction)
     yield from _between_directions(subject)
-    yield from _between_addresses(subject)
+    if not seen:  # ids that collide in one direction usually collide in the other, too
+        yield from _between_addresses(subject)
 
 
 def _path(subject: Subject, address: Address, direction: Direction) -> DocumentPath:
