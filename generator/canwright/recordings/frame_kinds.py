@@ -14,7 +14,7 @@ from ..model.types import Type
 from ..semantics.candidates import Candidates
 from ..semantics.decoder import Decoder, Identified, Rejection, rejects_constants
 from ..semantics.exchange import check_reply
-from ..semantics.frame import CanFrame, data_bits, has_id_rule, node_of, raw_of
+from ..semantics.frame import CanFrame, data_bits, has_id, has_id_rule, node_of, raw_of
 
 
 class Channel(NamedTuple):
@@ -140,7 +140,8 @@ class FrameKinds:
         identified = {direction: self._decoder.identify(direction, frame) for direction in Direction}
         forms = [_form(message, frame) for message in self._candidates.of(frame)]
         requests = [form for form in forms if form.message.direction is Direction.REQUEST]
-        having = [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
+        having = [message for message in self.edition.all_messages() if has_id(message, frame)]
+        having = having or [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
         directions = {message.direction for message in having}
         sources = [(message.id, node_of(message, frame)) for message in having if message.direction is Direction.REPLY]
         return FrameKind(
