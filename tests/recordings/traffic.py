@@ -24,7 +24,7 @@ from canwright.semantics.frame import CanFrame, Raw
 
 FRAME = 111_000
 """The time of a frame of 8 bytes at 1 Mbit/s, in ns."""
-TIMEOUT = (500_000, 1_500_000)
+TIMEOUT = (600_000, 1_800_000)
 """The time after which the host repeats a request or continues, in ns."""
 RETRIES = 3
 START = 1_700_000_000_000_000_000
