@@ -71,7 +71,7 @@ class Traffic:
             {p.name: p.values[-1].name if p.values else str(p.minimum or 1) for p in edition.parameters}
         )
         within = edition.bus.reply_within_ms
-        self._within = 1_000_000 if within is None else int(within * 1_000_000)
+        self._within = 400_000 if within is None else int(within * 1_000_000)
         self._count = nodes
         self._commands = self._of_mix(mix)
         self._clock = START
@@ -163,7 +163,7 @@ class Traffic:
         if draw < 0.4:
             low, high = max(low, -99 if draw < 0.3 else 0), min(high, 99 if draw < 0.3 else 0)
         raw = chance.randint(low, max(low, high))
-        return raw if self._encoder.rejects_raw(field, raw) is None else max(0, type_.raw_limits[0])
+        return next(one for one in (raw, 0, 1) if self._encoder.rejects_raw(field, one) is None)
 
     def _of_mix(self, mix: str) -> list[Command]:
         commands = [c for c in self._edition.commands if c.available(self._encoder.assignment)]

@@ -131,7 +131,8 @@ class _Exchange:
         self.channel, self.missing = opened
         """The number of replies that it waits for."""
         self.until = request.clock + window
-        self.within = min(window, kind.reply_within)
+        self.within = min(window, kind.reply_within or window // 4)
+        """The time within which a reply is expected; a frame that can be a request waits if it comes later."""
         self.waiting: list[_Arrived] = []
 
     @property
@@ -490,6 +491,8 @@ def _judged(
 
 def _by_content(kind: FrameKind, data: int) -> tuple[Direction | None, DecidedBy] | None:
     """The direction of a frame by its id and content; None if both directions are possible."""
+    if kind.is_shared and kind.request is not None:
+        return None if kind.request.is_regular(data) else (Direction.REPLY, DecidedBy.CONTENT)
     if kind.only is not None:
         return kind.only, DecidedBy.ID
     request = kind.request is not None and kind.request.has_constants(data)

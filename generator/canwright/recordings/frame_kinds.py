@@ -17,9 +17,6 @@ from ..semantics.decoder import Decoder, Identified, Rejection, rejects_constant
 from ..semantics.exchange import check_reply
 from ..semantics.frame import CanFrame, data_bits, has_id, has_id_rule, node_of, wrong_constants
 
-UNLIMITED = 1 << 62
-"""A time in ns that no log reaches."""
-
 
 class Channel(NamedTuple):
     """The source of replies: the numbers of an edition and of one of its id rules, and the node; None if any."""
@@ -108,6 +105,17 @@ class FrameKind:
         return any(self.request.reserved.mask & ~reply.reserved.mask for reply in self.replies)
 
     @cached_property
+    def is_shared(self) -> bool:
+        """Whether a frame of any data can be a reply, and be a request but for its reserved bits and limits."""
+        forms = [*self.replies, *([self.request] if self.request else [])]
+        return (
+            self.only is None
+            and len(forms) > 1
+            and not any(form.constants is None or form.constants.mask for form in forms)
+            and self.request is not None
+        )
+
+    @cached_property
     def is_echoed(self) -> bool:
         """Whether the node sends the request back."""
         return self.request is not None and self.edition.command(self.request.message.command).is_echoed
@@ -129,11 +137,11 @@ class FrameKind:
         return self._replies_to[asking]
 
     @cached_property
-    def reply_within(self) -> int:
-        """The time in ns in which the reply has arrived, with as much again for its transmission; or without limit."""
+    def reply_within(self) -> int | None:
+        """The time in ns within which the reply has arrived: that of the spec, and as much again to send it."""
         within = self.edition.bus.reply_within_ms
         is_slow = self.request is None or self.request.message.command in self.edition.slow_replies
-        return UNLIMITED if within is None or is_slow else int(2 * within * 1_000_000)
+        return None if within is None or is_slow else int(2 * within * 1_000_000)
 
     def rejection(self, direction: Direction, frame: CanFrame) -> Rejection | None:
         """The reason why a frame is no message of a direction; None if it is one."""
