@@ -75,7 +75,7 @@ def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--spec", default=ROOT / "spec/mwd_motor/v2.35.yaml", type=type(ROOT))
-    parser.add_argument("--exchanges", default=10_000, type=int)
+    parser.add_argument("--exchanges", default=20_000, type=int)
     parser.add_argument("--seed", default=1, type=int)
     arguments = parser.parse_args()
     edition = specification(arguments.spec).edition
