@@ -28,11 +28,16 @@ class LuaDecoder:
         self.codec = self.module.codec
         self.edition = next(e for e in self.module.family.editions.values() if e.name == edition.name)
         self._directions = {Direction.REQUEST: "requests", Direction.REPLY: "replies"}
+        every = list(self.edition.messages.values())
+        self._messages = {(m.direction, m.command): m for m in every}
+        self._messages |= {("reply", m.command): m.reply for m in every if m.direction == "request" and m.reply}
         self._numbers = {p.name for p in edition.parameters if not p.is_choice}
 
     def frame(self, frame: CanFrame) -> Any:
         """A frame as the table of the decoder."""
-        table = self.lua.table_from({0: frame.id, **dict(enumerate(frame.data, 1))} if not frame.remote else {0: frame.id})
+        table = self.lua.table_from(
+            {0: frame.id, **dict(enumerate(frame.data, 1))} if not frame.remote else {0: frame.id}
+        )
         table.length, table.extended, table.remote = len(frame.data), frame.extended, frame.remote
         return table
 
@@ -44,9 +49,7 @@ class LuaDecoder:
         }
         return self.lua.table_from(read)
 
-    def decode(
-        self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: Any
-    ) -> Decoded | Refused:
+    def decode(self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: Any) -> Decoded | Refused:
         """What a frame means, as the message `expected` or by itself."""
         table = self.frame(frame)
         if expected is None:
@@ -66,12 +69,7 @@ class LuaDecoder:
 
     def message(self, direction: Direction, command: str) -> Any:
         """The request or the reply of a command."""
-        messages = list(self.edition.messages.values())
-        if direction is Direction.REPLY:
-            asks = [m for m in messages if m.command == command and m.direction == "request"]
-            if asks:
-                return asks[0].reply
-        return next(m for m in messages if m.command == command and m.direction == direction.value)
+        return self._messages[direction.value, command]
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         """Why a frame is not the reply to a request."""
@@ -120,9 +118,7 @@ class WiresharkAdapter(Adapter):
 
     def __init__(self, edition: Edition, source: str) -> None:
         super().__init__(edition)
-        self._decoders = [
-            LuaDecoder(runtime(unpack_returned_tuples=False), source, edition) for runtime in RUNTIMES
-        ]
+        self._decoders = [LuaDecoder(runtime(unpack_returned_tuples=False), source, edition) for runtime in RUNTIMES]
 
     @classmethod
     def create(cls, specification: Specification, workdir: Path) -> WiresharkAdapter:
@@ -134,9 +130,7 @@ class WiresharkAdapter(Adapter):
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
         first, *others = (
-            decoder.decode(
-                direction, frame, parameters, expected and decoder.message(direction, expected)
-            )
+            decoder.decode(direction, frame, parameters, expected and decoder.message(direction, expected))
             for decoder in self._decoders
         )
         assert others == [first] * len(others), f"the versions of Lua differ: {first}, {others}"

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from ...diagnostics.unicode_safety import visible
 from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import Output, Specification, header
@@ -28,9 +29,7 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
     runtime = {file.stem: file.read_text("utf-8") for file in sorted(RUNTIME.glob("*.lua"))}
     for name, members in families.items():
         editions = [one.edition for one in members]
-        headers = [text.visible(header(edition)) for edition in editions]
+        headers = [visible(header(edition)) for edition in editions]
         dissector = env.get_template("dissector.lua.j2")
-        yield Output(
-            f"{name}.lua", dissector.render(family=family_view(editions), headers=headers, runtime=runtime)
-        )
+        yield Output(f"{name}.lua", dissector.render(family=family_view(editions), headers=headers, runtime=runtime))
     yield Output("README.md", env.get_template("README.md.j2").render(guide=guide(specifications)))

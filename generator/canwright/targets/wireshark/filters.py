@@ -56,9 +56,7 @@ def _field(name: str, same: Sequence[Field]) -> Table:
         "kind": kind or "double",
         "raw": None if kind else _integer(types) or "uint64",
         "members": _members(types) if kind else None,
-        "flags": [
-            {"name": n, "filter": flag_filter(n), "label": text.english(m.title) or n} for n, m in flags.items()
-        ],
+        "flags": [{"name": n, "filter": flag_filter(n), "label": text.english(m.title) or n} for n, m in flags.items()],
     }
 
 

@@ -185,10 +185,8 @@ def _rule(rule: IdRule, remote: bool, mask: int) -> dict[str, Value]:
 def _key(index: int, message: Message) -> Table:
     found = message.keys[index]
     values = [found.value, *((*message.accept, *message.claims) if index == 0 else ())]
-    return {
-        "segments": segments(found.segments, found.space),
-        "values": {text.key(value, found.width): True for value in values},
-    }
+    accepted: Table = {text.key(value, found.width): True for value in values}
+    return {"segments": segments(found.segments, found.space), "values": accepted}
 
 
 def _node_bits(message: Message) -> Table | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
@@ -18,6 +19,8 @@ class Code(str):
 
     __slots__ = ()
 
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 
 Table = Mapping[str, "Value"] | Mapping[int, "Value"] | Mapping[int | str, "Value"]
 Value = str | int | float | Table | Sequence["Value"] | None
@@ -91,18 +94,34 @@ def _entries(value: Table | Sequence[Value]) -> list[tuple[str | int | None, Val
 def _entry(name: str | int | None, item: str) -> str:
     if name is None:
         return item
-    if isinstance(name, str) and name in _ATTRIBUTES:
+    if isinstance(name, str) and _NAME.fullmatch(name) and name not in _KEYWORDS:
         return f"{name} = {item}"
     return f"[{_scalar(name)}] = {item}"
 
 
-_ATTRIBUTES = frozenset(
-    """
-    about addend allowed answers base bit cases choices command constant direction distinct divisor echo elements enum
-    example extended factor field fields filled filter first fixed flags float high identity indices keys kind label last
-    layout length limited linear low maximum members messages minimum modulus name named node_bits nodes numerator on
-    only otherwise parameter plain plan positive preference raw remote replies reply_within requests reserved scale_by
-    segments signed step times type unit values width
-    """.split()
+_KEYWORDS = frozenset(
+    [
+        "and",
+        "break",
+        "do",
+        "else",
+        "elseif",
+        "end",
+        "false",
+        "for",
+        "function",
+        "goto",
+        "if",
+        "in",
+        "local",
+        "nil",
+        "not",
+        "or",
+        "repeat",
+        "return",
+        "then",
+        "true",
+        "until",
+        "while",
+    ]
 )
-"""The names that the runtime uses; they are printed without quotes."""

@@ -37,12 +37,9 @@ end
 
 -- What a frame can be: the request, the replies that identify themselves, and those that only a request explains.
 local function candidates(edition, frame)
-    local request, request_node = codec.identify(edition, "requests", frame)
-    local reply, reply_node = codec.identify(edition, "replies", frame)
-    local replies = {}
-    if reply then
-        replies[1] = reply
-    end
+    local request, request_found = codec.identify(edition, "requests", frame)
+    local reply, reply_found = codec.identify(edition, "replies", frame)
+    local replies = { reply }
     for _, answer in ipairs(edition.answers) do
         if answer ~= reply and codec.is_message(answer, frame) then
             replies[#replies + 1] = answer
@@ -50,9 +47,11 @@ local function candidates(edition, frame)
     end
     return {
         request = request,
-        request_node = request_node,
+        request_node = request and request_found,
+        request_reason = not request and request_found or nil,
         reply = reply,
-        reply_node = reply_node,
+        reply_node = reply and reply_found,
+        reply_reason = not reply and reply_found or nil,
         replies = replies,
     }
 end
@@ -176,6 +175,7 @@ function directions.judge(state, edition, only, frame, one)
     end
     local result = { direction = direction, rule = rule, frame = frame, edition = edition }
     if direction == "reply" then
+        result.reason = found.reply_reason
         result.message, result.node = found.reply, found.reply_node
         if exchange then
             result.message, result.node = exchange.request.reply, source
@@ -192,6 +192,7 @@ function directions.judge(state, edition, only, frame, one)
             end
         end
     else
+        result.reason = found.request_reason
         result.message, result.node = found.request, found.request_node
         if found.request and found.request.reply and codec.has_constants(found.request, frame) then
             result.opened = {
@@ -207,10 +208,6 @@ function directions.judge(state, edition, only, frame, one)
             }
             open(bus, result.opened)
         end
-    end
-    if not result.message then
-        local _, reason = codec.identify(edition, direction == "reply" and "replies" or "requests", frame)
-        result.reason = reason
     end
     return result
 end

@@ -277,7 +277,7 @@ end
 
 local function read_frame(tvb)
     local id = { can_id() }
-    if #id == 0 or tvb:len() > 8 then
+    if #id == 0 then
         return nil
     end
     local frame = {
@@ -392,6 +392,7 @@ local function add_field(tree, tvb, one)
             item = add(tree, known.value, range, number)
         end
         local raw = add(item or tree, known.raw, range, integer(known.raw_kind, one.raw))
+        raw:set_text(label_of(one) .. " (raw): " .. shown_integer(one.raw))
         item = item or raw
     end
     item:set_text(text)
@@ -426,7 +427,7 @@ local function add_exchange(tree, result, pinfo)
         for _, number in ipairs(opened.replies or {}) do
             tree:add(meta.reply_in, number):set_generated()
         end
-        if pinfo.visited and opened.missing > 0 then
+        if pinfo.visited and result.is_first_pass and opened.missing > 0 then
             tree:add_proto_expert_info(experts.no_reply)
         end
     end
@@ -482,6 +483,7 @@ local function result_of(frame, occurrence, pinfo, known)
     local result = of_packet[occurrence]
     if not result then
         result = judge(frame, pinfo, known)
+        result.is_first_pass = not pinfo.visited
         of_packet[occurrence] = result
         local request = result.exchange
         if request then
