@@ -136,7 +136,7 @@ class Replay:
         wanted = value if isinstance(value, list) else [value]
         numbers = [float(text) for text in shown]
         if len(numbers) == len(wanted) and all(
-            math.isclose(one, number, rel_tol=1e-14) for one, number in zip(wanted, numbers, strict=True)
+            math.isclose(float(one), number, rel_tol=1e-14) for one, number in zip(wanted, numbers, strict=True)
         ):
             return ""
         return f"{numbers}, not {[float(one) for one in wanted]}"

@@ -64,7 +64,7 @@ def preference(name: str) -> str:
 
 def _parameter(same: Sequence[tuple[Edition, Parameter]]) -> Table:
     """A parameter of several editions: all values of a choice, and the limits of a number that all editions allow."""
-    edition, first = same[0]
+    first = same[0][1]
     values = dict.fromkeys(value.name for _, parameter in same for value in parameter.values)
     minimum = [p.minimum for _, p in same if p.minimum is not None]
     maximum = [p.maximum for _, p in same if p.maximum is not None]

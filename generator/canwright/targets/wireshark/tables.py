@@ -115,6 +115,7 @@ class EditionTables:
             "nodes": list(command.from_each),
             "echo": command.is_echoed,
             "distinct": distinct,
+            "slow": True if command.name in self._edition.slow_replies else None,
         }
 
     def _routes(self, direction: Direction) -> Iterator[Table]:
@@ -193,7 +194,8 @@ def _node_bits(message: Message) -> Table | None:
     bits = message.node_bits
     if bits is None:
         return None
-    return {"segments": segments(bits.segments, bits.space), "modulus": 1 << bits.width}
+    place: Value = segments(bits.segments, bits.space)
+    return {"segments": place, "modulus": 1 << bits.width}
 
 
 def _reserved_mask(message: Message) -> int:

@@ -20,6 +20,10 @@ class Code(str):
     __slots__ = ()
 
 
+_KEYWORDS = frozenset(
+    """and break do else elseif end false for function goto if in local nil not or repeat return then true until
+    while""".split()  # noqa: SIM905 - a list of words is easier to read
+)
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 
 Table = Mapping[str, "Value"] | Mapping[int, "Value"] | Mapping[int | str, "Value"]
@@ -97,31 +101,3 @@ def _entry(name: str | int | None, item: str) -> str:
     if isinstance(name, str) and _NAME.fullmatch(name) and name not in _KEYWORDS:
         return f"{name} = {item}"
     return f"[{_scalar(name)}] = {item}"
-
-
-_KEYWORDS = frozenset(
-    [
-        "and",
-        "break",
-        "do",
-        "else",
-        "elseif",
-        "end",
-        "false",
-        "for",
-        "function",
-        "goto",
-        "if",
-        "in",
-        "local",
-        "nil",
-        "not",
-        "or",
-        "repeat",
-        "return",
-        "then",
-        "true",
-        "until",
-        "while",
-    ]
-)

@@ -109,12 +109,16 @@ local function by_content(found, frame)
     return "unknown", "none"
 end
 
+-- The direction of a frame that can be both. A reply comes within the time of the spec, and as much again to send it.
 local function by_exchange(state, bus, edition, found, exchange, frame)
     if not exchange then
         return "request", "pairing"
     end
-    local passed = bus.clock - exchange.since
-    if exchange.request.echo or passed <= math.min(state.window, edition.reply_within or state.window) then
+    local within = state.window / 4
+    if edition.reply_within and not exchange.request.slow then
+        within = 2 * edition.reply_within
+    end
+    if bus.clock - exchange.since <= within then
         return "reply", "pairing"
     end
     if is_same(exchange.frame, frame) then
