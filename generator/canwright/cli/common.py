@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 
 import click
 
-from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, Severity, SpecError, near
+from ..diagnostics.diagnostic import Diagnostic, Severity, SpecError, near
 from ..diagnostics.unicode_safety import visible
 from ..model.formatting import counted
 from ..project.configuration import Configuration, candidates, configuration_file, read_configuration
@@ -152,8 +152,7 @@ def findings_text(findings: Sequence[Diagnostic], printer: str) -> Printed:
         return Printed(listed)
     counts = Counter(finding.severity.value for finding in findings)
     total = " and ".join(counted(count, kind) for kind, count in sorted(counts.items()))
-    more = "; there may be more, because a check stops there" if len(findings) >= MOST_FINDINGS else ""
-    return Printed("", f"{listed}{total}{more}; `canwright explain RULE` explains a rule\n")
+    return Printed("", f"{listed}{total}; `canwright explain RULE` explains a rule\n")
 
 
 def show(printed: Printed) -> None:
