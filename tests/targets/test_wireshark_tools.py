@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import pytest
@@ -13,13 +13,13 @@ from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Identified
 from canwright.semantics.frame import CanFrame
-from canwright.targets.base import Specification
+from canwright.targets.base import Output, Specification
 from canwright.targets.wireshark import generate
 from canwright.targets.wireshark.family import preference
 from canwright.targets.wireshark.filters import filters, flag_filter
 
 from ..conformance.adapter import ExactValue
-from ..spec_texts import SPECS, called
+from ..spec_texts import MINIMAL, ROOT, SPECS, called
 from .tshark import Captured, Dissected, dissect
 
 pytestmark = pytest.mark.tools
@@ -157,3 +157,44 @@ def test_golden_frames_through_tshark(spec: Path, tmp_path: Path) -> None:
     replay.exchanges()
     assert not replay.failures, f"{len(replay.failures)} of {replay.passed}\n" + "\n".join(replay.failures[:20])
     assert replay.passed
+
+
+def test_editions_and_parameters_of_nodes(tmp_path: Path) -> None:
+    """Two editions on one bus; other nodes are not decoded, and nothing is without settings."""
+    specs = [specification(ROOT / f"spec/mwd_motor/{name}.yaml") for name in ("v2.35", "v2.35-2024-02")]
+    script = _script(tmp_path, generate(specs, {}))
+    frames = [
+        (0x141, "9A 32 00 E7 01 00 00 00"),
+        (0x142, "9A 32 08 13 64 00 00 00"),
+        (0x143, "A1 32 9B 00 F4 01 00 80"),
+    ]
+    captured = [
+        Captured(START + number * SECOND, CanFrame(id_, bytes.fromhex(data)), Direction.REPLY)
+        for number, (id_, data) in enumerate(frames)
+    ]
+
+    def found(preferences: Mapping[str, str], name: str) -> list[str | None]:
+        dissected = dissect(tmp_path, [script], "mwd_motor", captured, {"marks": "always", **preferences})
+        return [one.one(f"mwd_motor.{name}") if one else None for one in dissected]
+
+    nodes = {"nodes": "1: v2.35; 2: v2.35-2024-02"}
+    assert found(nodes, "voltage") == ["48.7", "48.72", None]
+    assert found(nodes, "edition") == ["v2.35", "v2.35-2024-02", None]
+    assert found({**nodes, "edition": "v2.35", "series": "MG"}, "iq") == [None, None, "2.49755859375"]
+    assert found({"nodes": "3: v2.35 series=MF"}, "iq") == [None, None, "1.248779296875"]
+    assert found({}, "edition") == [None, None, None]
+    assert found({"nodes": "3: v9", "edition": "v2.35"}, "edition") == ["v2.35"] * 3
+
+
+def test_a_family_with_the_name_of_a_protocol_of_wireshark(tmp_path: Path) -> None:
+    (tmp_path / "ip.yaml").write_text(MINIMAL.replace("family: lamp", "family: ip"), "utf-8")
+    script = _script(tmp_path, generate([specification(tmp_path / "ip.yaml")], {}))
+    captured = [Captured(START, CanFrame(0x102, bytes.fromhex("10 00 01 00 00 00 00 00")))]
+    [found] = dissect(tmp_path, [script], "ip_can", captured, {})
+    assert found is not None and found.one("ip_can.command") == "dim"
+
+
+def _script(folder: Path, outputs: Iterable[Output]) -> Path:
+    output = next(output for output in outputs if output.path.endswith(".lua"))
+    (folder / output.path).write_text(output.text, "utf-8")
+    return folder / output.path
