@@ -51,7 +51,7 @@ def judge(lua: LuaDecoder, log: Sequence[Recorded]) -> list[Any]:
 def wrong(spec: str, log: Sequence[Sent]) -> float:
     """The share of wrong directions in percent."""
     judged = judge(decoder(spec), [sent.recorded for sent in log])
-    count = sum(one.direction != sent.direction.value for one, sent in zip(judged, log, strict=True))
+    count: int = sum(one.direction != sent.direction.value for one, sent in zip(judged, log, strict=True))
     return 100 * count / len(log)
 
 
@@ -112,5 +112,6 @@ def test_texts_that_are_no_numbers(given: str) -> None:
 
 def test_a_field_has_one_kind_in_all_editions() -> None:
     editions = [_edition(f"spec/mwd_motor/{name}.yaml") for name in ("v2.35", "v2.36-2025-03")]
-    kinds = {field["name"]: field["kind"] for field in filters(editions).fields}
+    fields: list[Any] = list(filters(editions).fields)
+    kinds = {field["name"]: field["kind"] for field in fields}
     assert kinds["voltage"] == "double" and kinds["motor_state"] == "uint32" and kinds["iq"] == "double"
