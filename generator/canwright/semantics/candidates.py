@@ -10,6 +10,15 @@ from .decoder import Decoder, Identified
 from .frame import CanFrame, data_bits, has_id, is_message
 
 
+def answers_by_request(edition: Edition) -> Sequence[Message]:
+    """The replies that can have a code which, without the request, belongs to another message."""
+    return [
+        reply
+        for reply in edition.messages(Direction.REPLY)
+        if reply.keys and not {reply.keys[0].value, *reply.accept} <= {*reply.claims}
+    ]
+
+
 class Candidates:
     """What the dispatch plan makes of a frame in each direction, and the replies that only a request explains.
 
@@ -19,11 +28,7 @@ class Candidates:
     def __init__(self, edition: Edition) -> None:
         self._decoder = Decoder(edition)
         self._messages = edition.all_messages()
-        self._answers = [
-            reply
-            for reply in edition.messages(Direction.REPLY)
-            if reply.keys and not {reply.keys[0].value, *reply.accept} <= {*reply.claims}
-        ]
+        self._answers = answers_by_request(edition)
         self._key_bits: dict[tuple[int, bool, bool], int | None] = {}
         self._known: dict[tuple[int, bool, bool, int, int], Sequence[Message]] = {}
 
