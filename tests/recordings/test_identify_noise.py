@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 
 import pytest
 from canwright.cli import main
@@ -185,12 +186,13 @@ def test_requests_without_replies_are_counted() -> None:
     assert (best.requests, dict(best.unanswered)) == (50, {"read_status_1": 49})
 
 
-def test_equal_motors_are_one_result() -> None:
+@pytest.mark.parametrize("folder", ["spec", "spec/mwd_motor"])
+def test_equal_motors_are_one_result(folder: str) -> None:
     log = "".join(
         f"(1.000000) can0 {frame.id:03X}#{frame.data.hex().upper()}\n"
         for frame in traffic("v2.35", rounds=2, nodes=range(1, 33))
     )
-    options = ["identify", "-", "--spec", str(ROOT / "spec")]
+    options = ["identify", "-", "--spec", str(ROOT / folder)]
     result = CliRunner().invoke(main, options, input=log)
     assert result.exit_code == 0, result.output
     assert "mwd_motor, nodes 1..32, 384 frames: fits v2.35\n" in result.output
@@ -207,3 +209,8 @@ def test_one_edition_among_others_in_a_log_of_a_fast_loop() -> None:
             yield from frames[2:4] if number % 200 else frames[:2]
 
     assert fits(identified(loop(EDITIONS["v2.35-2024-02"]))) == {1: ["v2.35-2024-02"]}
+
+
+def test_a_folder_without_specs(tmp_path: Path) -> None:
+    result = CliRunner().invoke(main, ["identify", "-", "--spec", str(tmp_path)], input="141#8100000000000000\n")
+    assert (result.exit_code, "has no spec; expected *.yaml or */*.yaml." in result.output) == (2, True)

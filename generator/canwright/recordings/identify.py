@@ -24,7 +24,7 @@ from ..compare import Change, Impact, Side, compare
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Command, Direction, IdRule
-from ..semantics.frame import CanFrame, data_bits, has_id, node_of
+from ..semantics.frame import CanFrame, data_bits, node_of
 from .recorded import Recorded
 from .scoring import IMPLAUSIBLE, STRONG, Interpretation, Kind, Kinds, Observation, Reason, reply_rule
 
@@ -240,7 +240,7 @@ class Identifier:
         """The frames with the id and length of a frame, remembered."""
         if len(self._lines) >= MAX_KNOWN:
             self._lines.clear()
-        having = [m for edition in self._editions for m in edition.all_messages() if has_id(m, frame)]
+        having = self._kinds.messages(frame)
         node = None
         if having:
             message, number = next(((m, n) for m in having if (n := node_of(m, frame)) is not None), (having[0], None))

@@ -117,22 +117,30 @@ class Kinds:
         self._editions = editions
         self._forms: dict[tuple[int, Message], list[Form]] = {}
         self._kinds: dict[tuple[object, ...], Kind] = {}
+        self._messages: dict[tuple[int, bool, bool], list[Message]] = {}
+
+    def messages(self, frame: CanFrame) -> list[Message]:
+        """The messages of all editions with the id of a frame."""
+        id_ = frame.id, frame.extended, frame.remote
+        found = self._messages.get(id_)
+        if found is None:
+            found = [m for edition in self._editions for m in edition.all_messages() if has_id(m, frame)]
+            if len(self._messages) < MAX_KNOWN:
+                self._messages[id_] = found
+        return found
 
     def code_bits(self, frame: CanFrame) -> int:
         """The data bits of the first keys of all messages with the id of a frame."""
-        return data_bits((key.space, key.segments) for message in self._having(frame) for key in message.keys[:1])
+        return data_bits((key.space, key.segments) for message in self.messages(frame) for key in message.keys[:1])
 
     def key_bits(self, frame: CanFrame) -> int:
         """The data bits of all keys of the messages with the id and the first key of a frame."""
         return data_bits(
             (key.space, key.segments)
-            for message in self._having(frame)
+            for message in self.messages(frame)
             if not message.keys or read_bits(message.keys[0], frame) in (*message.accept, *message.claims)
             for key in message.keys
         )
-
-    def _having(self, frame: CanFrame) -> list[Message]:
-        return [m for edition in self._editions for m in edition.all_messages() if has_id(m, frame)]
 
     def kind(self, frame: CanFrame, rule: IdRule) -> Kind:
         """The kind of a frame with an id of `rule`."""
