@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 
 import click
 
-from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, Severity, SpecError, near
+from ..diagnostics.diagnostic import Diagnostic, Severity, SpecError, near
 from ..diagnostics.unicode_safety import visible
 from ..model.formatting import counted
 from ..project.configuration import Configuration, candidates, configuration_file, read_configuration
@@ -114,6 +114,20 @@ set_option = click.option(
     help="Fix a parameter in the DBC files, for example --set size=12.",
 )
 
+nodes_option = click.option(
+    "--nodes",
+    default="",
+    metavar="NODES",
+    help="List only these nodes in the DBC files, for example --nodes 5,7 or --nodes 1..8.",
+)
+comments_option = click.option(
+    "--comments",
+    "language",
+    default="",
+    metavar="LANGUAGE",
+    help="The language of comments in DBC files, for example --comments zh. Files with non-English comments are UTF-8.",
+)
+
 
 def configuration() -> tuple[Configuration, Path]:
     """The configuration of the project and its folder. Errors are printed and exit the command."""
@@ -172,8 +186,7 @@ def findings_text(findings: Sequence[Diagnostic], printer: str) -> Printed:
         return Printed(listed)
     counts = Counter(finding.severity.value for finding in findings)
     total = " and ".join(counted(count, kind) for kind, count in sorted(counts.items()))
-    more = "; there may be more, because a check stops there" if len(findings) >= MOST_FINDINGS else ""
-    return Printed("", f"{listed}{total}{more}; `canwright explain RULE` explains a rule\n")
+    return Printed("", f"{listed}{total}; `canwright explain RULE` explains a rule\n")
 
 
 def show(printed: Printed) -> None:
