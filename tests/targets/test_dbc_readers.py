@@ -162,7 +162,7 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
     for code in message.claims or [None]:
         if code is not None and message.keys[0].space is Space.DATA:
             key = dataclasses.replace(message.keys[0], value=code)
-            frame = dataclasses.replace(frame, data=packed(dataclasses.replace(message, keys=(key,)), raw))
+            frame = frame._replace(data=packed(dataclasses.replace(message, keys=(key,)), raw))
         read = adapter(spec).decode(message.direction, frame, assignment, None)
         assert isinstance(read, Decoded)
         assert (read.command, read.node, read.raw) == (message.command, node, flat)

@@ -34,15 +34,24 @@ class Candidates:
 
     def has_id(self, frame: CanFrame) -> bool:
         """Whether some message has the id of a frame."""
-        return self._bits(frame) is not None
+        return self.key_bits(frame) is not None
 
     def of(self, frame: CanFrame) -> Sequence[Message]:
         """The messages that a frame can be, replies first; cached by id, length and the bits of all keys."""
-        bits = int.from_bytes(frame.data, "little") & (self._bits(frame) or 0)
+        bits = int.from_bytes(frame.data, "little") & (self.key_bits(frame) or 0)
         known = (frame.id, frame.extended, frame.remote, len(frame.data), bits)
         if known not in self._known:
             self._known[known] = self._candidates(frame)
         return self._known[known]
+
+    def key_bits(self, frame: CanFrame) -> int | None:
+        """The data bits of all keys of the messages with this id; None without such a message."""
+        known = (frame.id, frame.extended, frame.remote)
+        if known not in self._key_bits:
+            having = [message for message in self._messages if has_id(message, frame)]
+            bits = data_bits((key.space, key.segments) for message in having for key in message.keys)
+            self._key_bits[known] = bits if having else None
+        return self._key_bits[known]
 
     def _candidates(self, frame: CanFrame) -> Sequence[Message]:
         reply, request = (
@@ -51,12 +60,3 @@ class Candidates:
         replies = [reply.message] if isinstance(reply, Identified) else []
         replies += [answer for answer in self._answers if answer not in replies and is_message(answer, frame)]
         return [*replies, request.message] if isinstance(request, Identified) else replies
-
-    def _bits(self, frame: CanFrame) -> int | None:
-        """The data bits of all keys of the messages with this id; None without such a message."""
-        known = (frame.id, frame.extended, frame.remote)
-        if known not in self._key_bits:
-            having = [message for message in self._messages if has_id(message, frame)]
-            bits = data_bits((key.space, key.segments) for message in having for key in message.keys)
-            self._key_bits[known] = bits if having else None
-        return self._key_bits[known]
