@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from ..adapter import Adapter
 from .c import CAdapter
 from .cxx import CxxAdapter
+from .columns import ColumnsAdapter
 from .dbc import DbcAdapter
 from .docs import DocsAdapter
 from .python import PythonAdapter
@@ -14,5 +15,5 @@ from .reference import ReferenceAdapter
 
 ADAPTERS: Mapping[str, type[Adapter]] = {
     adapter.name: adapter
-    for adapter in (ReferenceAdapter, CAdapter, CxxAdapter, PythonAdapter, DbcAdapter, DocsAdapter)
+    for adapter in (ReferenceAdapter, CAdapter, CxxAdapter, PythonAdapter, DbcAdapter, DocsAdapter, ColumnsAdapter)
 }
