@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 from ..adapter import Adapter
 from .c import CAdapter
-from .cxx import CxxAdapter
 from .columns import ColumnsAdapter
+from .cxx import CxxAdapter
 from .dbc import DbcAdapter
 from .docs import DocsAdapter
 from .python import PythonAdapter

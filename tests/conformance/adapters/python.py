@@ -32,7 +32,6 @@ from ..adapter import (
     Value,
     write_files,
 )
-
 from . import modules
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Union
@@ -13,7 +13,7 @@ from ...model.message import BitRun, Direction, KeyRole, Message
 from ...model.types import Encoding, Linear, Type
 from ...semantics import dispatch
 from ..base import header
-from ..python.text import literal, member_name, plain
+from ..python.text import literal, member_name, plain, tuple_of
 from .bits import read_key
 
 FRAME_COLUMNS = ("time", "bus", "node", "direction", "command", "code")
@@ -143,3 +143,8 @@ def kinds(route: dispatch.Route) -> str:
     """The expression of the kind of frame of a route."""
     found = ["Kind.EXTENDED"] * route.rule.extended + ["Kind.REMOTE"] * route.remote
     return " | ".join(found)
+
+
+def literals(texts: Iterable[str]) -> str:
+    """The expression of a tuple of texts."""
+    return tuple_of(map(literal, texts))

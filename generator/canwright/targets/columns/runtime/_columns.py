@@ -6,10 +6,10 @@ A generated module describes its edition with these classes; `Decoder` applies t
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum, IntFlag
 from fractions import Fraction
-from typing import Any, NamedTuple, Union
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ Array = NDArray[Any]
 """A column: one dimension, or two for a field that is an array."""
 Words = NDArray[np.uint64]
 """The data bytes of each frame, the first in the lowest bits (`<u8`); bytes beyond the data are 0."""
-ParameterValue = Union[str, int, float, Fraction]
+ParameterValue = str | int | float | Fraction
 
 
 class Kind(IntFlag):
@@ -48,7 +48,8 @@ class Refusal(IntEnum):
     UNKNOWN_DIRECTION = -6
 
 
-class Frames(NamedTuple):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Frames:
     """Frames as arrays of one length."""
 
     time: NDArray[np.int64]
@@ -70,11 +71,12 @@ class Frames(NamedTuple):
 
     def take(self, rows: Any) -> Frames:
         """The frames at some positions, in a slice, or where a mask is True."""
-        return Frames(*(column[rows] for column in self[:-1]), self.buses)
+        columns = ("time", "bus", "id", "kind", "length", "data", "direction")
+        return replace(self, **{name: getattr(self, name)[rows] for name in columns})
 
 
 def frames(
-    id: Iterable[int],  # noqa: A002 - the name of the column
+    id: Iterable[int],
     data: Sequence[bytes],
     direction: int | Iterable[int],
     *,
@@ -272,7 +274,7 @@ class Select:
         return result
 
 
-Node = Union[int, Select]
+Node = int | Select
 
 
 @dataclass(frozen=True)
@@ -359,7 +361,9 @@ class Decoder:
         for name, value in parameters.items():
             if name not in edition.parameters:
                 known = ", ".join(edition.parameters) or "none"
-                raise ValueError(f"{edition.family} {edition.name} has no parameter {name}; its parameters are: {known}")
+                raise ValueError(
+                    f"{edition.family} {edition.name} has no parameter {name}; its parameters are: {known}"
+                )
             edition.parameters[name].check(name, value)
         self.columns = {layout.name: self._columns(layout, raw) for layout in edition.layouts}
         """The columns of each layout, without those of the frame; None where a parameter that decides is missing."""
@@ -426,9 +430,7 @@ class Decoder:
                 columns.append(Column(f"{field.name}_raw", field, None, True))
         return tuple(columns)
 
-    def _table(
-        self, layout: Layout, rows: Array, data: Words, ids: Words, message: Array, node: Array
-    ) -> Table | None:
+    def _table(self, layout: Layout, rows: Array, data: Words, ids: Words, message: Array, node: Array) -> Table | None:
         words, own = data[rows], ids[rows]
         columns = self.columns[layout.name]
         value = self.parameters.get(layout.parameter)
