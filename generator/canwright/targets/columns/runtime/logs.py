@@ -11,7 +11,7 @@ import re
 import struct
 import zlib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import replace
 from datetime import datetime, timezone
 from enum import IntEnum
@@ -166,21 +166,23 @@ class _Text:
         digits = form.end("fraction") - form.start("fraction")
         padded = np.full((rows.size, 4), ord("0"), np.uint8)
         padded[:, 1:] = lines[:, form.start("id") : form.end("id")]
-        ids = _HEX[padded.view("<u2")]
-        data = _HEX[np.ascontiguousarray(lines[:, form.start("data") : form.end("data")]).view("<u2")]
+        ids = _HEX.take(padded.view("<u2"))
+        data = _HEX.take(np.ascontiguousarray(lines[:, form.start("data") : form.end("data")]).view("<u2"))
         valid &= _valid(ids) & _valid(data)
         octets = np.zeros((rows.size, 8), np.uint8)
         octets[:, : data.shape[1]] = data
         found = self._found
-        found.time[rows] = seconds * 1_000_000_000 + fraction * 10 ** (9 - digits)
-        found.bus[rows] = self._log.bus(form["bus"].decode("ascii", "replace"))
-        found.id[rows] = ids[:, 0].astype(np.uint32) << 8 | ids[:, 1]
-        found.length[rows] = data.shape[1]
-        found.data[rows] = octets.view("<u8")[:, 0]
-        found.direction[rows] = _MARKS[form["mark"]]
-        self._valid[rows] = valid
-        for row in rows[~valid].tolist():
-            self._read_line(row)
+        at = slice(None) if rows.size == found.id.size else rows
+        found.time[at] = seconds * 1_000_000_000 + fraction * 10 ** (9 - digits)
+        found.bus[at] = self._log.bus(form["bus"].decode("ascii", "replace"))
+        found.id[at] = ids[:, 0].astype(np.uint32) << 8 | ids[:, 1]
+        found.length[at] = data.shape[1]
+        found.data[at] = octets.view("<u8")[:, 0]
+        found.direction[at] = _MARKS[form["mark"]]
+        self._valid[at] = valid
+        if not valid.all():
+            for row in rows[~valid].tolist():
+                self._read_line(row)
         return others
 
     def _matrix(self, rows: Array, length: int) -> Array:
@@ -218,15 +220,17 @@ def _number(digits: Array) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     count, width = digits.shape
     padded = np.full((count, width + width % 2), ord("0"), np.uint8)
     padded[:, width % 2 :] = digits
-    pairs = _DECIMAL[padded.view("<u2")]
+    pairs = _DECIMAL.take(padded.view("<u2"))
     powers = 100.0 ** np.arange(pairs.shape[1] - 1, -1, -1)
     return (pairs @ powers).astype(np.int64), _valid(pairs)
 
 
 def _valid(pairs: Array) -> NDArray[np.bool_]:
     """Which rows have digits only."""
-    wrong = pairs == _INVALID
-    return ~wrong.any(axis=1) if wrong.any() else np.ones(len(pairs), np.bool_)
+    if not pairs.size or pairs.max() != _INVALID:
+        return np.ones(len(pairs), np.bool_)
+    valid: NDArray[np.bool_] = (pairs != _INVALID).all(axis=1)
+    return valid
 
 
 _OBJECT = struct.Struct("<4sHHLL")
@@ -242,8 +246,8 @@ _RECORD = [
 ]
 """A CAN message with a header of version 1; one of type 86 has 8 bytes more."""
 _RECORD_SIZE = 48
-_FRAMES = 1 << 16
-"""So many messages of a BLF log are read at once, or some more."""
+_BYTES = 3 << 20
+"""So many bytes of the objects of a BLF log are read at once, or one container more."""
 _EXTENDED, _REMOTE, _SENT = 0x80000000, 0x80, 0x01
 
 
@@ -265,31 +269,35 @@ class _Blf:
 
     def blocks(self) -> Iterator[Frames]:
         """The frames of some containers at a time."""
-        rest, count = b"", 0
-        runs: list[Array] = []
+        parts: list[bytes] = []
+        size = 0
         for content in self._containers():
-            objects = rest + content
-            position = 0
-            while True:
-                position = objects.find(b"LOBJ", position, position + 12)
-                if position < 0 or position + _OBJECT.size > len(objects):
-                    position = max(len(objects) - 3, 0) if position < 0 else position
-                    break
-                run, following = self._run(objects, position)
-                if following > len(objects):
-                    break
-                position = following
-                if run is not None:
-                    runs.append(run)
-                    count += run.size
-            rest = objects[position:]
-            if count >= _FRAMES:
-                yield self._frames(np.concatenate(runs))
-                runs, count = [], 0
-        if runs:
-            yield self._frames(np.concatenate(runs))
-        if len(rest) > _OBJECT.size:
+            parts.append(content)
+            size += len(content)
+            if size >= _BYTES:
+                rest = yield from self._objects(b"".join(parts))
+                parts, size = [rest], len(rest)
+        rest = yield from self._objects(b"".join(parts))
+        if len(rest) >= _OBJECT.size:
             self._log.skipped["truncated end"] += 1
+
+    def _objects(self, objects: bytes) -> Generator[Frames, None, bytes]:
+        """The frames of some objects, at most one block; returns the bytes of the last object if it is not complete."""
+        runs: list[Array] = []
+        position = 0
+        while True:
+            found = objects.find(b"LOBJ", position, position + 12)
+            if found < 0 or found + _OBJECT.size > len(objects):
+                break
+            run, following = self._run(objects, found)
+            if following > len(objects):
+                break
+            position = following
+            if run is not None:
+                runs.append(run)
+        if runs:
+            yield self._frames(runs[0] if len(runs) == 1 else np.concatenate([run[_USED] for run in runs]))
+        return objects[position:]
 
     def _containers(self) -> Iterator[bytes]:
         """The objects in each container; those outside of containers as they are."""
@@ -331,10 +339,7 @@ class _Blf:
         same = (records["signature"] == b"LOBJ") & (records["type"] == kind)
         same &= (records["size"] == size) & (records["version"] == 1)
         count = most if same.all() else int(np.argmin(same))
-        run = np.empty(count, _RECORD)
-        for name in _USED:
-            run[name] = records[name][:count]
-        return run, position + count * size
+        return records[:count], position + count * size
 
     def _frames(self, found: Array) -> Frames:
         is_valid = found["length"] <= 8
@@ -347,11 +352,13 @@ class _Blf:
         remote = found["state"] & _REMOTE != 0
         extended = found["id"] & _EXTENDED != 0
         lengths = np.where(remote, 0, found["length"]).astype(np.uint8)
-        channels, bus = np.unique(found["channel"], return_inverse=True)
-        buses = np.array([self._log.bus(str(int(channel) - 1)) for channel in channels], np.uint16)
+        counts = np.bincount(found["channel"])
+        buses = np.zeros(counts.size, np.uint16)
+        for channel in np.flatnonzero(counts).tolist():
+            buses[channel] = self._log.bus(str(channel - 1))
         return Frames(
             time=time,
-            bus=buses[bus],
+            bus=buses[found["channel"]],
             id=(found["id"] & 0x1FFFFFFF).astype(np.uint32),
             kind=(extended * np.uint8(Kind.EXTENDED)) | (remote * np.uint8(Kind.REMOTE)),
             length=lengths,
@@ -360,7 +367,7 @@ class _Blf:
         )
 
 
-_USED = ("flags", "time", "channel", "state", "length", "id", "data")
+_USED = ["flags", "time", "channel", "state", "length", "id", "data"]
 _USED_BITS = np.array([(1 << 8 * length) - 1 for length in range(9)], np.uint64)
 
 
