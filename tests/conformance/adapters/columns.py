@@ -15,7 +15,7 @@ from canwright.model.refusal import Refusal
 from canwright.targets import columns as target
 from canwright.targets.base import Specification
 from canwright.targets.columns.files import package_name
-from canwright.targets.columns.view import column
+from canwright.targets.columns.view import columns_of, constant_name
 
 from ..adapter import (
     Adapter,
@@ -79,29 +79,19 @@ class ColumnsAdapter(Adapter):
         assert table.rows[0] == 0 and table.message[0] == number
         node = int(table.node[0])
         ours = self.message_of(direction, message.command)
-        fields = {f.name: f for f in ours.layout.fields if f.fixed is None}
-        present = {n: f for n, f in fields.items() if column(f) in table.columns or f"{column(f)}_raw" in table.columns}
-        return Decoded(
-            message.command,
-            None if node < 0 else node,
-            {name: self._raw(table.columns, field) for name, field in present.items()},
-            {name: self._value(table.columns, field) for name, field in present.items()},
-        )
+        raw: dict[str, Raw] = {}
+        values: dict[str, Value] = {}
+        for field, names in columns_of(ours.layout).items():
+            own = [table.columns[name][0].tolist() for name in names if name in table.columns]
+            if own:
+                raw[field.name] = own[-1]
+                values[field.name] = self._value(own[0], field) if names.value in table.columns else None
+        return Decoded(message.command, None if node < 0 else node, raw, values)
 
-    def _raw(self, columns: Mapping[str, Any], field: Field) -> Raw:
-        raw: Raw = columns.get(f"{column(field)}_raw", columns.get(column(field)))[0].tolist()
-        return raw
-
-    def _value(self, columns: Mapping[str, Any], field: Field) -> Value:
-        if column(field) not in columns:
-            return None
-        value = columns[column(field)][0].tolist()
-        declared = next(f.type for layout in self._module.LAYOUTS for f in layout.fields if f.name == column(field))
-        if field.type.enum:
-            name: str | None = declared.names.get(value)
-            return name
-        if field.type.flags:
-            return [name for bit, name in declared.names.items() if value >> bit & 1]
+    def _value(self, value: Any, field: Field) -> Value:
+        if field.type.flags or field.type.enum:
+            names: Mapping[int, str] = getattr(self._module, constant_name(field.type)).names
+            return [n for bit, n in names.items() if value >> bit & 1] if field.type.flags else names.get(value)
         if isinstance(value, list):
             return [float(one) for one in value]
         return None if math.isnan(value) else float(value)

@@ -10,7 +10,7 @@ from ...model.types import Assignment
 from ..base import NameProblem, Output, Specification, Target
 from . import generate
 from .problems import problems
-from .view import column
+from .view import columns_of, tables_of
 
 
 class ColumnsTarget(Target):
@@ -26,9 +26,10 @@ class ColumnsTarget(Target):
 
     def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
         """Tables and columns."""
-        names = {layout.path: f'"{layout.name}"' for layout in edition.layouts}
-        for message in edition.all_messages():
-            names |= {field.path: f'"{column(field)}"' for field in message.layout.fields if field.fixed is None}
+        tables = tables_of(edition)
+        names = {layout.path: f'"{name}"' for layout, name in tables.items() if layout.shared}
+        for layout in tables:
+            names |= {field.path: f'"{columns.value}"' for field, columns in columns_of(layout).items()}
         return names
 
 

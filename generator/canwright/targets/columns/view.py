@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Union
+from typing import NamedTuple, Union
 
 from ...model.edition import Edition
 from ...model.layout import Field, Layout
@@ -32,15 +32,41 @@ class SelectView:
 NodeView = Union[str, SelectView]  # noqa: UP007 - `NodeView` in `SelectView` is a forward reference
 
 
-def column(field: Field) -> str:
-    """The column of a field: its name, with `_` appended if every table has a column of that name."""
-    return f"{field.name}_" if field.name in FRAME_COLUMNS else field.name
+class Columns(NamedTuple):
+    """The columns of a field: its value, and its raw integers."""
+
+    value: str
+    raw: str
+
+
+def columns_of(layout: Layout) -> Mapping[Field, Columns]:
+    """The columns of each field. A name that is taken has `_` appended: those of the frame come first, then values."""
+    taken = set(FRAME_COLUMNS)
+    fields = varying(layout)
+    values = [_free(field.name, taken) for field in fields]
+    raws = [_free(f"{field.name}_raw", taken) for field in fields]
+    return {field: Columns(*names) for field, *names in zip(fields, values, raws, strict=True)}
+
+
+def tables_of(edition: Edition) -> Mapping[Layout, str]:
+    """The name of the table of each layout."""
+    taken: set[str] = set()
+    return {m: _free(m.name, taken) for m in dict.fromkeys(message.layout for message in edition.all_messages())}
+
+
+def _free(name: str, taken: set[str]) -> str:
+    """A name with as many `_` appended as it takes to differ from all others."""
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
 
 
 def module_view(edition: Edition) -> Mapping[str, object]:
     """What the template prints."""
     messages = list(edition.all_messages())
-    layouts = list(dict.fromkeys(message.layout for message in messages))
+    tables = tables_of(edition)
+    layouts = list(tables)
     numbers = {message: number for number, message in enumerate(messages)}
     codes = {command.name: command.code for command in edition.commands}
     return {
@@ -49,7 +75,7 @@ def module_view(edition: Edition) -> Mapping[str, object]:
         "title": plain(edition.title.get("en") or next(iter(edition.title.values()))),
         "parameters": edition.parameters,
         "types": edition.types,
-        "layouts": layouts,
+        "tables": tables,
         "messages": [(m, code_of(m, codes), layouts.index(m.layout)) for m in messages],
         "routes": {direction.value: route_views(edition, direction, numbers) for direction in Direction},
     }

@@ -113,7 +113,10 @@ class Parameter(NamedTuple):
             if str(value) not in self.choices:
                 raise ValueError(f"{name} is {value!r}, but must be one of {', '.join(self.choices)}")
             return
-        number = Fraction(value)
+        try:
+            number = Fraction(value)
+        except (ValueError, OverflowError):
+            raise ValueError(f"{name} is {value!r}, but must be a finite number") from None
         if (self.minimum is not None and number < self.minimum) or (self.maximum is not None and number > self.maximum):
             raise ValueError(f"{name} is {value!r}, but must be between {self.minimum} and {self.maximum}")
 
@@ -184,13 +187,14 @@ PLAIN: Mapping[str, Scale | None] = {"": Scale(1, 0, 1)}
 
 @dataclass(frozen=True)
 class Field:
-    """A field: its column, the expression of its raw integers, and their type in NumPy.
+    """A field: its columns of values and of raw integers, the expression of its raw integers, and their type in NumPy.
 
     It exists if the parameter of the layout has one of the values `only`; always if that is empty. `count` is the number
     of elements of an array, 0 for a single value.
     """
 
     name: str
+    raw_name: str
     read: Callable[[Words, Words], Array]
     dtype: str
     type: Type
@@ -427,7 +431,7 @@ class Decoder:
             if scale is not None:
                 columns.append(Column(field.name, field, scale, False))
             if scale is None or (raw and (field.type.is_float or not scale.is_identity)):
-                columns.append(Column(f"{field.name}_raw", field, None, True))
+                columns.append(Column(field.raw_name, field, None, True))
         return tuple(columns)
 
     def _table(self, layout: Layout, rows: Array, data: Words, ids: Words, message: Array, node: Array) -> Table | None:
