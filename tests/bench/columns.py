@@ -5,7 +5,7 @@ generated DBC of the replies, on a part of the same log; and NumPy code for this
 reads the same logs to the same columns. It assumes a well-formed log whose lines have one length.
 
 All run in this process, by process time; each figure is the median of the ratios of turns. Memory is that of a child
-process that decodes a log, with its Python and NumPy.
+process that decodes a log and writes its tables as Parquet, with its Python, NumPy and Arrow.
 """
 
 from __future__ import annotations
@@ -52,8 +52,6 @@ Work = Callable[[], object]
 
 
 def main() -> int:
-    if len(sys.argv) > 1:
-        return _child(sys.argv[1])
     sys.path.insert(0, str(PACKAGE))
     with tempfile.TemporaryDirectory() as folder:
         logs = list(_logs(Path(folder)))
@@ -136,26 +134,18 @@ def _seconds(work: Work) -> float:
 def _memory(log: Path) -> float:
     """The peak of a process that decodes a log and writes its tables as Parquet."""
     done = subprocess.run(
-        [sys.executable, "-m", "tests.bench.columns", str(log)], cwd=ROOT, capture_output=True, text=True, check=True
+        [sys.executable, "-m", "tests.bench.columns_memory", str(PACKAGE), str(log)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
     )
     return float(done.stdout)
 
 
-def _child(log: str) -> int:
-    sys.path.insert(0, str(PACKAGE))
-    from mwd_motor_columns import Direction as Way, arrow, logs, v2_35  # type: ignore[import-not-found]
-
-    with tempfile.TemporaryDirectory() as folder, arrow.ParquetWriter(v2_35.decoder(PARAMETERS), folder) as writer:
-        for frames in logs.Log(log, received=Way.REPLY):
-            writer.add(frames)
-    status = Path("/proc/self/status").read_text("ascii")  # `getrusage` includes the peak of the parent process
-    print(int(status.partition("VmHWM:")[2].split()[0]) / 1024)
-    return 0
-
-
 def decoded_by_columns(log: Path) -> dict[str, Any]:
     """The columns of all tables, by table and column."""
-    from mwd_motor_columns import Direction as Way, logs, v2_35
+    from mwd_motor_columns import Direction as Way, logs, v2_35  # type: ignore[import-not-found]
 
     decoder = v2_35.decoder(PARAMETERS)
     found: dict[str, list[Any]] = {}

@@ -39,7 +39,7 @@ def test_generate_then_check_then_edit(folder: Path) -> None:
     assert "warning: there are no golden frames" in result.stderr
     listed = run("generate", "--spec", "my.yaml", "--out", "out", "--format", "json")
     assert [one["rule"] for one in json.loads(listed.stdout)["findings"]] == ["missing-frame"]
-    assert {p.name for p in (folder / "out").iterdir()} == {".canwright.json", "c", "python", "dbc", "docs"}
+    assert {p.name for p in (folder / "out").iterdir()} == {".canwright.json", "c", "columns", "python", "dbc", "docs"}
     assert run("check", "--spec", "my.yaml", "--out", "out").exit_code == 0
     (folder / "my.yaml").write_text(MINIMAL.replace("0..1000", "0..999"), "utf-8")
     result = run("check", "--spec", "my.yaml", "--out", "out")

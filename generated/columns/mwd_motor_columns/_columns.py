@@ -114,7 +114,10 @@ class Parameter(NamedTuple):
             if str(value) not in self.choices:
                 raise ValueError(f"{name} is {value!r}, but must be one of {', '.join(self.choices)}")
             return
-        number = Fraction(value)
+        try:
+            number = Fraction(value)
+        except (ValueError, OverflowError):
+            raise ValueError(f"{name} is {value!r}, but must be a finite number") from None
         if (self.minimum is not None and number < self.minimum) or (self.maximum is not None and number > self.maximum):
             raise ValueError(f"{name} is {value!r}, but must be between {self.minimum} and {self.maximum}")
 
@@ -185,13 +188,14 @@ PLAIN: Mapping[str, Scale | None] = {"": Scale(1, 0, 1)}
 
 @dataclass(frozen=True)
 class Field:
-    """A field: its column, the expression of its raw integers, and their type in NumPy.
+    """A field: its columns of values and of raw integers, the expression of its raw integers, and their type in NumPy.
 
     It exists if the parameter of the layout has one of the values `only`; always if that is empty. `count` is the number
     of elements of an array, 0 for a single value.
     """
 
     name: str
+    raw_name: str
     read: Callable[[Words, Words], Array]
     dtype: str
     type: Type
@@ -387,9 +391,21 @@ class Decoder:
                     tables[layout.name] = table
         return Decoded(tables, message)
 
-    def messages_as(self, frames: Frames, direction: Direction) -> NDArray[np.int16]:
-        """The message number or the refusal of each frame if all had this direction; constants are not checked."""
-        return self._dispatch(frames, frames.id.astype(np.uint64), np.full(len(frames), direction, np.uint8))[0]
+    def with_directions(self, frames: Frames) -> Frames:
+        """The same frames, with a direction for those of unknown direction that only one direction has.
+
+        A frame whose id, code and length both directions have keeps its direction: it depends on the other frames.
+        """
+        ids = frames.id.astype(np.uint64)
+        is_request, is_reply = (
+            self._dispatch(frames, ids, np.full(len(frames), way, np.uint8))[0] >= 0
+            for way in (Direction.REQUEST, Direction.REPLY)
+        )
+        direction = frames.direction.copy()
+        unknown = direction == Direction.UNKNOWN
+        direction[unknown & is_request & ~is_reply] = Direction.REQUEST
+        direction[unknown & is_reply & ~is_request] = Direction.REPLY
+        return replace(frames, direction=direction)
 
     def _dispatch(self, frames: Frames, ids: Words, direction: Array) -> tuple[NDArray[np.int16], NDArray[np.int32]]:
         message = np.full(ids.size, Refusal.UNKNOWN_DIRECTION, np.int16)
@@ -428,7 +444,7 @@ class Decoder:
             if scale is not None:
                 columns.append(Column(field.name, field, scale, False))
             if scale is None or (raw and (field.type.is_float or not scale.is_identity)):
-                columns.append(Column(f"{field.name}_raw", field, None, True))
+                columns.append(Column(field.raw_name, field, None, True))
         return tuple(columns)
 
     def _table(self, layout: Layout, rows: Array, data: Words, ids: Words, message: Array, node: Array) -> Table | None:

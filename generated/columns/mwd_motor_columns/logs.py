@@ -356,7 +356,7 @@ class _Blf:
         counts = np.bincount(found["channel"])
         buses = np.zeros(counts.size, np.uint16)
         for channel in np.flatnonzero(counts).tolist():
-            buses[channel] = self._log.bus(str(channel - 1))
+            buses[channel] = self._log.bus(str(channel))
         return Frames(
             time=time,
             bus=buses[found["channel"]],

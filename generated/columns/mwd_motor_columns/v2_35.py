@@ -67,6 +67,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "power",
+                "power_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _POWER,
@@ -78,6 +79,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "iq",
+                "iq_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _TORQUE_CURRENT,
@@ -89,6 +91,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "speed",
+                "speed_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _SPEED_SETPOINT,
@@ -100,6 +103,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -111,12 +115,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _SPEED_LIMIT,
             ),
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -128,12 +134,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "spin_direction",
+                "spin_direction_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _SPIN_DIRECTION,
             ),
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<u4")[1 :: 2],
                 "u4",
                 _SINGLE_TURN_ANGLE,
@@ -145,18 +153,21 @@ LAYOUTS = (
         fields=(
             Field(
                 "spin_direction",
+                "spin_direction_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _SPIN_DIRECTION,
             ),
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _SPEED_LIMIT,
             ),
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<u4")[1 :: 2],
                 "u4",
                 _SINGLE_TURN_ANGLE,
@@ -168,6 +179,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "increment",
+                "increment_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -179,12 +191,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _SPEED_LIMIT,
             ),
             Field(
                 "increment",
+                "increment_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -199,36 +213,42 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle_kp",
+                "angle_kp_raw",
                 lambda words, ids: words.view("u1")[2 :: 8],
                 "u1",
                 _GAIN,
             ),
             Field(
                 "angle_ki",
+                "angle_ki_raw",
                 lambda words, ids: words.view("u1")[3 :: 8],
                 "u1",
                 _GAIN,
             ),
             Field(
                 "speed_kp",
+                "speed_kp_raw",
                 lambda words, ids: words.view("u1")[4 :: 8],
                 "u1",
                 _GAIN,
             ),
             Field(
                 "speed_ki",
+                "speed_ki_raw",
                 lambda words, ids: words.view("u1")[5 :: 8],
                 "u1",
                 _GAIN,
             ),
             Field(
                 "iq_kp",
+                "iq_kp_raw",
                 lambda words, ids: words.view("u1")[6 :: 8],
                 "u1",
                 _GAIN,
             ),
             Field(
                 "iq_ki",
+                "iq_ki_raw",
                 lambda words, ids: words.view("u1")[7 :: 8],
                 "u1",
                 _GAIN,
@@ -243,6 +263,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "acceleration",
+                "acceleration_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ACCELERATION,
@@ -257,6 +278,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "encoder_offset",
+                "encoder_offset_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -292,6 +314,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "iq",
+                "iq_raw",
                 lambda words, ids: stack(words.view("<i2")[0 :: 4], words.view("<i2")[1 :: 4], words.view("<i2")[2 :: 4], words.view("<i2")[3 :: 4]),
                 "i2",
                 _BROADCAST_CURRENT,
@@ -304,12 +327,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "temperature",
+                "temperature_raw",
                 lambda words, ids: words.view("i1")[1 :: 8],
                 "i1",
                 _TEMPERATURE,
             ),
             Field(
                 "power",
+                "power_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _POWER,
@@ -317,6 +342,7 @@ LAYOUTS = (
             ),
             Field(
                 "iq",
+                "iq_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _TORQUE_CURRENT,
@@ -324,12 +350,14 @@ LAYOUTS = (
             ),
             Field(
                 "speed",
+                "speed_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _SPEED,
             ),
             Field(
                 "encoder",
+                "encoder_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -342,6 +370,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "acceleration",
+                "acceleration_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ACCELERATION,
@@ -353,18 +382,21 @@ LAYOUTS = (
         fields=(
             Field(
                 "encoder",
+                "encoder_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _ENCODER_POSITION,
             ),
             Field(
                 "encoder_measured",
+                "encoder_measured_raw",
                 lambda words, ids: words.view("<u2")[2 :: 4],
                 "u2",
                 _ENCODER_POSITION,
             ),
             Field(
                 "encoder_offset",
+                "encoder_offset_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -376,6 +408,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "encoder_offset",
+                "encoder_offset_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -387,6 +420,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: signed(words >> 8, 56),
                 "i8",
                 _MULTI_TURN_ANGLE,
@@ -398,6 +432,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<u4")[1 :: 2],
                 "u4",
                 _SINGLE_TURN_POSITION,
@@ -409,18 +444,21 @@ LAYOUTS = (
         fields=(
             Field(
                 "temperature",
+                "temperature_raw",
                 lambda words, ids: words.view("i1")[1 :: 8],
                 "i1",
                 _TEMPERATURE,
             ),
             Field(
                 "voltage",
+                "voltage_raw",
                 lambda words, ids: words >> 24 & 0xFFFF,
                 "u2",
                 _VOLTAGE,
             ),
             Field(
                 "errors",
+                "errors_raw",
                 lambda words, ids: words.view("u1")[7 :: 8],
                 "u1",
                 _ERROR_FLAGS,
@@ -432,24 +470,28 @@ LAYOUTS = (
         fields=(
             Field(
                 "temperature",
+                "temperature_raw",
                 lambda words, ids: words.view("i1")[1 :: 8],
                 "i1",
                 _TEMPERATURE,
             ),
             Field(
                 "phase_a",
+                "phase_a_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _PHASE_CURRENT,
             ),
             Field(
                 "phase_b",
+                "phase_b_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _PHASE_CURRENT,
             ),
             Field(
                 "phase_c",
+                "phase_c_raw",
                 lambda words, ids: words.view("<i2")[3 :: 4],
                 "i2",
                 _PHASE_CURRENT,

@@ -72,6 +72,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "action",
+                "action_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _BRAKE_ACTION,
@@ -83,6 +84,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "power",
+                "power_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _POWER,
@@ -94,6 +96,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "iq",
+                "iq_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _TORQUE_CURRENT,
@@ -105,6 +108,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "speed",
+                "speed_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _SPEED_SETPOINT,
@@ -116,12 +120,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "iq_limit",
+                "iq_limit_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _TORQUE_CURRENT,
             ),
             Field(
                 "speed",
+                "speed_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _SPEED_SETPOINT,
@@ -133,6 +139,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -144,12 +151,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _SPEED_LIMIT,
             ),
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -161,12 +170,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "spin_direction",
+                "spin_direction_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _SPIN_DIRECTION,
             ),
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<u4")[1 :: 2],
                 "u4",
                 _SINGLE_TURN_ANGLE,
@@ -178,18 +189,21 @@ LAYOUTS = (
         fields=(
             Field(
                 "spin_direction",
+                "spin_direction_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _SPIN_DIRECTION,
             ),
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _SPEED_LIMIT,
             ),
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<u4")[1 :: 2],
                 "u4",
                 _SINGLE_TURN_ANGLE,
@@ -201,6 +215,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "increment",
+                "increment_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -212,12 +227,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _SPEED_LIMIT,
             ),
             Field(
                 "increment",
+                "increment_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -238,6 +255,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "torque_limit",
+                "torque_limit_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _I16,
@@ -249,6 +267,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "acceleration_limit",
+                "acceleration_limit_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _I32,
@@ -260,6 +279,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "speed_limit",
+                "speed_limit_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _I32,
@@ -274,6 +294,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "encoder_offset",
+                "encoder_offset_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -294,6 +315,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -317,6 +339,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "state",
+                "state_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _BRAKE_STATE,
@@ -328,12 +351,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "temperature",
+                "temperature_raw",
                 lambda words, ids: words.view("i1")[1 :: 8],
                 "i1",
                 _TEMPERATURE,
             ),
             Field(
                 "power",
+                "power_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _OUTPUT_POWER,
@@ -341,6 +366,7 @@ LAYOUTS = (
             ),
             Field(
                 "iq",
+                "iq_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _MEASURED_TORQUE_CURRENT,
@@ -348,12 +374,14 @@ LAYOUTS = (
             ),
             Field(
                 "speed",
+                "speed_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _SPEED,
             ),
             Field(
                 "encoder",
+                "encoder_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -366,18 +394,21 @@ LAYOUTS = (
         fields=(
             Field(
                 "encoder",
+                "encoder_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _ENCODER_POSITION,
             ),
             Field(
                 "encoder_measured",
+                "encoder_measured_raw",
                 lambda words, ids: words.view("<u2")[2 :: 4],
                 "u2",
                 _ENCODER_POSITION,
             ),
             Field(
                 "encoder_offset",
+                "encoder_offset_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -389,6 +420,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "encoder_offset",
+                "encoder_offset_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -400,6 +432,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: signed(words >> 8, 56),
                 "i8",
                 _MULTI_TURN_ANGLE,
@@ -411,6 +444,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<u4")[1 :: 2],
                 "u4",
                 _SINGLE_TURN_POSITION,
@@ -422,30 +456,35 @@ LAYOUTS = (
         fields=(
             Field(
                 "temperature",
+                "temperature_raw",
                 lambda words, ids: words.view("i1")[1 :: 8],
                 "i1",
                 _TEMPERATURE,
             ),
             Field(
                 "voltage",
+                "voltage_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _VOLTAGE,
             ),
             Field(
                 "current",
+                "current_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _BUS_CURRENT,
             ),
             Field(
                 "motor_state",
+                "motor_state_raw",
                 lambda words, ids: words.view("u1")[6 :: 8],
                 "u1",
                 _MOTOR_STATE,
             ),
             Field(
                 "errors",
+                "errors_raw",
                 lambda words, ids: words.view("u1")[7 :: 8],
                 "u1",
                 _ERROR_FLAGS,
@@ -457,24 +496,28 @@ LAYOUTS = (
         fields=(
             Field(
                 "temperature",
+                "temperature_raw",
                 lambda words, ids: words.view("i1")[1 :: 8],
                 "i1",
                 _TEMPERATURE,
             ),
             Field(
                 "phase_a",
+                "phase_a_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _PHASE_CURRENT,
             ),
             Field(
                 "phase_b",
+                "phase_b_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _PHASE_CURRENT,
             ),
             Field(
                 "phase_c",
+                "phase_c_raw",
                 lambda words, ids: words.view("<i2")[3 :: 4],
                 "i2",
                 _PHASE_CURRENT,

@@ -73,6 +73,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "action",
+                "action_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _BRAKE_ACTION,
@@ -84,6 +85,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "power",
+                "power_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _POWER,
@@ -95,6 +97,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "iq",
+                "iq_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _TORQUE_CURRENT,
@@ -106,12 +109,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "iq_limit",
+                "iq_limit_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _TORQUE_CURRENT,
             ),
             Field(
                 "speed",
+                "speed_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _SPEED_SETPOINT,
@@ -123,6 +128,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -134,12 +140,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _SPEED_LIMIT,
             ),
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -151,12 +159,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "spin_direction",
+                "spin_direction_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _SPIN_DIRECTION,
             ),
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<u4")[1 :: 2],
                 "u4",
                 _SINGLE_TURN_ANGLE,
@@ -168,18 +178,21 @@ LAYOUTS = (
         fields=(
             Field(
                 "spin_direction",
+                "spin_direction_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _SPIN_DIRECTION,
             ),
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _SPEED_LIMIT,
             ),
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<u4")[1 :: 2],
                 "u4",
                 _SINGLE_TURN_ANGLE,
@@ -191,6 +204,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "increment",
+                "increment_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -202,12 +216,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _SPEED_LIMIT,
             ),
             Field(
                 "increment",
+                "increment_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -243,18 +259,21 @@ LAYOUTS = (
         fields=(
             Field(
                 "kp",
+                "kp_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _GAIN,
             ),
             Field(
                 "ki",
+                "ki_raw",
                 lambda words, ids: words.view("<u2")[2 :: 4],
                 "u2",
                 _GAIN,
             ),
             Field(
                 "kd",
+                "kd_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _GAIN,
@@ -266,6 +285,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_torque_current",
+                "max_torque_current_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _I16,
@@ -277,6 +297,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _I32,
@@ -288,6 +309,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_angle",
+                "max_angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _I32,
@@ -299,6 +321,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "current_ramp",
+                "current_ramp_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _I32,
@@ -310,6 +333,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "speed_ramp",
+                "speed_ramp_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _I32,
@@ -333,6 +357,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -356,6 +381,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "state",
+                "state_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _BRAKE_STATE,
@@ -367,12 +393,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "temperature",
+                "temperature_raw",
                 lambda words, ids: words.view("i1")[1 :: 8],
                 "i1",
                 _TEMPERATURE,
             ),
             Field(
                 "power",
+                "power_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _OUTPUT_POWER,
@@ -380,6 +408,7 @@ LAYOUTS = (
             ),
             Field(
                 "iq",
+                "iq_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _MEASURED_TORQUE_CURRENT,
@@ -387,12 +416,14 @@ LAYOUTS = (
             ),
             Field(
                 "speed",
+                "speed_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _SPEED,
             ),
             Field(
                 "encoder",
+                "encoder_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -405,18 +436,21 @@ LAYOUTS = (
         fields=(
             Field(
                 "encoder",
+                "encoder_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _ENCODER_POSITION,
             ),
             Field(
                 "encoder_measured",
+                "encoder_measured_raw",
                 lambda words, ids: words.view("<u2")[2 :: 4],
                 "u2",
                 _ENCODER_POSITION,
             ),
             Field(
                 "encoder_offset",
+                "encoder_offset_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -428,6 +462,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "encoder_offset",
+                "encoder_offset_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -439,6 +474,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: signed(words >> 8, 56),
                 "i8",
                 _MULTI_TURN_ANGLE,
@@ -450,6 +486,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<u4")[1 :: 2],
                 "u4",
                 _SINGLE_TURN_POSITION,
@@ -461,30 +498,35 @@ LAYOUTS = (
         fields=(
             Field(
                 "temperature",
+                "temperature_raw",
                 lambda words, ids: words.view("i1")[1 :: 8],
                 "i1",
                 _TEMPERATURE,
             ),
             Field(
                 "voltage",
+                "voltage_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _VOLTAGE,
             ),
             Field(
                 "current",
+                "current_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _BUS_CURRENT,
             ),
             Field(
                 "motor_state",
+                "motor_state_raw",
                 lambda words, ids: words.view("u1")[6 :: 8],
                 "u1",
                 _MOTOR_STATE,
             ),
             Field(
                 "errors",
+                "errors_raw",
                 lambda words, ids: words.view("u1")[7 :: 8],
                 "u1",
                 _ERROR_FLAGS,
@@ -496,24 +538,28 @@ LAYOUTS = (
         fields=(
             Field(
                 "temperature",
+                "temperature_raw",
                 lambda words, ids: words.view("i1")[1 :: 8],
                 "i1",
                 _TEMPERATURE,
             ),
             Field(
                 "phase_a",
+                "phase_a_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _PHASE_CURRENT,
             ),
             Field(
                 "phase_b",
+                "phase_b_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _PHASE_CURRENT,
             ),
             Field(
                 "phase_c",
+                "phase_c_raw",
                 lambda words, ids: words.view("<i2")[3 :: 4],
                 "i2",
                 _PHASE_CURRENT,

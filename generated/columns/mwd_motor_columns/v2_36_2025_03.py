@@ -86,6 +86,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "action",
+                "action_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _BRAKE_ACTION,
@@ -97,6 +98,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "power",
+                "power_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _POWER,
@@ -108,6 +110,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "iq",
+                "iq_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _TORQUE_CURRENT,
@@ -119,12 +122,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "iq_limit",
+                "iq_limit_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _TORQUE_CURRENT,
             ),
             Field(
                 "speed",
+                "speed_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _SPEED_SETPOINT,
@@ -136,6 +141,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -147,12 +153,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _SPEED_LIMIT,
             ),
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -164,12 +172,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "spin_direction",
+                "spin_direction_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _SPIN_DIRECTION,
             ),
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<u4")[1 :: 2],
                 "u4",
                 _SINGLE_TURN_ANGLE,
@@ -181,18 +191,21 @@ LAYOUTS = (
         fields=(
             Field(
                 "spin_direction",
+                "spin_direction_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _SPIN_DIRECTION,
             ),
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _SPEED_LIMIT,
             ),
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<u4")[1 :: 2],
                 "u4",
                 _SINGLE_TURN_ANGLE,
@@ -204,6 +217,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "increment",
+                "increment_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -215,12 +229,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _SPEED_LIMIT,
             ),
             Field(
                 "increment",
+                "increment_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE,
@@ -256,18 +272,21 @@ LAYOUTS = (
         fields=(
             Field(
                 "kp",
+                "kp_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _GAIN,
             ),
             Field(
                 "ki",
+                "ki_raw",
                 lambda words, ids: words.view("<u2")[2 :: 4],
                 "u2",
                 _GAIN,
             ),
             Field(
                 "kd",
+                "kd_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _GAIN,
@@ -279,6 +298,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_torque_current",
+                "max_torque_current_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _OUTPUT_LIMIT,
@@ -290,6 +310,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _SPEED_BOUND,
@@ -301,6 +322,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "upper_angle",
+                "upper_angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE_BOUND,
@@ -312,6 +334,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "lower_angle",
+                "lower_angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _ANGLE_BOUND,
@@ -323,6 +346,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "speed_ramp",
+                "speed_ramp_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _SPEED_RAMP,
@@ -400,6 +424,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "driver_id",
+                "driver_id_raw",
                 lambda words, ids: words.view("u1")[4 :: 8],
                 "u1",
                 _DRIVER_ID,
@@ -411,6 +436,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "bus_type",
+                "bus_type_raw",
                 lambda words, ids: words.view("u1")[4 :: 8],
                 "u1",
                 _BUS_TYPE,
@@ -422,6 +448,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "rs485_baud_rate",
+                "rs485_baud_rate_raw",
                 lambda words, ids: words.view("u1")[4 :: 8],
                 "u1",
                 _RS485_BAUD_RATE,
@@ -433,6 +460,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "can_baud_rate",
+                "can_baud_rate_raw",
                 lambda words, ids: words.view("u1")[4 :: 8],
                 "u1",
                 _CAN_BAUD_RATE,
@@ -444,6 +472,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_power",
+                "max_power_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _OUTPUT_LIMIT,
@@ -455,6 +484,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_speed",
+                "max_speed_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _SPEED_BOUND,
@@ -466,6 +496,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "max_angle",
+                "max_angle_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _MAX_ANGLE,
@@ -477,6 +508,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "current_ramp",
+                "current_ramp_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _CURRENT_RAMP,
@@ -488,6 +520,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "speed_ramp",
+                "speed_ramp_raw",
                 lambda words, ids: words.view("<i4")[1 :: 2],
                 "i4",
                 _SPEED_RAMP,
@@ -512,6 +545,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "state",
+                "state_raw",
                 lambda words, ids: words.view("u1")[1 :: 8],
                 "u1",
                 _BRAKE_STATE,
@@ -523,12 +557,14 @@ LAYOUTS = (
         fields=(
             Field(
                 "temperature",
+                "temperature_raw",
                 lambda words, ids: words.view("i1")[1 :: 8],
                 "i1",
                 _TEMPERATURE,
             ),
             Field(
                 "power",
+                "power_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _OUTPUT_POWER,
@@ -536,6 +572,7 @@ LAYOUTS = (
             ),
             Field(
                 "iq",
+                "iq_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _MEASURED_TORQUE_CURRENT,
@@ -543,12 +580,14 @@ LAYOUTS = (
             ),
             Field(
                 "speed",
+                "speed_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _SPEED,
             ),
             Field(
                 "encoder",
+                "encoder_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -561,18 +600,21 @@ LAYOUTS = (
         fields=(
             Field(
                 "encoder",
+                "encoder_raw",
                 lambda words, ids: words.view("<u2")[1 :: 4],
                 "u2",
                 _ENCODER_POSITION,
             ),
             Field(
                 "encoder_measured",
+                "encoder_measured_raw",
                 lambda words, ids: words.view("<u2")[2 :: 4],
                 "u2",
                 _ENCODER_POSITION,
             ),
             Field(
                 "encoder_offset",
+                "encoder_offset_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -584,18 +626,21 @@ LAYOUTS = (
         fields=(
             Field(
                 "align_value",
+                "align_value_raw",
                 lambda words, ids: words >> 8 & 0xFFFFFFFF,
                 "u4",
                 _U32,
             ),
             Field(
                 "align_ratio",
+                "align_ratio_raw",
                 lambda words, ids: words >> 40 & 0xFFFF,
                 "u2",
                 _ALIGN_RATIO,
             ),
             Field(
                 "align_state",
+                "align_state_raw",
                 lambda words, ids: words.view("u1")[7 :: 8],
                 "u1",
                 _ALIGN_STATE,
@@ -607,6 +652,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "encoder_offset",
+                "encoder_offset_raw",
                 lambda words, ids: words.view("<u2")[3 :: 4],
                 "u2",
                 _ENCODER_POSITION,
@@ -618,6 +664,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: signed(words >> 8, 56),
                 "i8",
                 _MULTI_TURN_ANGLE,
@@ -629,6 +676,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "angle",
+                "angle_raw",
                 lambda words, ids: words.view("<u4")[1 :: 2],
                 "u4",
                 _SINGLE_TURN_POSITION,
@@ -640,30 +688,35 @@ LAYOUTS = (
         fields=(
             Field(
                 "temperature",
+                "temperature_raw",
                 lambda words, ids: words.view("i1")[1 :: 8],
                 "i1",
                 _TEMPERATURE,
             ),
             Field(
                 "voltage",
+                "voltage_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _VOLTAGE,
             ),
             Field(
                 "current",
+                "current_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _BUS_CURRENT,
             ),
             Field(
                 "motor_state",
+                "motor_state_raw",
                 lambda words, ids: words.view("u1")[6 :: 8],
                 "u1",
                 _MOTOR_STATE,
             ),
             Field(
                 "errors",
+                "errors_raw",
                 lambda words, ids: words.view("u1")[7 :: 8],
                 "u1",
                 _ERROR_FLAGS,
@@ -675,24 +728,28 @@ LAYOUTS = (
         fields=(
             Field(
                 "temperature",
+                "temperature_raw",
                 lambda words, ids: words.view("i1")[1 :: 8],
                 "i1",
                 _TEMPERATURE,
             ),
             Field(
                 "phase_a",
+                "phase_a_raw",
                 lambda words, ids: words.view("<i2")[1 :: 4],
                 "i2",
                 _PHASE_CURRENT,
             ),
             Field(
                 "phase_b",
+                "phase_b_raw",
                 lambda words, ids: words.view("<i2")[2 :: 4],
                 "i2",
                 _PHASE_CURRENT,
             ),
             Field(
                 "phase_c",
+                "phase_c_raw",
                 lambda words, ids: words.view("<i2")[3 :: 4],
                 "i2",
                 _PHASE_CURRENT,
@@ -704,6 +761,7 @@ LAYOUTS = (
         fields=(
             Field(
                 "result",
+                "result_raw",
                 lambda words, ids: words.view("u1")[2 :: 8],
                 "u1",
                 _SAVE_RESULT,

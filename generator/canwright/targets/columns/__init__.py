@@ -24,8 +24,13 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
     name = packages[0] if len(packages) == 1 else "canwright_columns"
     project = env.get_template("pyproject.toml.j2")
     yield Output("pyproject.toml", project.render(name=name, version=PACKAGE_VERSION, packages=packages))
+    edition = specifications[0].edition
+    example = {p.name: p.values[0].name for p in edition.parameters if p.is_choice}
     readme = env.get_template("README.md.j2")
-    yield Output("README.md", readme.render(name=name, module=_module(specifications)))
+    given = "{" + ", ".join(f"{literal(key)}: {literal(value)}" for key, value in example.items()) + "}"
+    yield Output(
+        "README.md", readme.render(name=name, package=packages[0], module=edition.identifier, parameters=given)
+    )
     for family, package in zip(families, packages, strict=True):
         yield Output(f"{package}/__init__.py", env.get_template("__init__.py.j2").render(family=family))
         yield Output(f"{package}/py.typed", "")
@@ -47,9 +52,3 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
     for item in specifications:
         path = f"{package_name(item.edition.family)}/{item.edition.identifier}.py"
         yield Output(path, module.render({**view.module_view(item.edition), **functions}))
-
-
-def _module(specifications: Sequence[Specification]) -> str:
-    """The module of the first edition, for examples."""
-    edition = specifications[0].edition
-    return f"{package_name(edition.family)}.{edition.identifier}"

@@ -390,9 +390,21 @@ class Decoder:
                     tables[layout.name] = table
         return Decoded(tables, message)
 
-    def messages_as(self, frames: Frames, direction: Direction) -> NDArray[np.int16]:
-        """The message number or the refusal of each frame if all had this direction; constants are not checked."""
-        return self._dispatch(frames, frames.id.astype(np.uint64), np.full(len(frames), direction, np.uint8))[0]
+    def with_directions(self, frames: Frames) -> Frames:
+        """The same frames, with a direction for those of unknown direction that only one direction has.
+
+        A frame whose id, code and length both directions have keeps its direction: it depends on the other frames.
+        """
+        ids = frames.id.astype(np.uint64)
+        is_request, is_reply = (
+            self._dispatch(frames, ids, np.full(len(frames), way, np.uint8))[0] >= 0
+            for way in (Direction.REQUEST, Direction.REPLY)
+        )
+        direction = frames.direction.copy()
+        unknown = direction == Direction.UNKNOWN
+        direction[unknown & is_request & ~is_reply] = Direction.REQUEST
+        direction[unknown & is_reply & ~is_request] = Direction.REPLY
+        return replace(frames, direction=direction)
 
     def _dispatch(self, frames: Frames, ids: Words, direction: Array) -> tuple[NDArray[np.int16], NDArray[np.int32]]:
         message = np.full(ids.size, Refusal.UNKNOWN_DIRECTION, np.int16)
