@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import importlib.util
 import itertools
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -276,7 +277,9 @@ def test_pyspark(package: Package) -> None:
     from ..tools import tool
 
     tool("java")
-    sql = pytest.importorskip("pyspark.sql")
+    if importlib.util.find_spec("pyspark") is None:
+        raise SystemExit("pyspark is not installed: pip install pyspark")
+    sql = importlib.import_module("pyspark.sql")
     decoder = package.edition.decoder(PARAMETERS)
     expected = _decoded(package, [package.input()], "motion_feedback")
     rows = [tuple(row.values()) for row in package.input().to_pylist()]
