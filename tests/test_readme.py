@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -81,9 +82,9 @@ REPEATED = [f"{REPLAY}::test_random_questions", f"{REPLAY}::test_golden_frames[m
 """The slowest tests of a new edition; they run for the edition that it is a copy of."""
 
 
-def run(command: str, folder: Path) -> str:
-    """What a command of the README prints, in a folder that has what a clone has; fails when it fails."""
-    program, *arguments = command.split()
+def run(command: str, folder: Path, status: int = 0) -> str:
+    """What a command of the README prints, in a folder that has what a clone has; fails with another exit status."""
+    program, *arguments = shlex.split(command)
     python = {".venv/bin/python": [], ".venv/bin/canwright": ["-m", "canwright"]}[program]
     environment = {
         **os.environ,
@@ -95,7 +96,7 @@ def run(command: str, folder: Path) -> str:
     done = subprocess.run(
         [sys.executable, *python, *arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False
     )
-    assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+    assert done.returncode == status, f"{command}\n{done.stdout}{done.stderr}"
     return done.stdout
 
 
@@ -140,7 +141,12 @@ def test_a_new_edition_from_start_to_end(clone: Path) -> None:
     states = before.index("  motor_state:")
     at = before.index('      "on":', states)
     spec.write_text(before[:at] + example("edit") + before[at:], "utf-8")
-    assert run(example("compare"), clone) == printed("compare")
+    assert run(example("compare"), clone, status=1) == printed("compare")
+    run(example("baseline"), clone)
+    assert (clone / "accepted.yaml").read_text("utf-8") == example("accepted")
+    (clone / "canwright.toml").write_text(example("configuration"), "utf-8")
+    assert "0 changes; 1 more accepted" in run(example("compare"), clone)
+    (clone / "canwright.toml").unlink()
     frames = spec.with_name("v2.36-2025-09.frames.yaml")
     frames.write_text(frames.read_text("utf-8").replace("\nframes:\n", f"\nframes:\n{example('frame')}", 1), "utf-8")
     generated, replayed = example("renew").strip().split("\n")

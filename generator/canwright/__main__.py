@@ -24,12 +24,16 @@ def run() -> None:
         status = CANNOT_PRINT
         if error.errno != errno.EPIPE:
             sys.stderr.write(f"canwright: cannot print: {error.strerror or error}\n")
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the interpreter flushes once more at exit
+        for stream in (1, 2):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream)  # the interpreter flushes once more at exit
     sys.exit(status)
 
 
 def _run(arguments: list[str]) -> None:
     """Prints the overview or the result of a run with nothing to do at once, without importing the command line."""
+    from .cli.streams import prepare_streams
+
+    prepare_streams()
     if arguments in (["-h"], ["--help"]):
         sys.stdout.write(HELP)
         return
@@ -43,9 +47,9 @@ def _run(arguments: list[str]) -> None:
         main(obj=record)
         return
     if printed.error:
-        import click  # removes colours where there is no terminal
+        from .cli.terminal import print_text  # removes colours where there is no terminal
 
-        click.echo(printed.error, nl=False, err=True)
+        print_text(printed.error, error=True, styled=True)
     sys.stdout.write(printed.out)
 
 

@@ -276,14 +276,25 @@ VARIABLE = "canwright_mutant"
 
 CHOICE = f"""\
 #include <stdlib.h>
+#include <sys/time.h>
 static int {VARIABLE};
 __attribute__((constructor)) static void canwright_choose(void)
 {{
     const char *number = getenv("MUTANT");
+    const char *milliseconds = getenv("MILLISECONDS");
+    struct itimerval most = {{{{0, 0}}, {{0, 0}}}};
     {VARIABLE} = number != NULL ? atoi(number) : 0;
+    if (milliseconds != NULL) {{
+        most.it_value.tv_sec = atol(milliseconds) / 1000;
+        most.it_value.tv_usec = atol(milliseconds) % 1000 * 1000;
+        setitimer(ITIMER_PROF, &most, NULL);
+    }}
 }}
 """
-"""Precedes a program of several mutants; the variable MUTANT of the environment selects one of them."""
+"""Precedes a program of several mutants; the variable MUTANT of the environment selects one of them.
+
+A program that uses more than MILLISECONDS of processor time is stopped, however busy the machine is.
+"""
 
 
 @dataclass(frozen=True)

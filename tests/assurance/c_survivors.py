@@ -6,13 +6,17 @@ program, given the same lines, prints anything else, stops, or takes too long.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import os
 import random
 import re
+import resource
 import subprocess
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
@@ -28,26 +32,48 @@ from ..conformance.adapters.c_harness import harness, header_text
 from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Questions
 from ..conformance.runner import Runner
-from . import floating
+from . import floating, integers
 from .c_mutants import CHOICE, Mutant, changed, functions, merged, mutants, used
 from .differential import compare
 
 MOST_LINES = 40_000
 """So many lines of copies are compiled in one program."""
 
-SECONDS = 20
-"""A mutant that takes longer is killed."""
+SLOWER = 10
+"""A mutant that takes so many times the processor time of the original is killed."""
 
 QUICK = 2500
 """So many random questions are asked first; survivors are asked whole rounds."""
 
 ROUNDS = 2
 
-CONVERSIONS = 20_000
-"""So many conversions are asked of the runtime for floating point."""
+CASES = 10_000
+"""So many cases of exact fractions are asked of the runtime."""
+
+SOONEST = 500
+"""So many of these cases are asked first."""
 
 FRAMES = 4000
 """So many random frames are checked and printed."""
+
+
+LEAST = 200
+"""The least limit of the processor time of a mutant, in milliseconds."""
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Questions in a file, the answers of the original, and the limit of the processor time in milliseconds."""
+
+    file: Path
+    answers: bytes | None
+    milliseconds: int
+
+
+def _time_of_programs() -> float:
+    """The processor time of all programs that have ended, in seconds."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 class Recorder(CAdapter):
@@ -73,13 +99,16 @@ class Program:
         original, errors = self._compile(self.headers)
         assert original is not None, errors
         self.original = original
-        self._answers: dict[Path, bytes | None] = {}
+        self._asked: list[_Asked] = []
 
     def add_questions(self, lines: Sequence[str]) -> None:
         """Adds lines that are asked of every mutant, after those added before."""
-        file = self.folder / f"questions-{len(self._answers)}"
+        file = self.folder / f"questions-{len(self._asked)}"
         file.write_text("\n".join(lines) + "\n", "utf-8")
-        self._answers[file] = self._run(self.original, 0, file)
+        before = _time_of_programs()
+        answers = self._run(self.original, 0, file)
+        milliseconds = 1000 * SLOWER * (_time_of_programs() - before)
+        self._asked.append(_Asked(file, answers, max(LEAST, int(milliseconds))))
 
     def mutants(self) -> list[Mutant]:
         """The mutants of the headers, without those of functions that no question reaches."""
@@ -164,19 +193,16 @@ class Program:
         return program, []
 
     def _is_killed(self, program: Path, number: int) -> bool:
-        return any(self._run(program, number, file) != answers for file, answers in self._answers.items())
+        return any(self._run(program, number, one.file, one.milliseconds) != one.answers for one in self._asked)
 
     @staticmethod
-    def _run(program: Path, number: int, questions: Path) -> bytes | None:
+    def _run(program: Path, number: int, questions: Path, milliseconds: int | None = None) -> bytes | None:
         """What the program prints; None when it stops or takes too long."""
         environment = {**os.environ, "MUTANT": str(number)}
+        if milliseconds is not None:
+            environment["MILLISECONDS"] = str(milliseconds)
         with questions.open("rb") as lines:
-            try:
-                done = subprocess.run(
-                    [program], stdin=lines, capture_output=True, env=environment, timeout=SECONDS, check=False
-                )
-            except subprocess.TimeoutExpired:
-                return None
+            done = subprocess.run([program], stdin=lines, capture_output=True, env=environment, check=False)
         return None if done.returncode else done.stdout
 
 
@@ -196,16 +222,21 @@ class Subject(Program):
             self.add_questions(recorder.lines)
 
 
-class FloatingSubject(Program):
-    """The runtime for floating point, asked by `tests.assurance.floating`."""
+class RuntimeSubject(Program):
+    """The headers that are the same for every protocol, asked by a module that compares them with exact fractions."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, asking: ModuleType, folder: Path) -> None:
         headers = {file.name: file.read_text("utf-8") for file in sorted(target.RUNTIME.glob("*.h"))}
-        super().__init__(folder, "runtime", headers, floating.PROGRAM.read_text("utf-8"))
-        cases = floating.cases(CONVERSIONS, random.Random(1))
+        super().__init__(folder, "runtime", headers, asking.PROGRAM.read_text("utf-8"))
+        cases = asking.cases(CASES, random.Random(1))
         wrong = floating.differences(self.original, cases)
         assert not wrong, wrong[:10]
-        self.add_questions([case.line().rstrip() for case in cases])
+        lines = [case.line().rstrip() for case in cases]
+        for part in (lines[:SOONEST], lines[SOONEST:]):
+            self.add_questions(part)
+
+
+RUNTIME_SUBJECTS = tuple(functools.partial(RuntimeSubject, asking) for asking in (integers, floating))
 
 
 def _sizes(text: str) -> dict[str, int]:

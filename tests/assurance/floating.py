@@ -38,8 +38,7 @@ class Case(NamedTuple):
     expected: str
 
     def line(self) -> str:
-        numbers = (*self.given, 0, 0, 0, 0)[:5]
-        return f"{self.operation} {' '.join(str(number % (1 << 64)) for number in numbers)}\n"
+        return f"{self.operation} {' '.join(str(number % (1 << 64)) for number in self.given)}\n"
 
 
 def differences(program: Path, cases: Sequence[Case]) -> list[str]:
@@ -66,7 +65,8 @@ def number_of(bits: int, precision: int) -> Fraction:
     return Fraction(struct.unpack(code[1], struct.pack(code[0], bits))[0])
 
 
-def _is_finite(bits: int, precision: int) -> bool:
+def is_finite(bits: int, precision: int) -> bool:
+    """Whether these are the bits of a finite number."""
     infinity = 0x7F800000 if precision == SINGLE else 0x7FF0000000000000
     return bits & infinity != infinity
 
@@ -103,9 +103,9 @@ def cases(count: int, chance: random.Random) -> list[Case]:
 def _quotient(chance: random.Random) -> Case:
     """A raw integer as a double: a quotient of integers, also beside the middle of two doubles."""
     signed = chance.random() < 0.5
-    divisor = chance.choice((1, 10, 100, 1000, 2048, abs(_any(chance, 63)) or 1))
+    divisor = chance.choice((1, 10, 100, 1000, 2048, abs(any_integer(chance, 63)) or 1))
     middle = chance.getrandbits(54) * divisor << chance.randint(0, 10)
-    dividend = chance.choice((abs(_any(chance, 64)), middle + chance.choice((-1, 0, 1)))) % (1 << 64 - signed)
+    dividend = chance.choice((abs(any_integer(chance, 64)), middle + chance.choice((-1, 0, 1)))) % (1 << 64 - signed)
     dividend *= chance.choice((1, -1)) if signed else 1
     return Case("s" if signed else "u", (dividend, divisor), _ok(bits_of(Fraction(dividend, divisor), DOUBLE)))
 
@@ -116,7 +116,7 @@ def _corrected(chance: random.Random) -> Case:
     linear = Linear(scale, offset)
     signed = chance.random() < 0.5
     near = chance.choice((0, 0, 1 << 51, 1 << 63, 1 << 64))
-    size = near + _any(chance, 12) if near else chance.getrandbits(chance.randint(52, 65))
+    size = near + any_integer(chance, 12) if near else chance.getrandbits(chance.randint(52, 65))
     raw = (size + Fraction(chance.choice((0, 1)), 2)) * chance.choice((1, -1))
     value = float(raw * scale + offset)
     for _ in range(chance.choice((0, 1, 2))):
@@ -125,28 +125,36 @@ def _corrected(chance: random.Random) -> Case:
     low, high = (-(1 << 63), (1 << 63) - 1) if signed else (0, (1 << 64) - 1)
     factor, addend, divisor = linear.as_quotient
     sign = 1 if factor > 0 else -1
+    if low <= nearest <= high:
+        low, high = chance.choice(((low, high), (nearest, nearest), (low, nearest), (nearest, high)))
+        low = low + (nearest == low) * chance.choice((0, 0, 1)) * (low < high)
+        high = high - (nearest == high) * chance.choice((0, 0, 1)) * (low < high)
     return Case(
         "n" if signed else "m",
-        (_of(value), _of(quotient(value, linear)), sign * divisor, sign * addend, abs(factor)),
+        (_of(value), _of(quotient(value, linear)), sign * divisor, sign * addend, abs(factor), low, high),
         _ok(nearest % (1 << 64)) if low <= nearest <= high else "out_of_range 0",
     )
 
 
 def _narrowed(chance: random.Random) -> Case:
     """A double as a float, also beside the middle of two floats, subnormal and too large ones."""
-    middle = chance.getrandbits(64) & ~0x1FFFFFFF | 0x10000000
-    bits = chance.choice((chance.getrandbits(64), middle, middle + 1, middle - 1))
-    if chance.random() < 0.8:
-        bits = bits & ~(0x7FF << 52) | chance.randint(1023 - 152, 1023 + 129) << 52
-    if not _is_finite(bits, DOUBLE):
-        bits &= 0xFFFFFFFF
+    exponent = chance.choice((chance.randint(1023 - 152, 1023 + 129), chance.randint(1023 - 151, 1023 - 125)))
+    zeros = 29 + max(0, 1023 - 126 - exponent)  # the bits that leave the fraction
+    middle = chance.getrandbits(64) >> zeros << zeros | 1 << zeros - 1
+    bits = chance.choice((chance.getrandbits(64), middle, middle + 1, middle - 1)) % (1 << 64)
+    if chance.random() < 0.9:
+        bits = bits & ~(0x7FF << 52) | exponent << 52
+    if chance.random() < 0.05:
+        bits = bits >> 63 << 63 | 0x7FF << 52 | chance.choice((0, 1, 1 << 51, bits & 0xFFFFFFFFFFFFF))
+    if not is_finite(bits, DOUBLE):
+        return Case("f", (bits,), _ok(bits >> 63 << 31 | 0x7F800000 | (0x400000 if bits & 0xFFFFFFFFFFFFF else 0)))
     return Case("f", (bits,), _ok(bits_of(number_of(bits, DOUBLE), SINGLE) | bits >> 63 << 31))
 
 
 def _widened(chance: random.Random) -> Case:
     """A float as a double."""
     bits = chance.getrandbits(32) & chance.choice((0xFFFFFFFF, 0x807FFFFF))
-    if not _is_finite(bits, SINGLE):
+    if not is_finite(bits, SINGLE):
         return Case("d", (bits,), "not_finite 0")
     return Case("d", (bits,), _ok(bits_of(number_of(bits, SINGLE), DOUBLE) | bits >> 31 << 63))
 
@@ -156,7 +164,7 @@ def _of(number: float) -> int:
     return bits
 
 
-def _any(chance: random.Random, width: int) -> int:
+def any_integer(chance: random.Random, width: int) -> int:
     """An integer of any length up to `width` bits, with a sign."""
     return chance.choice((1, -1)) * chance.getrandbits(chance.choice((width, chance.randint(1, width))))
 

@@ -10,8 +10,9 @@ too long or does not compile.
 arithmetic and logical operators, numbers, conditions, statements and returned values; not texts, annotations and
 docstrings. Asked are the golden frames, random questions, and the checks of `tests.assurance.python_facts`.
 
-Mutants of the runtime are shown to all editions, those for floating point also to `tests.assurance.floating`, and
-survive only if none of them kills it. Functions that are not reached are named. A complete run takes hours.
+Mutants of the runtime are shown to `tests.assurance.integers`, to `tests.assurance.floating` and to all editions, and
+survive only if none of them kills it. Functions that are not reached are named. A complete run takes hours; `--part` and
+`--edition` divide it.
 Every survivor must be listed as equivalent, with a reason, in `equivalent_c.yaml` or `equivalent_python.yaml`. The exit
 status is 1 for a survivor that is not listed and for a killed mutant that is.
 """
@@ -19,6 +20,7 @@ status is 1 for a survivor that is not listed and for a killed mutant that is.
 from __future__ import annotations
 
 import argparse
+import functools
 import random
 import sys
 import tempfile
@@ -31,8 +33,11 @@ from . import c_survivors, python_survivors
 from .equivalents import Equivalent, judge, read
 
 LANGUAGES: dict[str, Callable[[Path, Path], Any]] = {"c": c_survivors.Subject, "python": python_survivors.Subject}
-RUNTIMES: dict[str, tuple[Callable[[Path], Any], ...]] = {"c": (c_survivors.FloatingSubject,), "python": ()}
-"""What the mutants of the runtime are shown to, besides the editions."""
+RUNTIMES: dict[str, tuple[Callable[[Path], Any], ...]] = {"c": c_survivors.RUNTIME_SUBJECTS, "python": ()}
+"""What the mutants of the runtime are shown to before the editions."""
+
+PARTS = ("own", "runtime")
+"""The code of each edition, and the code that is the same for every protocol."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -47,6 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--edition", action="append", help="as v2.35 or arm/v1 (default: those of spec/ and tests/specs)"
     )
     parser.add_argument("--sample", type=int, help="so many mutants of each edition, and of the runtime (default: all)")
+    parser.add_argument("--part", choices=PARTS, help="only the code of the editions, or only the runtime")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--equivalents", type=Path, help="another list")
     given = parser.parse_args(arguments)
@@ -56,55 +62,53 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(f"no edition has this name; there are {', '.join(map(called, SPECS))}")
     list_file = given.equivalents or Path(__file__).with_name(f"equivalent_{given.language}.yaml")
     run = Run(given.language, read(list_file), given.sample, given.seed)
-    for spec in chosen:
-        run.mutate(spec)
-    run.judge_runtime()
+    parts = [given.part] if given.part else PARTS
+    if "runtime" in parts:
+        run.mutate_runtime(chosen)
+    if "own" in parts:
+        run.mutate_editions(chosen)
     return int(run.failed)
 
 
 class Run:
-    """The mutants of several editions. Those of the runtime survive only if no edition kills them."""
+    """The mutants of several editions, and of the runtime, which survive only if nothing kills them."""
 
     def __init__(self, language: str, equivalents: Sequence[Equivalent], sample: int | None, seed: int) -> None:
         self._language, self._equivalents = language, equivalents
         self._sample, self._seed = sample, seed
-        self._runtime: dict[tuple[str, str, str], Any] | None = None
-        self._left: set[tuple[str, str, str]] = set()
-        self._unreached: set[tuple[str, str, str]] = set()
         self.failed = False
 
-    def mutate(self, spec: Path) -> None:
-        """Runs the mutants of one edition, and those of the runtime that are left."""
-        with tempfile.TemporaryDirectory() as folder:
-            subject = LANGUAGES[self._language](spec, Path(folder))
-            every, reached = subject.all_mutants(), subject.mutants()
-            if self._runtime is None:
-                runtime = self._sampled([mutant for mutant in every if mutant.is_runtime])
-                self._runtime = {mutant.key: mutant for mutant in runtime}
-                self._left, self._unreached = set(self._runtime), set(self._runtime)
-            own = self._sampled([mutant for mutant in reached if not mutant.is_runtime])
-            alive = list(subject.survivors(own))
-            self._show_runtime(subject)
-        known = set(reached)
-        self._report(called(spec), own, alive, [m for m in every if not m.is_runtime and m not in known])
-
-    def judge_runtime(self) -> None:
-        """Reports what is left of the mutants of the runtime."""
-        for create in RUNTIMES[self._language]:
+    def mutate_editions(self, specs: Sequence[Path]) -> None:
+        """Runs the mutants of the code of each edition."""
+        for spec in specs:
             with tempfile.TemporaryDirectory() as folder:
-                self._show_runtime(create(Path(folder)))
-        mutants = self._runtime or {}
-        unreached = [mutants[key] for key in self._unreached]
-        reached = [mutant for key, mutant in mutants.items() if key not in self._unreached]
-        self._report("runtime", reached, [mutants[key] for key in self._left - self._unreached], unreached)
+                subject = LANGUAGES[self._language](spec, Path(folder))
+                every = [mutant for mutant in subject.all_mutants() if not mutant.is_runtime]
+                reached = set(subject.mutants())
+                chosen = self._sampled([mutant for mutant in every if mutant in reached])
+                alive = list(subject.survivors(chosen))
+            self._report(called(spec), chosen, alive, [mutant for mutant in every if mutant not in reached])
 
-    def _show_runtime(self, subject: Any) -> None:
-        """Runs the mutants of the runtime that are left."""
-        shown = [mutant for mutant in subject.mutants() if mutant.is_runtime and mutant.key in self._left]
-        alive = {mutant.key for mutant in subject.survivors(shown)}
-        keys = {mutant.key for mutant in shown}
-        self._unreached -= keys
-        self._left -= keys - alive
+    def mutate_runtime(self, specs: Sequence[Path]) -> None:
+        """Runs the mutants of the runtime; each subject sees those that survive the one before."""
+        editions: list[Callable[[Path], Any]] = [functools.partial(LANGUAGES[self._language], spec) for spec in specs]
+        subjects = [*RUNTIMES[self._language], *editions]
+        mutants: dict[tuple[str, str, str], Any] = {}
+        reached: set[tuple[str, str, str]] = set()
+        left: set[tuple[str, str, str]] = set()
+        for create in subjects:
+            with tempfile.TemporaryDirectory() as folder:
+                subject = create(Path(folder))
+                if not mutants:
+                    every = [mutant for mutant in subject.all_mutants() if mutant.is_runtime]
+                    mutants = {mutant.key: mutant for mutant in self._sampled(every)}
+                    left = set(mutants)
+                shown = [mutant for mutant in subject.mutants() if mutant.is_runtime and mutant.key in left]
+                reached |= {mutant.key for mutant in shown}
+                left -= {mutant.key for mutant in shown} - {mutant.key for mutant in subject.survivors(shown)}
+        chosen = [mutants[key] for key in mutants if key in reached]
+        unreached = [mutants[key] for key in mutants if key not in reached]
+        self._report("runtime", chosen, [mutants[key] for key in left & reached], unreached)
 
     def _sampled(self, mutants: list[Any]) -> list[Any]:
         if self._sample is None or len(mutants) <= self._sample:

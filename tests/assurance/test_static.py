@@ -54,6 +54,16 @@ def test_frama_c_reports_a_defect(headers: list[Header], planted: tuple[str, str
     assert frama_c.unproven(headers[0])
 
 
+def test_frama_c_reports_a_defect_beside_an_exception(headers: list[Header]) -> None:
+    """In functions of BEYOND_EVA, whose known alarms are ignored: an overflow upwards, and of another expression."""
+    header = next(header for header in headers if header.part == "float")
+    runtime = header.include / "lamp" / "canwright_float.h"
+    text, old = runtime.read_text("utf-8"), "    *nearest = whole + ("
+    assert old in text and not frama_c.unproven(header)
+    runtime.write_text(text.replace(old, "    *nearest = whole + whole + ("), "utf-8")
+    assert any("canwright_signed32_from_float" in line for line in frama_c.unproven(header))
+
+
 def test_analyzers_report_a_null_pointer(headers: list[Header]) -> None:
     assert not analyzers.all_findings(headers[1])
     _plant(headers[0], *NULL)

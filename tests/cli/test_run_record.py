@@ -16,7 +16,7 @@ from canwright.cli.run_record import Printed, RunRecord
 from canwright.output.paths import digest
 from canwright.output.writer import Content
 from canwright.templating import resources
-from click import Context
+from click import Context, unstyle
 from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL
@@ -58,7 +58,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def run(*arguments: str) -> Result:
-    return CliRunner().invoke(main, arguments, obj=RunRecord(arguments), catch_exceptions=False, color=True)
+    return CliRunner().invoke(main, arguments, obj=RunRecord(arguments), catch_exceptions=False)
 
 
 def is_known(*arguments: str) -> bool:
@@ -70,11 +70,11 @@ def test_a_run_is_known_after_it_succeeded() -> None:
     assert "0 files written" not in run(*GENERATE).stdout
     known = RunRecord(GENERATE).printed()
     again = run(*GENERATE)
-    assert known and (known.out, known.error) == (again.stdout, again.stderr)
+    assert known and (known.out, unstyle(known.error)) == (again.stdout, again.stderr)
     assert not is_known(*CHECK)
     first = run(*CHECK)
     known = RunRecord(CHECK).printed()
-    assert known and (known.out, known.error) == (first.stdout, first.stderr)
+    assert known and (known.out, unstyle(known.error)) == (first.stdout, first.stderr)
     assert "[missing-frame]" in known.error
 
 
@@ -83,7 +83,7 @@ def test_findings_in_other_formats_are_repeated(printer: str) -> None:
     run(*GENERATE)
     first = run(*CHECK, "--format", printer)
     known = RunRecord((*CHECK, "--format", printer)).printed()
-    assert known and (known.out, known.error) == (first.stdout, first.stderr)
+    assert known and (known.out, unstyle(known.error)) == (first.stdout, first.stderr)
 
 
 def edited(file: Path) -> None:

@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from canwright.cli import main
@@ -38,7 +39,7 @@ def diff(*arguments: str) -> Result:
 )
 def test_ways_to_name_an_edition(old: str, new: str) -> None:
     result = diff(old, new)
-    assert result.exit_code == 0
+    assert result.exit_code == 1
     assert result.output.startswith("lamp v1 -> v2\n")
     assert "the resolution of `level` is 0.01 % (was 0.1 %) [scale-changed]" in result.output
     assert "spec/lamp/v1.yaml:7:32 -> " in result.output
@@ -50,7 +51,7 @@ def test_frames_that_do_not_fit_yet_are_no_hindrance(specs: Path) -> None:
     (specs / "v2.frames.yaml").write_text("\n".join(lines) + "\n", "utf-8")
     assert CliRunner().invoke(main, ["check", "--spec", "spec/lamp/v2.yaml"]).exit_code == 1
     result = diff("v1", "v2")
-    assert (result.exit_code, "[scale-changed]" in result.output) == (0, True)
+    assert (result.exit_code, "[scale-changed]" in result.output) == (1, True)
 
 
 def _git(folder: Path, *arguments: str) -> None:
@@ -85,8 +86,10 @@ def test_exit_codes() -> None:
     assert diff("v1", "v2", "--fail-on", "wire").exit_code == 0
     assert diff("v1", "v2", "--fail-on", "wire, value").exit_code == 1
     assert diff("v1", "v2", "--fail-on", "silent").exit_code == 1
+    assert diff("v1", "v2").exit_code == diff("v1", "v2", "--fail-on", "breaking").exit_code == 1
+    assert diff("v1", "v2", "--fail-on", "none").exit_code == 0
     unknown = diff("v1", "v2", "--fail-on", "values")
-    assert (unknown.exit_code, "wire, value, api, doc" in unknown.output) == (2, True)
+    assert (unknown.exit_code, "breaking, wire, value, api, doc" in unknown.output) == (2, True)
 
 
 def test_what_cannot_be_compared(specs: Path) -> None:
@@ -105,7 +108,7 @@ def test_json() -> None:
     assert (found["family"], found["old"], found["new"]) == ("lamp", "v1", "v2")
     first = found["changes"][0]
     assert first["rule"] == "scale-changed" and CHANGES[first["rule"]].category.value == first["category"]
-    assert (first["impact"], first["host"], first["used_by"]) == ("silent", ["sending"], ["dim"])
+    assert (first["impact"], first["host"], first["used_by"]) == ("silent", ["sending", "receiving"], ["dim"])
     assert first["old"] == {"file": "spec/lamp/v1.yaml", "line": 7, "column": 32}
     assert first["new"] == {"file": "spec/lamp/v2.yaml", "line": 8, "column": 32}
 
@@ -113,22 +116,131 @@ def test_json() -> None:
 def test_github() -> None:
     first, second = diff("v1", "v2", "--format", "github").output.splitlines()
     assert first.startswith(
-        "::warning file=spec/lamp/v2.yaml,line=8,col=32,title=scale-changed::silent, host sending: "
+        "::warning file=spec/lamp/v2.yaml,line=8,col=32,title=scale-changed::silent, host sending and receiving: "
     )
     assert second.startswith("::notice file=spec/lamp/v2.yaml,line=10,col=3,title=command-renamed::")
 
 
 def test_markdown_and_changelog(specs: Path) -> None:
-    (specs / "v2.yaml").write_text(NEW.replace("    code", "    title: a | <b> c\n    code"), "utf-8")
+    (specs / "v2.yaml").write_text(
+        NEW.replace("    code", "    renamed_from: dim\n    title: a | <b> c\n    code"), "utf-8"
+    )
     text = diff("v1", "v2", "--format", "markdown").output
     assert "# lamp v1 -> v2\n" in text and "## Silent: " in text
     rows = [line for line in text.splitlines() if line.startswith("| ")]
-    assert all(line.replace("\\|", "").count("|") == 7 for line in rows)
+    assert all(line.replace("\\|", "").count("|") == 8 for line in rows)
     assert "a \\| &lt;b&gt; c" in text
     section = diff("v1", "v2", "--format", "changelog").output
     assert section.startswith("## v2 (2026-01)\n\nSince v1, ")
-    assert "- **silent**, host sending: the resolution of `level` is 0.01 % (was 0.1 %)" in section
+    assert "- **silent**, host sending and receiving: the resolution of `level` is 0.01 % (was 0.1 %)" in section
     assert "### Documents\n\n- A title is changed: `dim`" in section
+
+
+def test_a_configuration(specs: Path) -> None:
+    Path("canwright.toml").write_text(
+        '[diff]\nfail_on = ["api"]\n[diff.severity]\nscale-changed = "warning"\n', "utf-8"
+    )
+    assert (diff("v1", "v2").exit_code, diff("v1", "v2", "--fail-on", "value").exit_code) == (1, 0)
+    Path("canwright.toml").write_text('[diff.severity]\ncommand-renamed = "error"\nscale-changed = "ignore"\n', "utf-8")
+    result = diff("v1", "v2")
+    assert (result.exit_code, "scale-changed" in result.output) == (1, False)
+    assert diff("v1", "v2", "--fail-on", "none").exit_code == 0
+    Path("canwright.toml").write_text('[diff.ignore]\nscale-changed = ["type lev*"]\n', "utf-8")
+    assert (diff("v1", "v2").exit_code, "scale-changed" in diff("v1", "v2").output) == (0, False)
+    check = ("check", "--spec", "spec/lamp/v1.yaml")
+    for severity, status, shown in (("error", 1, True), ("warning", 0, True), ("ignore", 0, False)):
+        Path("canwright.toml").write_text(f'[check.severity]\nmissing-frame = "{severity}"\n', "utf-8")
+        result = CliRunner().invoke(main, check)
+        assert (result.exit_code, f"{severity}: there are no golden frames" in result.output) == (status, shown)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[diff]\nseverty = {}\n", "canwright.toml:2:1: error: unknown key `severty`"),
+        ("[diff.severity]\nscale-chnged = 'error'\n", "canwright.toml:2:1: error: `canwright diff` has no such rule"),
+        ("[diff.severity]\nscale-changed = 'of'\n", "canwright.toml:2:17: error: `of` is not `error`, `warning`"),
+        ("[check.severity]\noverlap = 'warning'\n", "canwright.toml:2:1: error: `overlap` is always an error"),
+        ("[diff]\nfail_on = ['values']\n", "`values` is not a kind of change; use one of: breaking, wire"),
+        ("[diff]\nx = \n", "canwright.toml:2:5: error: this is not TOML: Invalid value"),
+        ("[diff]\nbaseline = 'no.yaml'\n", "there is no file no.yaml; write it with --write-baseline REASON"),
+    ],
+)
+def test_an_invalid_configuration(text: str, message: str) -> None:
+    Path("canwright.toml").write_text(text, "utf-8")
+    result = diff("v1", "v2")
+    assert (result.exit_code, message in result.output) == (2, True), result.output
+
+
+def test_a_baseline(specs: Path) -> None:
+    accepted = ("v1", "v2", "--baseline", "accepted.yaml")
+    assert diff(*accepted, "--write-baseline", " ").exit_code == 2
+    assert diff(*accepted, "--write-baseline", 'agreed "twice": # yes').exit_code == 0
+    written = Path("accepted.yaml").read_text("utf-8")
+    assert written.endswith(
+        '    rule: scale-changed\n    item: "type level"\n'
+        '    facts: {name: "level", new: "0.01 %", old: "0.1 %", when: ""}\n    reason: "agreed \\"twice\\": # yes"\n'
+    )
+    result = diff(*accepted)
+    assert (result.exit_code, "nothing breaks; 1 more accepted" in result.output) == (0, True)
+    assert json.loads(diff(*accepted, "--format", "json").output)["accepted"][0]["reason"].startswith("agreed")
+    moved = (specs / "v2.yaml").read_text("utf-8").replace("types:", "# a comment\n\ntypes:")
+    (specs / "v2.yaml").write_text(moved, "utf-8")
+    assert diff(*accepted).exit_code == 0
+    (specs / "v2.yaml").write_text(moved.replace("0.01", "0.02"), "utf-8")
+    result = diff(*accepted)
+    assert (result.exit_code, "accepted.yaml:3:5: warning: no change from lamp v1 -> v2" in result.output) == (1, True)
+    Path("accepted.yaml").write_text(written.replace("reason:", "raeson:"), "utf-8")
+    assert (diff(*accepted).exit_code, "did you mean `reason`?" in diff(*accepted).output) == (2, True)
+
+
+def test_a_repurposed_code_fails_unless_accepted(specs: Path) -> None:
+    other = (
+        OLD.replace("edition: v1", "edition: v3").replace("dim:", "blink:").replace("{level: {at: 2", "{time: {at: 4")
+    )
+    (specs / "v3.yaml").write_text(other, "utf-8")
+    for kinds in ("breaking", "wire", "silent"):
+        result = diff("v1", "v3", "--fail-on", kinds)
+        assert (result.exit_code, "[command-repurposed]" in result.output) == (1, True)
+    accepted = ("v1", "v3", "--baseline", "accepted.yaml")
+    assert diff(*accepted, "--write-baseline", "the lamp was never sold").exit_code == 0
+    assert (diff(*accepted).exit_code, "[command-repurposed]" in diff(*accepted).output) == (0, False)
+
+
+@pytest.mark.machine
+def test_all_specs_against_a_revision(specs: Path) -> None:
+    for command in (("init", "-q"), ("add", "."), ("commit", "-qm", "first")):
+        _git(Path.cwd(), *command)
+    assert diff("--against", "HEAD").output == "no spec differs from HEAD\n"
+    (specs / "v1.yaml").rename(specs / "v1-old.yaml")
+    (specs / "v1-old.yaml").write_text(OLD.replace("u16", "i16"), "utf-8")
+    (specs / "v2.yaml").unlink()
+    (specs / "v3.yaml").write_text(OLD.replace("edition: v1", "edition: v3"), "utf-8")
+    result = diff("--against", "HEAD", "spec")
+    assert result.exit_code == 1
+    assert "HEAD:spec/lamp/v1.yaml:7:11 -> spec/lamp/v1-old.yaml:7:11" in result.output
+    assert result.output.endswith("added: lamp v3 (spec/lamp/v3.yaml)\nremoved: lamp v2 (HEAD:spec/lamp/v2.yaml)\n")
+    assert len(json.loads(diff("--against", "HEAD", "--format", "json").output)["comparisons"]) == 1
+    assert diff("--against", "nothing").exit_code == diff("--against=--all").exit_code == 2
+    index = CliRunner().invoke(main, ["diff", ":spec/lamp/v1.yaml", "-"], input=OLD.replace("u16", "i16"))
+    assert (index.exit_code, ":spec/lamp/v1.yaml:7:11 -> <stdin>:7:11" in index.output) == (1, True)
+
+
+def test_wrong_arguments() -> None:
+    for arguments in ((), ("v1",), ("-", "-"), ("--against", "HEAD", "a", "b"), ("v1", "v2", "--write-baseline", "x")):
+        assert diff(*arguments).exit_code == 2
+
+
+def test_reports_for_build_servers(specs: Path) -> None:
+    text = NEW.replace("    code", "    renamed_from: dim\n    title: a </details> <b> |\n    code")
+    (specs / "v2.yaml").write_text(text, "utf-8")
+    suite = ElementTree.fromstring(diff("v1", "v2", "--format", "junit").output)[0]
+    assert (suite.get("tests"), suite.get("failures")) == ("3", "1")
+    assert [case[0].get("type") for case in suite if len(case)] == ["scale-changed"]
+    summary = diff("v1", "v2", "--format", "summary").output
+    assert summary.startswith("### lamp v1 -> v2\n\n**Existing programs break: 1 change, 1 silent.**\n\n| impact |")
+    assert summary.count("</details>") == 1 and summary.count("\n| silent | type level |") == 1
+    assert "title-changed" not in diff("v1", "v2", "--no-doc").output
 
 
 def test_editions() -> None:

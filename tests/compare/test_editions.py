@@ -94,9 +94,8 @@ LINES = (
         "95 carries nothing, sets the zero and stops",
         (C,),
         (
-            "command clear_angle: implemented: yes (was no)",
-            "command clear_angle: effects: sets_zero, stops, writes_ram; "
-            "were: sets_zero, clears_turns, clears_position_commands, writes_ram",
+            "command clear_angle: the code of `clear_angle` (0x95) now means `set_zero_ram`: "
+            "Set present position as zero in RAM",
         ),
     ),
     Line(
@@ -137,8 +136,9 @@ LINES = (
         "MS reports more power, and no range is printed for the current that is reported",
         ALL,
         (
-            "layout motion_feedback: the raw range of `power` is -1000..1000 (was -850..850)",
-            "layout motion_feedback: the raw range of `iq` is not limited (was -2048..2048)",
+            "layout motion_feedback: `power` has the type `output_power` (was `power`): raw range -1000..1000 (was -850..850)",
+            "layout motion_feedback: `iq` has the type `measured_torque_current` (was `torque_current`): "
+            "raw range not limited (was -2048..2048)",
         ),
     ),
     Line(
@@ -222,17 +222,11 @@ LATER = {
         "command stage_stored_setting: `stage_stored_setting` (0x42) is added",
         "entry control_parameters.current_ramp: `current_ramp`, index 0x24, is removed",
         "entry control_parameters.lower_angle: `lower_angle`, index 0x23, is added",
-        "entry control_parameters.max_angle: `max_angle` is renamed to `upper_angle`",
-        "entry control_parameters.max_angle: `max_angle` is renamed to `upper_angle`: `max_angle` → `upper_angle`",
-        "entry control_parameters.max_angle: `upper_angle` has the type `angle_bound` (was `i32`)",
-        "entry control_parameters.max_speed: `max_speed` has the type `speed_bound` (was `i32`)",
-        "entry control_parameters.max_speed: the raw range of `max_speed` is 0..600000 (was not limited)",
-        "entry control_parameters.max_torque_current: `max_torque_current` depends on series (was nothing)",
-        "entry control_parameters.max_torque_current: `max_torque_current` has the type `output_limit` (was `i16`)",
-        "entry control_parameters.max_torque_current: the raw range of `max_torque_current` [series MF, MH, MG] is 0..2000 (was not limited)",
-        "entry control_parameters.max_torque_current: the raw range of `max_torque_current` [series MS] is 0..850 (was not limited)",
-        "entry control_parameters.speed_ramp: `speed_ramp` has the type `speed_ramp` (was `i32`)",
-        "entry control_parameters.speed_ramp: the raw range of `speed_ramp` is 0..600000 (was not limited)",
+        "entry control_parameters.max_angle: the index 0x22 now means `upper_angle` (was `max_angle`)",
+        "entry control_parameters.max_speed: `max_speed` has the type `speed_bound` (was `i32`): raw range 0..600000 (was not limited)",
+        "entry control_parameters.max_torque_current: `max_torque_current` has the type `output_limit` (was `i16`): "
+        "raw range [series MS] 0..850 (was not limited), raw range [series MF, MH, MG] 0..2000 (was not limited)",
+        "entry control_parameters.speed_ramp: `speed_ramp` has the type `speed_ramp` (was `i32`): raw range 0..600000 (was not limited)",
         "type gain: the raw range of `gain` is 0..2000 (was not limited)",
     ),
 }

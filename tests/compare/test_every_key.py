@@ -30,6 +30,10 @@ NOT_COMPARED = {
     "EditionSpec.edition": "what is compared has two names",
     "EditionSpec.date": "what is compared has two dates",
     "TypeSpec.plausible": "for guessing alone",
+    **{
+        f"{concept}.renamed_from": "what is compared with what, see test_renames.py"
+        for concept in ("CommandSpec", "EntrySpec", "FieldSpec", "FlagSpec", "MemberSpec")
+    },
 }
 TEXT = "Another text"
 FIELD = "commands.dim.request.level"

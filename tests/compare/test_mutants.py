@@ -7,22 +7,27 @@ of every mutant of every spec. Where there are none, the mutant says the same in
 from __future__ import annotations
 
 import copy
+import difflib
 import functools
+import itertools
 import sys
 import tempfile
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
-from canwright.compare import Impact, compare
+from canwright.compare import Change, Impact, compare
+from canwright.compare.positions import positions
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.language.edition import EditionSpec, json_schema
 from canwright.model.edition import Edition
+from canwright.project.loader import Loaded, load
 
 from ..conformance.mutants import mutants
-from ..spec_texts import SMALL, SPECS, called, edition
+from ..spec_texts import SMALL, SPECS, called
 from .recorded import findings, record, recorded
 
 RECORDED = "mutants.txt"
@@ -50,28 +55,71 @@ def _mutants(spec: str) -> dict[str, Callable[[dict[Any, Any]], None]]:
 
 
 @functools.cache
-def _original(spec: str) -> Edition:
+def _original(spec: str) -> Loaded:
     with tempfile.TemporaryDirectory() as folder:
-        return _edition(Path(folder), _data(spec))
+        return _loaded(Path(folder), _data(spec))
 
 
-def _edition(folder: Path, data: dict[str, Any]) -> Edition:
-    return edition(folder, yaml.dump(data, Dumper=yaml.CSafeDumper, allow_unicode=True, sort_keys=False))
+def _loaded(folder: Path, data: dict[str, Any]) -> Loaded:
+    """The spec with each key on a line of its own."""
+    file = folder / "spec.yaml"
+    file.write_text(_text(data), "utf-8")
+    return load(file)
+
+
+def _text(data: dict[str, Any]) -> str:
+    return yaml.dump(data, Dumper=yaml.CSafeDumper, allow_unicode=True, sort_keys=False)
+
+
+def _data_of(case: Case) -> dict[str, Any]:
+    spec, mutant = case
+    data = copy.deepcopy(_data(spec))
+    _mutants(spec)[mutant](data)
+    return data
 
 
 def _changed(spec: str, mutant: str, folder: Path) -> Edition:
     """The changed edition. Raises SpecError where it is invalid."""
-    data = copy.deepcopy(_data(spec))
-    _mutants(spec)[mutant](data)
-    return _edition(folder, data)
+    return _loaded(folder, _data_of((spec, mutant))).specification.edition
+
+
+def _compared(case: Case, folder: Path) -> tuple[str, list[str]]:
+    """The findings of a mutant, and those that are at no line that it edits."""
+    old, data = _original(case[0]), _data_of(case)
+    try:
+        new = _loaded(folder, data)
+    except SpecError:
+        return "rejected", []
+    changes = compare(old.specification.edition, new.specification.edition)
+    before, after = _edited(_text(_data(case[0])).splitlines(), _text(data).splitlines())
+
+    def is_at_edit(change: Change) -> bool:
+        at = positions(change, old.document, new.document)
+        return at[0].line in before or at[1].line in after
+
+    return findings(changes), [c.rule.id for c in changes if not is_at_edit(c)]
 
 
 def _findings(case: Case, folder: Path) -> str:
-    spec, mutant = case
-    try:
-        return findings(compare(_original(spec), _changed(spec, mutant, folder)))
-    except SpecError:
-        return "rejected"
+    return _compared(case, folder)[0]
+
+
+def _alike(old: list[str], new: list[str]) -> int:
+    """How many lines are the same from the start."""
+    return sum(1 for _ in itertools.takewhile(lambda pair: pair[0] == pair[1], zip(old, new, strict=False)))
+
+
+def _edited(old: list[str], new: list[str]) -> tuple[set[int], set[int]]:
+    """The numbers of the lines that differ in each text."""
+    same = _alike(old, new)
+    tail = _alike(old[: same - 1 : -1] if same else old[::-1], new[: same - 1 : -1] if same else new[::-1])
+    lines = old[same : len(old) - tail], new[same : len(new) - tail]
+    before, after = set[int](), set[int]()
+    for tag, i, j, k, m in difflib.SequenceMatcher(None, *lines, autojunk=False).get_opcodes():
+        if tag != "equal":
+            before |= set(range(same + i + 1, same + j + 1))
+            after |= set(range(same + k + 1, same + m + 1))
+    return before, after
 
 
 @functools.cache
@@ -121,8 +169,18 @@ def _write(folder: Path) -> None:
 
 @pytest.mark.parametrize(("case", "found"), recorded(RECORDED).items(), ids=recorded(RECORDED))
 def test_findings(case: str, found: str, tmp_path: Path) -> None:
+    """Each finding is at an edited line, but that of a removed item of a list, which is at the list."""
     spec, _, mutant = case.partition(" ")
-    assert _findings((spec, mutant), tmp_path) == found
+    result, elsewhere = _compared((spec, mutant), tmp_path)
+    assert result == found
+    assert not elsewhere or ".accept " in case
+
+
+def test_an_edit_gives_one_finding() -> None:
+    """Positions that are exchanged are two edits, and so is a scale whose offset is a multiple of the same parameter."""
+    several = {case for case, found in recorded(RECORDED).items() if found.count("(") > 1}
+    assert {case for case in several if "<->" not in case and " as " not in case} == set()
+    assert "none" not in recorded(RECORDED).values()
 
 
 def test_every_kind_of_mutant_is_recorded() -> None:
@@ -136,7 +194,9 @@ def test_a_scale_a_sign_and_a_byte_are_silent(tmp_path: Path) -> None:
         ("types.voltage.raw i16", "sign-changed"),
         ("layouts.status_1.fields.voltage.at 4", "field-moved"),
     ):
-        found = compare(_original("mwd_motor/v2.35"), _changed("mwd_motor/v2.35", mutant, tmp_path))
+        found = compare(
+            _original("mwd_motor/v2.35").specification.edition, _changed("mwd_motor/v2.35", mutant, tmp_path)
+        )
         (change,) = (c for c in found if c.rule.id == rule)
         assert change.impact is Impact.SILENT
         assert [side.value for side in change.sides] == ["receiving"]
@@ -146,8 +206,13 @@ def test_a_scale_a_sign_and_a_byte_are_silent(tmp_path: Path) -> None:
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as made:
         if sys.argv[1:] == ["all"]:
+            counts: Counter[str] = Counter()
             for name in map(called, SPECS):
                 for one in _mutants(name):
-                    print(f"{name} {one}: {_findings((name, one), Path(made))}")
+                    result, elsewhere = _compared((name, one), Path(made))
+                    print(f"{name} {one}: {result}" + (f"; not at the edited line: {elsewhere}" if elsewhere else ""))
+                    counts["rejected" if result == "rejected" else f"{result.count('(')} findings"] += 1
+                    counts["findings that are not at an edited line"] += len(elsewhere)
+            print(", ".join(f"{count} {what}" for what, count in sorted(counts.items())))
         else:
             _write(Path(made))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import re
 import subprocess
 from pathlib import Path
@@ -13,9 +14,11 @@ from canwright.targets.base import header
 from canwright.targets.c import RUNTIME
 from canwright.targets.c.files import SHARED
 
+from ..assurance import floating, integers
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, build, each_compiler
 from .test_c_compiles import MAIN, everything, write
 
+SAMPLE = 10_000
 PRINT_STATUSES = """\
 #include <stdio.h>
 #include "canwright.h"
@@ -83,3 +86,7 @@ def test_the_statuses_are_the_reasons_for_rejection(tmp_path: Path) -> None:
     program = build([source], RUNTIME, tmp_path / "statuses")
     printed = subprocess.run([program], capture_output=True, text=True, check=True).stdout.split("\n")
     assert printed == ["ok", *(refusal.value for refusal in Refusal), "?", ""]
+
+
+def test_integers_and_texts_agree_with_fractions(tmp_path: Path) -> None:
+    assert floating.differences(integers.compiled(tmp_path), integers.cases(SAMPLE, random.Random(7))) == []

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import sys
 from collections.abc import Iterator, Sequence
 
 from rich.console import Console, Group, RenderableType
@@ -37,10 +39,20 @@ def find(specifications: Sequence[Specification], wanted: str) -> tuple[list[tup
     ) or "see `canwright show --help`"
 
 
-def show_command(edition: Edition, command: Command, language: str) -> None:
-    """Prints a command: description, effects and limits, frames, errata."""
+def command_text(edition: Edition, command: Command, language: str) -> str:
+    """A command for the terminal, in colour on one: description, effects and limits, frames, errata."""
     language = language if language in edition.languages else edition.languages[0]
-    Console(highlight=False, markup=False, emoji=False).print(Group(*_parts(edition, command, language)))
+    written = io.StringIO()
+    console = Console(
+        file=written,
+        force_terminal=sys.stdout.isatty(),
+        highlight=False,
+        markup=False,
+        emoji=False,
+        legacy_windows=False,
+    )
+    console.print(Group(*_parts(edition, command, language)))
+    return written.getvalue()
 
 
 def _parts(edition: Edition, command: Command, language: str) -> Iterator[RenderableType]:

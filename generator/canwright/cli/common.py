@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 from collections import Counter
 from collections.abc import Sequence
@@ -10,14 +11,17 @@ from typing import Any, NoReturn
 
 import click
 
-from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, SpecError, near
+from ..diagnostics.diagnostic import Diagnostic, Severity, SpecError, near
+from ..diagnostics.unicode_safety import visible
 from ..model.formatting import counted
+from ..project.configuration import Configuration, candidates, configuration_file, read_configuration
 from ..project.loader import Loaded, all_loaded, frames_file, spec_files
 from ..targets.base import Specification
 from ..targets.registry import target_names
 from . import COULD_NOT_RUN
 from .printers import PRINTERS
 from .run_record import Printed, RunRecord
+from .terminal import print_data, print_text
 
 SPEC_FOLDER = Path("spec")
 OUT_FOLDER = Path("generated")
@@ -41,7 +45,9 @@ class FilePath(click.Path):
             )
             match = near(file.name, [name for name in siblings if name != file.name])
             self.fail(
-                f"{error.message}{f' Did you mean {(file.parent / match).as_posix()}?' if match else ''}", param, ctx
+                f"{visible(error.message)}{f' Did you mean {visible((file.parent / match).as_posix())}?' if match else ''}",
+                param,
+                ctx,
             )
 
 
@@ -94,6 +100,18 @@ set_option = click.option(
 )
 
 
+def configuration() -> tuple[Configuration, Path]:
+    """The configuration of the project and its folder. Errors are printed and exit the command."""
+    try:
+        file = configuration_file()
+        return (read_configuration(file), file.parent) if file else (Configuration(), Path())
+    except SpecError as error:
+        show_findings(error.diagnostics, "text")
+        sys.exit(COULD_NOT_RUN)
+    except OSError as error:
+        stop(str(error))
+
+
 def read(specs: Sequence[Path], printer: str = "text") -> list[Specification]:
     """The editions of the given specs, or of all specs. Errors are printed and exit the command."""
     return [one.specification for one in load(specs, printer)]
@@ -105,14 +123,21 @@ def load(specs: Sequence[Path], printer: str = "text", record: RunRecord | None 
     if not files:
         stop(f"no spec found in {SPEC_FOLDER}/; change to its parent folder, or give a spec as --spec my.yaml")
     if record:
-        record.watch([file for spec in specs or files for file in (spec, frames_file(spec))])
+        record.watch([*(file for spec in specs or files for file in (spec, frames_file(spec))), *candidates()])
+    settings = configuration()[0].check
     try:
-        return all_loaded(files)
+        loaded = all_loaded(files)
     except SpecError as error:
-        show_findings(error.diagnostics, printer)
+        show_findings(settings.applied(error.diagnostics), printer)
         sys.exit(FINDINGS)
     except OSError as error:
         stop(str(error))
+    loaded = [dataclasses.replace(one, warnings=settings.applied(one.warnings)) for one in loaded]
+    findings = [finding for one in loaded for finding in one.warnings]
+    if record and any(finding.severity is Severity.ERROR for finding in findings):
+        show_findings(findings, printer)
+        sys.exit(FINDINGS)
+    return loaded
 
 
 def show_findings(findings: Sequence[Diagnostic], printer: str) -> None:
@@ -127,16 +152,15 @@ def findings_text(findings: Sequence[Diagnostic], printer: str) -> Printed:
         return Printed(listed)
     counts = Counter(finding.severity.value for finding in findings)
     total = " and ".join(counted(count, kind) for kind, count in sorted(counts.items()))
-    more = "; there may be more, because a check stops there" if len(findings) >= MOST_FINDINGS else ""
-    return Printed("", f"{listed}{total}{more}; `canwright explain RULE` explains a rule\n")
+    return Printed("", f"{listed}{total}; `canwright explain RULE` explains a rule\n")
 
 
 def show(printed: Printed) -> None:
     """Prints on standard error, then on standard output; in colour on a terminal."""
-    click.echo(printed.error, nl=False, err=True)
-    click.echo(printed.out, nl=False)
+    print_text(printed.error, error=True, styled=True)
+    print_data(printed.out)
 
 
 def stop(message: str) -> NoReturn:
-    click.echo(f"canwright: {message}", err=True)
+    print_text(f"canwright: {message}\n", error=True)
     sys.exit(COULD_NOT_RUN)

@@ -13,6 +13,7 @@ from ..language.edition import EditionSpec, keys
 from ..project.loader import frames_file, load
 from ..project.references import UnknownEditionError, find
 from .common import SPEC_FOLDER, show_findings, stop
+from .terminal import print_text
 
 
 @click.command()
@@ -46,12 +47,12 @@ def copy(old: str, new: str, date: str | None, no_frames: bool) -> None:
                 stop(f"{file.as_posix()} exists already; nothing was written, choose another name or remove it")
         for file, text in copies.items():
             file.write_text(text, "utf-8")
-            click.echo(f"wrote {file.as_posix()}")
+            print_text(f"wrote {file.as_posix()}\n")
         load(target)
         reference = target.as_posix() if Path(old).is_file() else target.stem
-        click.echo(
-            f"Edit it where the new manual differs, including its title; then run: canwright diff {old} {reference}",
-            err=True,
+        print_text(
+            f"Edit it where the new manual differs, including its title; then run: canwright diff {old} {reference}\n",
+            error=True,
         )
     except SpecError as error:
         show_findings(error.diagnostics, "text")

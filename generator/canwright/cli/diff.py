@@ -8,69 +8,144 @@ from pathlib import Path
 
 import click
 
-from ..compare import Category, Impact
 from ..diagnostics.diagnostic import SpecError
-from ..project.loader import Loaded
-from ..project.references import UnknownEditionError, find
-from . import COULD_NOT_RUN
-from .common import FINDINGS, SPEC_FOLDER, load, show_findings, spec_option, stop
-from .diff_report import REPORTS, Comparison
-
-FAILS = (*(c.value for c in Category), Impact.SILENT.value, Impact.LOUD.value)
+from ..project.accepted import AcceptedChange, Baseline, baseline_text, facts, read_baseline
+from ..project.configuration import KINDS, kind_of_change
+from ..project.references import STANDARD_INPUT, FolderChanges, UnknownEditionError, find, since
+from . import COULD_NOT_RUN, printers
+from .common import FINDINGS, SPEC_FOLDER, FilePath, configuration, load, show_findings, spec_option, stop
+from .diff_report import FOR_PROGRAMS, REPORTS, Comparison, Policy, Report
+from .terminal import print_data, print_text
 
 
 @click.command()
-@click.argument("old")
-@click.argument("new")
+@click.argument("references", nargs=-1, metavar="OLD NEW")
+@click.option(
+    "--against", metavar="REVISION", help="Compare all specs of a folder, by default spec/, with a git revision."
+)
 @click.option(
     "--format",
-    "report",
+    "report_format",
     type=click.Choice(list(REPORTS)),
     default="text",
     show_default=True,
-    help="The format of the report.",
+    help="The format of the report; `summary` is for a pull request.",
 )
 @click.option(
-    "--fail-on", metavar="KIND,KIND", default="", help=f"Exit 1 on changes of these kinds: {', '.join(FAILS)}."
+    "--fail-on",
+    metavar="KIND,KIND",
+    help=f"Exit 1 on changes of these kinds: {', '.join(KINDS)}.  [default: breaking]",
 )
-def diff(old: str, new: str, report: str, fail_on: str) -> None:
+@click.option("--no-doc", is_flag=True, help="Omit changes of texts.")
+@click.option(
+    "--baseline", type=FilePath(dir_okay=False), help="A file of accepted changes, which are counted and do not fail."
+)
+@click.option(
+    "--write-baseline", metavar="REASON", help="Accept the changes that fail, for a reason: add them to the file."
+)
+def diff(
+    references: Sequence[str],
+    against: str | None,
+    report_format: str,
+    fail_on: str | None,
+    no_doc: bool,
+    baseline: Path | None,
+    write_baseline: str | None,
+) -> None:
     """Show what changed from OLD to NEW, and who is affected.
 
-    Both are a file, an edition of spec/ by its name, or a revision of a file in git:
+    Each is a file, an edition of spec/ by its name, a file at a git revision, or - for standard input:
 
     \b
       canwright diff v1 v2
       canwright diff spec/lamp/v1.yaml my.yaml --fail-on wire,value
       canwright diff HEAD~1:spec/lamp/v1.yaml spec/lamp/v1.yaml
+      canwright diff :spec/lamp/v1.yaml spec/lamp/v1.yaml       (the index of git)
+      canwright diff --against main                             (all of spec/)
 
     Golden frames are ignored, so a new edition can be compared before they fit it.
 
     Categories: wire (bits), value (meaning of bits), api (names in the bindings), doc (texts). After a silent change, a
     program of the old edition keeps running, but reads or commands something else. After a loud one, it receives no
-    reply or reports an error.
+    reply or reports an error. Both are breaking if they are of wire or value: then the exit status is 1. Use
+    --fail-on none to prevent it; canwright.toml contains the severity of rules.
     """
-    kinds = [kind.strip() for kind in fail_on.split(",") if kind.strip()]
-    for kind in kinds:
-        if kind not in FAILS:
-            stop(f"--fail-on has no kind `{kind}`; use one of: {', '.join(FAILS)}")
-    before, after = _find(old), _find(new)
-    families = [one.specification.edition.family for one in (before, after)]
-    if families[0] != families[1]:
-        stop(f"`{families[0]}` and `{families[1]}` are different families; give two editions of one family")
-    found = Comparison.of(before, after)
-    click.echo(REPORTS[report](found))
-    if any({c.rule.category.value, c.impact.value} & set(kinds) for c in found.changes):
-        sys.exit(FINDINGS)
-
-
-def _find(reference: str) -> Loaded:
+    settings, folder = configuration()
     try:
-        return find(reference, SPEC_FOLDER, golden=False)
+        kinds = [kind_of_change(kind.strip()) for kind in fail_on.split(",") if kind.strip()] if fail_on else None
+    except ValueError as error:
+        stop(f"--fail-on: {error}")
+    if baseline is None and settings.diff.baseline is not None:
+        baseline = folder / settings.diff.baseline
+    if write_baseline is not None and (baseline is None or not write_baseline.strip()):
+        stop("--write-baseline requires a reason, and --baseline FILE to write to")
+    if baseline is not None and write_baseline is None and not baseline.exists():
+        stop(f"there is no file {baseline.as_posix()}; write it with --write-baseline REASON")
+    try:
+        accepted = read_baseline(baseline) if baseline and baseline.exists() else Baseline()
+        compared = _compared(references, against)
     except SpecError as error:
         show_findings(error.diagnostics, "text")
         sys.exit(COULD_NOT_RUN)
     except (UnknownEditionError, OSError) as error:
         stop(str(error))
+    policy = Policy(settings.diff, settings.diff.fail_on if kinds is None else kinds, accepted.reasons, no_doc)
+    report = Report(
+        tuple(Comparison.of(old, new, policy) for old, new in compared.pairs), compared.added, compared.removed, against
+    )
+    if baseline and write_baseline is not None:
+        _write(baseline, accepted, report, write_baseline.strip())
+        return
+    _print(report, report_format)
+    stale = accepted.unused((one.title for one in report.comparisons), report.accepted)
+    if stale:
+        print_text(printers.text(stale) + "\n", error=True, styled=True)
+    if any(one.failing for one in report.comparisons):
+        sys.exit(FINDINGS)
+
+
+def _print(report: Report, report_format: str) -> None:
+    text = REPORTS[report_format](report)
+    if report_format in FOR_PROGRAMS:
+        print_data(text + "\n")
+    else:
+        print_text(text + "\n", styled=report_format == "text")
+
+
+def _compared(references: Sequence[str], against: str | None) -> FolderChanges:
+    """The editions to compare. Raises UnknownEditionError, SpecError and OSError."""
+    if against is not None:
+        if len(references) > 1:
+            stop("--against compares one folder; give one folder, or none for spec/")
+        return since(against, Path(*references) if references else SPEC_FOLDER)
+    if len(references) != 2:
+        stop("give OLD and NEW, or --against REVISION; `canwright diff --help` shows examples")
+    if list(references).count(STANDARD_INPUT) > 1:
+        stop("standard input contains one spec; give a file or a revision for the other one")
+    old, new = (find(reference, SPEC_FOLDER, golden=False) for reference in references)
+    families = [one.specification.edition.family for one in (old, new)]
+    if families[0] != families[1]:
+        stop(f"`{families[0]}` and `{families[1]}` are different families; give two editions of one family")
+    return FolderChanges(((old, new),), (), ())
+
+
+def _write(file: Path, known: Baseline, report: Report, reason: str) -> None:
+    """Adds the changes that fail to the accepted ones, and removes the unused entries of the compared editions."""
+    titles = {one.title for one in report.comparisons}
+    kept = [one for one in known.accepted if one.editions not in titles or one.identity in report.accepted]
+    added = [
+        AcceptedChange(
+            editions=one.title, rule=change.rule.id, item=str(change.item), facts=facts(change), reason=reason
+        )
+        for one in report.comparisons
+        for change in one.failing
+    ]
+    content = {one.identity: one for one in (*kept, *added)}
+    try:
+        file.write_text(baseline_text(content.values()), "utf-8", newline="\n")
+    except OSError as error:
+        stop(str(error))
+    print_text(f"wrote {file.as_posix()}: {len(content)} accepted\n")
 
 
 @click.command()
@@ -85,4 +160,5 @@ def editions(specs: Sequence[Path]) -> None:
         rows.append((edition.family, edition.name, edition.date, str(len(groups)), title))
     widths = [max(len(row[i]) for row in rows) for i in range(4)]
     for row in rows:
-        click.echo("  ".join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[4]]).rstrip())
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=False)]
+        print_text("  ".join([*cells, row[4]]).rstrip() + "\n")

@@ -1,22 +1,35 @@
-"""Reports of a comparison: text, Markdown, a section of a changelog, JSON, GitHub annotations."""
+"""Reports of comparisons: text, Markdown, a summary for pull requests, a changelog, JSON, JUnit, GitHub annotations."""
 
 from __future__ import annotations
 
-import json
-import os
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from xml.etree import ElementTree
 
-import click
-
-from ..compare import Category, Change, Impact, Item, by_impact, compare
-from ..diagnostics.diagnostic import DocumentPath, Position
+from ..compare import (
+    REASONS,
+    Category,
+    Change,
+    Impact,
+    Item,
+    Witness,
+    by_impact,
+    compare,
+    examples,
+    reason_without_witness,
+)
+from ..compare.positions import positions
+from ..diagnostics.diagnostic import Position
+from ..diagnostics.unicode_safety import visible
 from ..model import formatting
+from ..project.accepted import Identity, identity
+from ..project.configuration import BREAKING, DiffConfiguration
 from ..project.loader import Loaded
 from ..targets.registry import targets
 from ..templating.markup import markdown as markdown_text
 from .printers import annotation
+from .terminal import bold, json_text
 
 _COLOURS = {Impact.SILENT: "red", Impact.LOUD: "yellow", Impact.BUILD: "cyan", Impact.SAFE: "green"}
 _MEANING = {
@@ -28,36 +41,98 @@ _MEANING = {
 
 
 @dataclass(frozen=True)
+class Policy:
+    """Which changes are shown, accepted, and make `diff` fail on some kinds."""
+
+    configuration: DiffConfiguration = field(default_factory=DiffConfiguration)
+    kinds: Sequence[str] = (BREAKING,)
+    reasons: Mapping[Identity, str] = field(default_factory=dict)
+    without_doc: bool = False
+
+    def shows(self, change: Change) -> bool:
+        return not (self.configuration.ignores(change) or (self.without_doc and change.rule.category is Category.DOC))
+
+
+@dataclass(frozen=True)
 class Comparison:
-    """Two editions, their documents, and the changes between them."""
+    """Two editions with their documents: the changes to show, accepted ones with their reasons, and those that fail."""
 
     old: Loaded
     new: Loaded
     changes: tuple[Change, ...]
+    accepted: tuple[tuple[Change, str], ...]
+    failing: tuple[Change, ...]
 
     @classmethod
-    def of(cls, old: Loaded, new: Loaded) -> Comparison:
-        return cls(old, new, compare(old.specification.edition, new.specification.edition, targets()))
+    def of(cls, old: Loaded, new: Loaded, policy: Policy) -> Comparison:
+        title = _title(old, new)
+        found = [
+            (change, policy.reasons.get(identity(title, change)))
+            for change in by_impact(compare(old.specification.edition, new.specification.edition, targets()))
+        ]
+        changes = tuple(change for change, reason in found if reason is None and policy.shows(change))
+        return cls(
+            old,
+            new,
+            changes,
+            tuple((change, reason) for change, reason in found if reason is not None),
+            tuple(change for change in changes if policy.configuration.fails(change, policy.kinds)),
+        )
 
     @property
     def title(self) -> str:
         """The heading of a report: `lamp v1 -> v2`."""
-        old, new = self.old.specification.edition, self.new.specification.edition
-        return f"{old.family} {old.name} -> {new.name}"
+        return _title(self.old, self.new)
+
+    @property
+    def summary(self) -> str:
+        """The counts of changes: `12 changes: 3 wire, 9 doc; 2 silent, 1 loud; 1 more accepted`."""
+        more = f"; {len(self.accepted)} more accepted" if self.accepted else ""
+        return summary(self.changes) + more
 
     def positions(self, change: Change) -> tuple[Position, Position]:
         """The positions of a change in both specs."""
-        return _position(self.old, change.old), _position(self.new, change.new)
+        return positions(change, self.old.document, self.new.document)
 
 
-def _position(loaded: Loaded, path: DocumentPath | None) -> Position:
-    return loaded.document.position(path or (), key=True)
+@dataclass(frozen=True)
+class Report:
+    """All comparisons of a run, and the specs added and removed since a git revision."""
+
+    comparisons: tuple[Comparison, ...]
+    added: tuple[Loaded, ...] = ()
+    removed: tuple[Loaded, ...] = ()
+    against: str | None = None
+
+    @property
+    def accepted(self) -> set[Identity]:
+        """The identities of the accepted changes."""
+        return {identity(one.title, change) for one in self.comparisons for change, _ in one.accepted}
+
+    @property
+    def specs(self) -> list[str]:
+        """A line for each spec added or removed: `added: lamp v3 (spec/lamp/v3.yaml)`."""
+        return [
+            f"{kind}: {one.specification.edition.family} {one.specification.edition.name} ({one.document.name})"
+            for kind, specs in (("added", self.added), ("removed", self.removed))
+            for one in specs
+        ]
+
+    @property
+    def is_unchanged(self) -> bool:
+        """Whether no spec differs from a git revision."""
+        return not (self.comparisons or self.added or self.removed)
+
+
+def _title(old: Loaded, new: Loaded) -> str:
+    before, after = old.specification.edition, new.specification.edition
+    return f"{before.family} {before.name} -> {after.name}"
 
 
 def _grouped(changes: Sequence[Change]) -> dict[Item, list[Change]]:
     """Changes by item, the most affected items first."""
     groups: dict[Item, list[Change]] = {}
-    for change in by_impact(tuple(changes)):
+    for change in changes:
         groups.setdefault(change.item, []).append(change)
     return groups
 
@@ -72,23 +147,31 @@ def _reach(item: Item, changes: Sequence[Change]) -> str:
     return f" ({', '.join(others)})" if others else ""
 
 
-def text(comparison: Comparison) -> str:
+def _text(comparison: Comparison) -> str:
     """Changes grouped by item, silent ones first, each with its positions in both files."""
     lines = [comparison.title, ""]
     for item, changes in _grouped(comparison.changes).items():
-        lines.append(_styled(str(item), None) + _reach(item, changes))
+        lines.append(bold(str(item)) + _reach(item, changes))
         for change in changes:
             old, new = comparison.positions(change)
-            impact = _styled(f"{change.impact.value:6}", _COLOURS[change.impact])
+            impact = bold(f"{change.impact.value:6}", _COLOURS[change.impact])
             lines.append(f"  {impact}  {change.rule.category.value:5}  {change.says()} [{change.rule.id}]")
             affected = _affected(change) and f"{_affected(change)}; "
             lines.append(f"                 {affected}{_location(old)} -> {_location(new)}")
+            lines += (f"                 {line}" for line in _examples(change))
         lines.append("")
-    return "\n".join([*lines, summary(comparison.changes)])
+    return "\n".join([*lines, comparison.summary])
 
 
-def _styled(written: str, colour: str | None) -> str:
-    return written if os.environ.get("NO_COLOR") else click.style(written, fg=colour, bold=True)
+def _examples(change: Change) -> list[str]:
+    """The witnesses of a change, one for each side, or why it has none."""
+    reason = reason_without_witness(change)
+    return [REASONS[reason]] if reason else [_example(witness) for witness in examples(change)]
+
+
+def _example(witness: Witness) -> str:
+    condition = f"[{witness.condition}] " if witness.assignment else ""
+    return f"{witness.impact.value}: {condition}{witness.says()}"
 
 
 def _location(at: Position) -> str:
@@ -107,14 +190,18 @@ def summary(changes: Sequence[Change]) -> str:
     )
 
 
-def markdown(comparison: Comparison) -> str:
+def _markdown(comparison: Comparison) -> str:
     """A table of changes for each impact."""
-    lines = [f"# {comparison.title}", "", summary(comparison.changes), ""]
+    lines = [f"# {comparison.title}", "", comparison.summary, ""]
     for impact in Impact:
         changes = [change for change in comparison.changes if change.impact is impact]
         if changes:
-            lines += [f"## {_MEANING[impact]}", "", "| item | change | kind | host | old | new |"]
-            lines += ["| --- | --- | --- | --- | --- | --- |", *(_row(comparison, change) for change in changes), ""]
+            lines += [f"## {_MEANING[impact]}", "", "| item | change | frame | kind | host | old | new |"]
+            lines += [
+                "| --- | --- | --- | --- | --- | --- | --- |",
+                *(_row(comparison, change) for change in changes),
+                "",
+            ]
     return "\n".join(lines).rstrip("\n")
 
 
@@ -123,17 +210,18 @@ def _row(comparison: Comparison, change: Change) -> str:
     host = ", ".join(side.value for side in change.sides)
     kind = f"{change.rule.category.value} `{change.rule.id}`"
     locations = [markdown_text(f"{at.file}:{at.line}") for at in (old, new)]
-    return f"| {' | '.join([str(change.item), change.says(escape=markdown_text), kind, host, *locations])} |"
+    frames = "<br>".join(_examples(change))
+    return f"| {' | '.join([str(change.item), change.says(escape=markdown_text), frames, kind, host, *locations])} |"
 
 
-def changelog(comparison: Comparison) -> str:
+def _changelog(comparison: Comparison) -> str:
     """A section to paste into a changelog."""
     new = comparison.new.specification.edition
     lines = [f"## {new.name}" + (f" ({new.date})" if new.date else ""), ""]
     lines += [f"Since {comparison.old.specification.edition.name}, {summary(comparison.changes)}.", ""]
     by_heading: dict[str, list[str]] = {heading: [] for heading in ("Changed", "Added", "Removed")}
     documents: dict[str, list[str]] = {}
-    for change in by_impact(comparison.changes):
+    for change in comparison.changes:
         if change.rule.category is Category.DOC:
             documents.setdefault(change.rule.purpose, []).append(f"`{change.item.name or change.item.kind}`")
         else:
@@ -160,32 +248,48 @@ def _entry(change: Change) -> str:
     return f"- {impact}{item}{change.says(escape=markdown_text)}"
 
 
-def as_json(comparison: Comparison) -> str:
-    """An object with `old`, `new` and `changes`."""
+def _json(comparison: Comparison) -> dict[str, object]:
+    """An object with `old`, `new`, `changes` and the number of `accepted` ones."""
 
     def location(at: Position) -> dict[str, object]:
         return {"file": at.file, "line": at.line, "column": at.column}
 
+    failing = set(map(id, comparison.failing))
     changes = [
         {
             "rule": change.rule.id,
             "category": change.rule.category.value,
             "impact": change.impact.value,
+            "fails": id(change) in failing,
             "host": [side.value for side in change.sides],
             "item": {"kind": change.item.kind, "name": change.item.name},
             "message": change.says(),
             "used_by": list(change.used_by),
+            "witnesses": list(map(_witness, change.witnesses)),
+            "no_witness": reason_without_witness(change) or None,
             "old": location(comparison.positions(change)[0]),
             "new": location(comparison.positions(change)[1]),
         }
-        for change in by_impact(comparison.changes)
+        for change in comparison.changes
+    ]
+    accepted = [
+        {"rule": change.rule.id, "message": change.says(), "reason": reason} for change, reason in comparison.accepted
     ]
     old, new = comparison.old.specification.edition, comparison.new.specification.edition
-    listed = {"family": old.family, "old": old.name, "new": new.name, "changes": changes}
-    return json.dumps(listed, indent=2, ensure_ascii=False)
+    return {"family": old.family, "old": old.name, "new": new.name, "changes": changes, "accepted": accepted}
 
 
-def github(comparison: Comparison) -> str:
+def _witness(witness: Witness) -> dict[str, object]:
+    return {
+        "host": witness.side.value,
+        "impact": witness.impact.value,
+        "parameters": dict(witness.assignment),
+        "frame": witness.sent or None,
+        "message": witness.says(),
+    }
+
+
+def _github(comparison: Comparison) -> str:
     """Workflow commands that GitHub shows at the lines of the new spec."""
 
     def line(change: Change) -> str:
@@ -196,13 +300,117 @@ def github(comparison: Comparison) -> str:
             level, new, change.rule.id, f"{affected}{change.item}: {change.says()} (was {_location(old)})"
         )
 
-    return "\n".join(map(line, by_impact(comparison.changes)))
+    return "\n".join(map(line, comparison.changes))
 
 
-REPORTS: Mapping[str, Callable[[Comparison], str]] = {
+def _verdict(changes: Sequence[Change]) -> str:
+    impacts = Counter(change.impact for change in changes)
+    broken = [f"{impacts[i]} {i.value}" for i in (Impact.SILENT, Impact.LOUD) if impacts[i]]
+    if not broken:
+        return "**Existing programs keep working.**"
+    return f"**Existing programs break: {formatting.counted(sum(impacts[i] for i in (Impact.SILENT, Impact.LOUD)), 'change')}, {' and '.join(broken)}.**"
+
+
+def _pull_request(comparison: Comparison) -> str:
+    """The verdict, a table of what breaks, and the rest, collapsed."""
+    lines = [f"### {comparison.title}", "", _verdict(comparison.changes), ""]
+    broken = [change for change in comparison.changes if change.impact in (Impact.SILENT, Impact.LOUD)]
+    if broken:
+        lines += ["| impact | item | change | host | where |", "| --- | --- | --- | --- | --- |"]
+        for change in broken:
+            new = comparison.positions(change)[1]
+            cells = [change.impact.value, str(change.item), change.says(escape=markdown_text)]
+            cells += [", ".join(side.value for side in change.sides), markdown_text(f"{new.file}:{new.line}")]
+            lines.append(f"| {' | '.join(cells)} |")
+        lines.append("")
+    others = [_bullet(change) for change in comparison.changes if change not in broken]
+    others += [f"{_bullet(change)} (accepted: {markdown_text(reason)})" for change, reason in comparison.accepted]
+    if others:
+        count = formatting.counted(len(others), "other change" if broken else "change")
+        lines += ["<details>", f"<summary>{count}</summary>", "", *others, "", "</details>"]
+    return "\n".join(lines).rstrip("\n")
+
+
+def _bullet(change: Change) -> str:
+    return f"- {change.item}: {change.says(escape=markdown_text)}"
+
+
+def _each(report: Report, written: Callable[[Comparison], str]) -> str:
+    """The reports of all comparisons, then the specs added and removed."""
+    nothing = [f"no spec differs from {report.against}"] if report.is_unchanged else []
+    return "\n\n".join([*map(written, report.comparisons), *(["\n".join(report.specs)] if report.specs else nothing)])
+
+
+def text(report: Report) -> str:
+    """Text for the terminal."""
+    return _each(report, _text)
+
+
+def markdown(report: Report) -> str:
+    """Tables for each impact."""
+    return _in_markdown(report, _markdown)
+
+
+def pull_request(report: Report) -> str:
+    """Short Markdown for a pull request."""
+    return _in_markdown(report, _pull_request)
+
+
+def changelog(report: Report) -> str:
+    """Sections to paste into a changelog."""
+    return _in_markdown(report, _changelog)
+
+
+def _in_markdown(report: Report, written: Callable[[Comparison], str]) -> str:
+    nothing = [markdown_text(f"No spec differs from {report.against}.")] if report.is_unchanged else []
+    specs = "\n".join(f"- {markdown_text(line)}" for line in report.specs)
+    return "\n\n".join([*map(written, report.comparisons), *([specs] if specs else nothing)])
+
+
+def as_json(report: Report) -> str:
+    """One object of a comparison; with `--against`, all of them, and the files of the specs added and removed."""
+    objects = [_json(one) for one in report.comparisons]
+    if report.against is None:
+        return json_text(objects[0])
+    added, removed = ([one.document.name for one in specs] for specs in (report.added, report.removed))
+    return json_text({"against": report.against, "comparisons": objects, "added": added, "removed": removed})
+
+
+def github(report: Report) -> str:
+    """Workflow commands for GitHub."""
+    return "\n".join(filter(None, map(_github, report.comparisons)))
+
+
+def junit(report: Report) -> str:
+    """JUnit XML in ASCII: a suite for each comparison, a test for each change; those that fail `diff` are failures."""
+    suites = ElementTree.Element("testsuites", name="canwright diff")
+    for one in report.comparisons:
+        counts = {"tests": str(max(1, len(one.changes))), "failures": str(len(one.failing))}
+        suite = ElementTree.SubElement(suites, "testsuite", {"name": one.title, **counts})
+        if not one.changes:
+            ElementTree.SubElement(suite, "testcase", classname=one.title, name="no change")
+        failing = set(map(id, one.failing))
+        for change in one.changes:
+            old, new = map(_location, one.positions(change))
+            name = visible(f"{change.item}: {change.says()} [{change.rule.id}]")
+            case = ElementTree.SubElement(suite, "testcase", classname=one.title, name=name)
+            if id(change) in failing:
+                says = visible(f"{change.impact.value}, {_affected(change)}: {change.says()}")
+                failure = ElementTree.SubElement(case, "failure", message=says, type=change.rule.id)
+                failure.text = visible(f"{old} -> {new}")
+    ElementTree.indent(suites)
+    return str(ElementTree.tostring(suites, "us-ascii", xml_declaration=True), "ascii")
+
+
+FOR_PROGRAMS = ("json", "github", "junit")
+"""Formats that are escaped completely; the others are for people."""
+
+REPORTS: Mapping[str, Callable[[Report], str]] = {
     "text": text,
     "markdown": markdown,
+    "summary": pull_request,
     "changelog": changelog,
     "json": as_json,
+    "junit": junit,
     "github": github,
 }

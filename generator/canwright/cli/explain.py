@@ -9,6 +9,7 @@ from ..diagnostics.diagnostic import nearest
 from ..rules import EVERY
 from ..templating.resources import CHANGE_EXAMPLES, EXAMPLES
 from .common import stop
+from .terminal import print_text
 
 _FILES = (
     ("Bad, bad.yaml", "bad.yaml"),
@@ -33,7 +34,7 @@ def explain(rule: str | None) -> None:
     if rule is None:
         width = max(map(len, kinds))
         for id_, (kind, purpose) in kinds.items():
-            click.echo(f"{id_:<{width}}  {kind:<7}  {purpose}")
+            print_text(f"{id_:<{width}}  {kind:<7}  {purpose}\n")
         return
     from ..language import reference
 
@@ -44,13 +45,13 @@ def explain(rule: str | None) -> None:
         hint = nearest(rule, [*kinds, *reference.words()]) or "`canwright explain` lists the rules"
         stop(f"there is no rule or key `{rule}`; {hint}")
     if of_language:
-        click.echo(("\n" if rule in kinds else "") + "\n".join(of_language))
+        print_text(("\n" if rule in kinds else "") + "\n".join(of_language) + "\n")
 
 
 def _show_rule(rule: str, kind: str, purpose: str) -> None:
-    click.echo(f"{rule} ({kind})\n\n{purpose}")
+    print_text(f"{rule} ({kind})\n\n{purpose}\n")
     for heading, file in _FILES:
         example = (EXAMPLES if rule in EVERY else CHANGE_EXAMPLES) / rule / file
         if example.is_file():
             lines = example.read_text("utf-8", errors="replace").rstrip("\n").split("\n")
-            click.echo(f"\n{heading}:\n" + "\n".join(f"    {line}".rstrip() for line in lines))
+            print_text(f"\n{heading}:\n" + "".join(f"    {line}".rstrip() + "\n" for line in lines))

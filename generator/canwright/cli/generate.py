@@ -32,6 +32,7 @@ from .common import (
 )
 from .run_record import Printed, RunRecord
 from .settings import assignment
+from .terminal import print_text
 
 
 @click.command(cls=OfSpecs)
@@ -77,7 +78,7 @@ def generate(
         stop(str(error))
     if printer == "text":
         for path in changes.removed:
-            click.echo(f"removed {out.as_posix()}/{path}")
+            print_text(f"removed {out.as_posix()}/{path}\n")
     show(_report(warnings, _summary(content, changes, out), printer))
     if not no_cache:
         unchanged = FileChanges((), (), len(content.files))
@@ -140,7 +141,7 @@ def check(
         return
     if printer == "text":
         for text in found:
-            click.echo(text, nl=False)
+            print_text(text)
     differs = f"{len(found)} files in {out.as_posix()}/ differ from the specs"
     place = Position(out.as_posix(), 1, 1, 1, "")
     stale = Diagnostic(Severity.ERROR, "stale-output", differs, place, "run `canwright generate`")

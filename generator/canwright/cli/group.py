@@ -11,6 +11,7 @@ import click
 from .. import __version__
 from ..diagnostics.diagnostic import nearest
 from . import COMMANDS, COULD_NOT_RUN, HELP
+from .terminal import print_text
 
 
 class _Commands(click.Group):
@@ -23,7 +24,7 @@ class _Commands(click.Group):
 
             if not isinstance(error, TargetError):
                 raise
-            click.echo(f"canwright: {error}", err=True)
+            print_text(f"canwright: {error}\n", error=True)
             sys.exit(COULD_NOT_RUN)
 
     def get_help(self, ctx: click.Context) -> str:

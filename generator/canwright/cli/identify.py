@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections import Counter
 from collections.abc import Sequence
@@ -15,6 +14,7 @@ from ..model.formatting import counted, sent
 from ..recordings.identify import EditionScore, Evidence, NodeResult, identify as look
 from ..recordings.readers import LogError, open_log
 from .common import FINDINGS, read, spec_option, stop
+from .terminal import print_json, print_text
 
 SHOWN = 4
 """How many reasons against an edition, ids or frames are printed."""
@@ -42,7 +42,7 @@ def identify(log: str, specs: Sequence[Path], form: str) -> None:
     by_family = [(family, *look(recorded, [e for e in editions if e.family == family])) for family in families]
     family, results, foreign = max(by_family, key=lambda one: sum(result.frames for result in one[1]))
     if form == "json":
-        click.echo(_json(family, results, foreign))
+        print_json(_facts(family, results, foreign))
     else:
         _text(family, results, foreign, len(recorded))
     if not results or any(len(result.editions) != 1 for result in results):
@@ -52,24 +52,24 @@ def identify(log: str, specs: Sequence[Path], form: str) -> None:
 def _text(family: str, results: Sequence[NodeResult], foreign: Counter[int], count: int) -> None:
     if foreign:
         ids = _some([f"0x{id_:X}" for id_, _ in foreign.most_common()])
-        click.echo(
-            f"{foreign.total()} of {count} frames are ignored, since their ids do not belong to {family}: {ids}\n"
+        print_text(
+            f"{foreign.total()} of {count} frames are ignored, since their ids do not belong to {family}: {ids}\n\n"
         )
     for result in results:
         node = "no node" if result.node is None else f"node {result.node}"
-        click.echo(f"{family}, {node}, {counted(result.frames, 'frame')}: {_outcome(result)}")
+        print_text(f"{family}, {node}, {counted(result.frames, 'frame')}: {_outcome(result)}\n")
         if result.unexplained:
             ignored = _some([f"{sent(frame)} ({n})" for frame, n in result.unexplained])
-            click.echo(f"  {counted(result.frames - result.scored, 'frame')} of no edition, ignored: {ignored}")
+            print_text(f"  {counted(result.frames - result.scored, 'frame')} of no edition, ignored: {ignored}\n")
         for score in result.scores if result.scored else ():
-            click.echo(f"  {score.edition.name:<16} {_summary(score, result.scored)}")
+            print_text(f"  {score.edition.name:<16} {_summary(score, result.scored)}\n")
             for evidence in score.against[:SHOWN]:
-                click.echo(f"    {_evidence(evidence)}")
+                print_text(f"    {_evidence(evidence)}\n")
         if result.distinguishing:
-            click.echo(f"  to decide, record the reply to {_some(list(result.distinguishing))}")
-        click.echo()
+            print_text(f"  to decide, record the reply to {_some(list(result.distinguishing))}\n")
+        print_text("\n")
     if not results:
-        click.echo(f"undecided: no frame has an id of {family}")
+        print_text(f"undecided: no frame has an id of {family}\n")
 
 
 def _some(names: Sequence[str]) -> str:
@@ -101,7 +101,7 @@ def _evidence(evidence: Evidence) -> str:
     return f"{evidence.text} ({among}, as in {sent(evidence.example)})"
 
 
-def _json(family: str, results: Sequence[NodeResult], foreign: Counter[int]) -> str:
+def _facts(family: str, results: Sequence[NodeResult], foreign: Counter[int]) -> dict[str, object]:
     def score(one: EditionScore) -> dict[str, object]:
         against = [
             {
@@ -126,4 +126,4 @@ def _json(family: str, results: Sequence[NodeResult], foreign: Counter[int]) -> 
         }
         for result in results
     ]
-    return json.dumps({"family": family, "foreign": foreign.total(), "nodes": nodes}, indent=2, ensure_ascii=False)
+    return {"family": family, "foreign": foreign.total(), "nodes": nodes}

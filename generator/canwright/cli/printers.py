@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-import json
-import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
-
-import click
 
 from .. import __version__
 from ..diagnostics.diagnostic import Diagnostic, Position, Severity
 from ..rules import EVERY
+from .terminal import bold, json_text
 
 _COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow"}
 
 
 def text(findings: Sequence[Diagnostic]) -> str:
     """`file:line:col: severity: message [rule]`, the source line, a caret and the hint; in colour on a terminal."""
-    return "\n".join(map(_plain if os.environ.get("NO_COLOR") else _coloured, findings))
-
-
-def _plain(finding: Diagnostic) -> str:
-    return str(finding)
+    return "\n".join(map(_coloured, findings))
 
 
 def _coloured(finding: Diagnostic) -> str:
@@ -30,10 +23,10 @@ def _coloured(finding: Diagnostic) -> str:
     at, colour = finding.position, _COLOURS[finding.severity]
     place, severity = f"{at.file}:{at.line}:{at.column}:", f"{finding.severity.value}:"
     message = head[len(place) + 1 + len(severity) :]
-    lines = [click.style(place, bold=True) + " " + click.style(severity, fg=colour, bold=True) + message]
+    lines = [bold(place) + " " + bold(severity, colour) + message]
     for i, line in enumerate(rest):
         caret = bool(at.text) and i == 1
-        lines.append(click.style(line, fg=colour, bold=True) if caret else line)
+        lines.append(bold(line, colour) if caret else line)
     return "\n".join(lines)
 
 
@@ -55,7 +48,7 @@ def as_json(findings: Sequence[Diagnostic]) -> str:
         }
         for d in findings
     ]
-    return _dump({"findings": listed})
+    return json_text({"findings": listed})
 
 
 def github(findings: Sequence[Diagnostic]) -> str:
@@ -86,7 +79,7 @@ def sarif(findings: Sequence[Diagnostic]) -> str:
     """SARIF 2.1.0, one run."""
     rules = [{"id": r, "shortDescription": {"text": EVERY[r].purpose}} for r in sorted({d.rule for d in findings})]
     driver = {"name": "canwright", "version": __version__, "rules": rules}
-    return _dump(
+    return json_text(
         {
             "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
             "version": "2.1.0",
@@ -110,10 +103,6 @@ def _result(finding: Diagnostic) -> dict[str, Any]:
 def _location(at: Position) -> dict[str, Any]:
     region = {"startLine": at.line, "startColumn": at.column, "endColumn": at.column + max(1, at.length)}
     return {"physicalLocation": {"artifactLocation": {"uri": at.file}, "region": region}}
-
-
-def _dump(data: object) -> str:
-    return json.dumps(data, indent=2, ensure_ascii=False)
 
 
 PRINTERS: Mapping[str, Callable[[Sequence[Diagnostic]], str]] = {

@@ -6,6 +6,7 @@ import click
 
 from ..language.edition import EditionSpec, schema_text
 from ..language.golden_frames import GoldenFrames
+from .terminal import print_data
 
 
 @click.command()
@@ -16,6 +17,6 @@ def schema(frames: bool, page: bool) -> None:
     if page:
         from ..language import reference
 
-        click.echo(reference.page(), nl=False)
+        print_data(reference.page())
         return
-    click.echo(schema_text(GoldenFrames if frames else EditionSpec), nl=False)
+    print_data(schema_text(GoldenFrames if frames else EditionSpec))

@@ -9,6 +9,7 @@ import click
 
 from ..diagnostics.diagnostic import nearest
 from .common import read, spec_option, stop
+from .terminal import print_text
 
 
 @click.command()
@@ -21,7 +22,7 @@ def show(command: str, specs: Sequence[Path], edition: str | None, lang: str) ->
 
     Its frames in both directions, effects, limits and errata.
     """
-    from .command_view import find, show_command
+    from .command_view import command_text, find
 
     specifications = read(specs)
     if edition is not None:
@@ -35,5 +36,5 @@ def show(command: str, specs: Sequence[Path], edition: str | None, lang: str) ->
         stop(f"there is no command `{command}`; {hint}")
     for i, (item, one) in enumerate(found):
         if i:
-            click.echo()
-        show_command(item, one, lang)
+            print_text("\n")
+        print_text(command_text(item, one, lang), styled=True)

@@ -8,6 +8,7 @@ import click
 
 from ..output.paths import OutputError
 from .common import OUT_FOLDER, FilePath, stop
+from .terminal import print_text
 
 
 @click.command()
@@ -38,4 +39,4 @@ def site(docs: Path, out: Path, force: bool) -> None:
         build(docs, out, force=force)
     except (SiteError, OutputError, OSError) as error:
         stop(str(error))
-    click.echo(f"{out.as_posix()}/index.html")
+    print_text(f"{out.as_posix()}/index.html\n")

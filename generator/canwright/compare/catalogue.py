@@ -36,6 +36,11 @@ _WIRE = (
         "the index {index} now means `{new}` (was `{old}`)",
     ),
     (
+        "kind-changed",
+        "An entry of a table has a different kind, on which codes depend.",
+        "the kind is `{new}` (was `{old}`)",
+    ),
+    (
         "table-of-command-changed",
         "A command uses a different table, starts to use one, or stops using one.",
         "the command uses {new} (was {old})",
@@ -90,16 +95,36 @@ _WIRE = (
     ("width-changed", "A raw integer has a different width.", "`{name}` has {new} bits (was {old})"),
     ("sign-changed", "A raw integer becomes signed or unsigned.", "`{name}` is {new} (was {old})"),
     ("encoding-changed", "An integer becomes a float, or a float an integer.", "`{name}` is {new} (was {old})"),
+    (
+        "field-format-changed",
+        "A field has a different type with another raw format.",
+        "`{name}` has the type `{new}` (was `{old}`): {changes}",
+    ),
     ("byte-order-changed", "The byte order is changed.", "`{name}` is {new}-endian (was {old}-endian)"),
+    (
+        "frames-affected",
+        "Frames of a command are understood differently because of a change of another command.",
+        "frames of `{name}` are understood differently because of a change of another command",
+    ),
 )
 _VALUE = (
     ("scale-changed", "A scale is changed.", "the resolution of `{name}`{when} is {new} (was {old})"),
     ("offset-changed", "An offset is changed.", "the offset of `{name}`{when} is {new} (was {old})"),
+    (
+        "field-meaning-changed",
+        "A field has a different type, whose values have another meaning.",
+        "`{name}` has the type `{new}` (was `{old}`): {changes}",
+    ),
     ("unit-changed", "A unit is changed.", "the unit of `{name}` is {new} (was {old})"),
     ("range-changed", "A range is changed.", "the raw range of `{name}`{when} is {new} (was {old})"),
     ("member-added", "A member is added to an enum or to flags.", "`{member}` ({value}) is added to `{name}`"),
     ("member-removed", "A member of an enum or of flags is removed.", "`{member}` ({value}) of `{name}` is removed"),
     ("member-renumbered", "A member has a different value.", "`{member}` of `{name}` is {new} (was {old})"),
+    (
+        "member-replaced",
+        "A value of an enum or a bit of flags has another meaning.",
+        "{value} of `{name}` now means `{new}` (was `{old}`)",
+    ),
     ("parameter-bounds-changed", "A number has different bounds.", "the bounds of `{name}` are {new} (were {old})"),
     ("effects-changed", "A command has different effects.", "effects: {new}; were: {old}"),
     ("limits-changed", "A command is limited by different settings.", "limited by: {new}; was: {old}"),
@@ -125,6 +150,11 @@ _API = (
         "member-renamed",
         "A member of an enum or of flags is renamed.",
         "`{old}` of `{name}` is renamed to `{new}`: {names}",
+    ),
+    (
+        "layout-of-command-changed",
+        "The same fields are defined in a different place: in a shared layout, or in the command.",
+        "the {direction} has {new} (was {old}): {names}",
     ),
     ("layout-renamed", "A shared layout is renamed.", "`{old}` is renamed to `{new}`: {names}"),
     ("address-renamed", "An address is renamed.", "`{old}` is renamed to `{new}`"),

@@ -9,7 +9,7 @@ from typing import Generic, Protocol, TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.types import Text
+from ..model.types import Assignment, Text
 from .catalogue import CHANGES
 from .change import Change, Fact, Impact, Item, Side, Word
 from .exported_names import ExportedNames
@@ -72,19 +72,33 @@ class Collector:
     def __init__(self, names: ExportedNames) -> None:
         self._names = names
         self._changes: dict[object, Change] = {}
+        self._texts: dict[object, Places] = {}
         self.moved: dict[DocumentPath, DocumentPath] = {}
         """Where the old edition has what is compared under a new name."""
 
-    def add(self, rule: str, item: Item, places: Places, impact: Impact, use: Use, /, **facts: Fact) -> None:
-        """Adds a change by `rule` of something at `places`."""
+    def apart(self) -> Collector:
+        """An empty collector, for changes that are parts of one."""
+        return Collector(self._names)
+
+    def add(
+        self,
+        rule: str,
+        item: Item,
+        places: Places,
+        impact: Impact,
+        use: Use,
+        cases: tuple[Assignment, ...] = (),
+        /,
+        **facts: Fact,
+    ) -> None:
+        """Adds a change by `rule` of something at `places`; the impact counts unless there can be witnesses."""
         old, new = self._original(places[0]), places[1]
         key = (rule, item, tuple((name, _frozen(fact)) for name, fact in facts.items()), old, new)
         known = self._changes.get(key)
-        change = Change(CHANGES[rule], item, facts, old, new, impact, use.sides, use.commands)
+        change = Change(CHANGES[rule], item, facts, old, new, impact, use.sides, use.commands, cases)
         if known is not None:
             worst = min(known.impact, impact, key=_ORDER.index)
-            affected = [*(known.sides if known.impact is worst else ()), *(use.sides if impact is worst else ())]
-            sides = tuple(side for side in Side if side in affected)
+            sides = tuple(side for side in Side if side in (*known.sides, *use.sides))
             used_by = tuple(dict.fromkeys((*known.used_by, *use.commands)))
             change = dataclasses.replace(change, impact=worst, sides=sides, used_by=used_by)
         self._changes[key] = change
@@ -105,9 +119,12 @@ class Collector:
         if facts["old"] == facts["new"]:
             return
         if "{names}" in CHANGES[rule].says:
-            names = self._names.renamed(self._original(places[0]), places[1])
-            facts["names"] = names or f"`{facts['old']}` → `{facts['new']}`"
+            facts["names"] = self.names(*places) or f"`{facts['old']}` → `{facts['new']}`"
         self.add(rule, item, places, Impact.BUILD, use, **facts)
+
+    def names(self, old: DocumentPath, new: DocumentPath) -> str:
+        """The exported names of an item in both editions, of every target where they differ."""
+        return self._names.renamed(self._original(old), new)
 
     def _original(self, path: DocumentPath) -> DocumentPath:
         """Where the old edition has an item, given its path under new names."""
@@ -124,7 +141,8 @@ class Collector:
 
     def text(self, rule: str, item: Item, places: Places, name: str, old: Text, new: Text) -> None:
         """Adds a change of a text, in any language that both have."""
-        if differ(old, new):
+        key = (rule, item, name, _frozen(old), _frozen(new))
+        if differ(old, new) and self._texts.setdefault(key, places) == places:  # as the title of an entry and its field
             self.add(rule, item, places, Impact.SAFE, UNUSED, name=name, old=shortened(old), new=shortened(new))
 
     def title(self, item: Item, places: Places, names: tuple[str, str], old: Text, new: Text) -> None:

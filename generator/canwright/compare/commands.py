@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
+from ..model.layout import Layout
 from ..model.message import Command, Direction, EchoReply, Entry, Message, OtherReply, SharedReply
 from ..model.metadata import Effect, Level
 from . import discriminators, fields, match
@@ -28,6 +29,7 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
     kept = _tables(found, old, new)
     matched = dataclasses.replace(
         matched,
+        pairs=tuple((a, b) for a, b in matched.pairs if a.group not in kept and b.group not in kept),
         removed=tuple(c for c in matched.removed if c.group not in kept),
         added=tuple(c for c in matched.added if c.group not in kept),
     )
@@ -43,15 +45,20 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
 
 
 def _tables(found: Collector, old: Edition, new: Edition) -> set[str]:
-    """The commands that use a table in one edition alone: all their forms are others."""
+    """The commands that use another table, or one in one edition alone: all their forms are others."""
     before, after = ({c.group: c for c in edition.commands} for edition in (old, new))
-    kept = {
-        name for name in before.keys() & after.keys() if (before[name].entry is None) != (after[name].entry is None)
-    }
+    kept = {name for name in before.keys() & after.keys() if _is_other_table(before[name], after[name], new)}
     for name in before:
         if name in kept:
             _other_table(found, before[name], after[name])
     return kept
+
+
+def _is_other_table(old: Command, new: Command, edition: Edition) -> bool:
+    """Whether a command uses a table in one edition alone, or another table although the edition still has the old one."""
+    if old.entry is None or new.entry is None:
+        return old.entry is not new.entry
+    return old.entry.table != new.entry.table and any(table.name == old.entry.table for table in edition.tables)
 
 
 def _other_table(found: Collector, old: Command, new: Command) -> None:
@@ -70,16 +77,14 @@ def messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, M
         one, other = (c.message(direction) for c in (old, new))
         if one is None or other is None or one.command != old.name or other.command != new.name:
             continue
-        if direction is Direction.REQUEST or not _is_other_reply(old, new, one, other):
+        if direction is Direction.REQUEST or not _is_other_reply(old, new):
             yield direction, one, other
 
 
-def _is_other_reply(old: Command, new: Command, one: Message, other: Message) -> bool:
-    """Whether a reply is not compared: it is an echo in both editions, or in one and has no field of the other's."""
+def _is_other_reply(old: Command, new: Command) -> bool:
+    """Whether a reply is not compared: it is an echo in one edition, or in both."""
     echoes = old.is_echoed + new.is_echoed
-    if echoes == 2:
-        return old.request is not None and new.request is not None
-    return echoes == 1 and not match.fields(one.layout, other.layout).pairs
+    return echoes == 1 or (echoes == 2 and old.request is not None and new.request is not None)
 
 
 def _item(command: Command) -> Item:
@@ -122,7 +127,7 @@ def _subject(command: Command, other: Edition) -> tuple[str, Item, DocumentPath,
 
 
 def _command(found: Collector, both: Editions, old: Command, new: Command) -> None:
-    use = Use((Side.SENDING,), (old.group,))
+    use = Use((Side.SENDING if old.request else Side.RECEIVING,), (old.group,))
     if old.entry and new.entry and old.entry.name != new.entry.name:
         names = {"old": old.entry.name, "new": new.entry.name}
         found.renamed("entry-renamed", Item.of_entry(old.entry), paths(old.entry, new.entry), use, **names)
@@ -135,7 +140,9 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
         _entry(found, both, old, new, old.entry, new.entry)
     (own, of_entry), (new_own, new_of_entry) = _conditions(both, old, new)
     limits = _EXCEPTIONS if _limited_by(old) == _limited_by(new) else _LIMITS
-    found.attributes((*_OF_COMMAND, limits), _item(old), paths(old, new), old, new, use)
+    first = [next((mode.name for mode in edition.bus.modes), None) for edition in (both.old, both.new)]
+    modes = () if [old.mode, new.mode] == first else (_MODE,)  # both in the usual mode, the first
+    found.attributes((*_OF_COMMAND, *modes, limits), _item(old), paths(old, new), old, new, use)
     found.attributes(_OF_CONDITIONS, _item(old), paths(old, new), own, new_own, use)
     if old.entry and new.entry:
         found.attributes(
@@ -146,7 +153,48 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
     for direction, one, other in messages(old, new):
         used = Use((Side.of(direction),), (old.group,))
         _message(found, both, old, new, one, other, used)
-        fields.compare(found, both, old.group, one, other, used)
+        if not _other_layout(found, both, old, new, direction, used):
+            _layout_name(found, both, old, one, other, used)
+            fields.compare(found, both, old.group, one, other, used)
+
+
+def _layout_name(found: Collector, both: Editions, command: Command, old: Message, new: Message, use: Use) -> None:
+    """Adds the change of where the same fields of a message are defined, which names its type in the bindings."""
+    one, other = old.layout, new.layout
+    same_place = _is_named(one) == _is_named(other)
+    renamed = same_place and (not _is_named(one) or both.layouts.get(one.name, one.name) == other.name)
+    if renamed or match.content(one) != match.content(other):
+        return
+    of_entry = command.entry is not None and "tables" in (one.path[0], other.path[0])
+    item = Item.of_entry(command.entry) if of_entry and command.entry else _item(command)
+    places = (command.entry.path, command.entry.path) if of_entry and command.entry else paths(old, new)
+    what = Word("entry" if of_entry else old.direction.value)
+    facts = {"direction": what, "old": _name_of(one), "new": _name_of(other)}
+    names = found.names(one.path, other.path) or f"`{one.name}` → `{other.name}`"
+    found.add("layout-of-command-changed", item, places, Impact.BUILD, use, **facts, names=names)
+
+
+def _is_named(layout: Layout) -> bool:
+    return layout.path[0] == "layouts"
+
+
+def _name_of(layout: Layout) -> Fact:
+    return ("`", layout.name, "`") if _is_named(layout) else Word("fields of its own")
+
+
+def _other_layout(found: Collector, both: Editions, old: Command, new: Command, direction: Direction, use: Use) -> bool:
+    """Adds the change of the shared layout of a message to another one, with other fields; whether there is one."""
+    layouts = [message.layout for c in (old, new) if (message := c.message(direction)) is not None]
+    one, other = layouts
+    kept = one.name in {n.name for n in both.new.layouts} or other.name in {n.name for n in both.old.layouts}
+    if not (_is_named(one) and _is_named(other) and kept) or one.name == other.name:
+        return False
+    if match.content(one) == match.content(other):
+        return False
+    rule, key = ("request-changed", "request") if direction is Direction.REQUEST else ("reply-form-changed", "reply")
+    facts = {"old": one.name, "new": other.name}
+    found.add(rule, _item(old), at(paths(old, new), key), Impact.SILENT, use, **facts)
+    return True
 
 
 def _entry(found: Collector, both: Editions, old: Command, new: Command, one: Entry, other: Entry) -> None:
@@ -154,14 +202,11 @@ def _entry(found: Collector, both: Editions, old: Command, new: Command, one: En
     before, after = both.old.table(one.table), both.new.table(other.table)
     table, item = Item("table", one.table), Item.of_entry(one)
     use = Use((), (old.group,))
-    if one.table != other.table and any(one.table == t.name for t in both.new.tables):
-        _other_table(found, old, new)
-    else:
-        names = {"old": one.table, "new": other.table}
-        places = one.path[:2], other.path[:2]
-        found.renamed("table-renamed", table, places, Use((Side.SENDING,), (old.group,)), **names)
-        found.texts(table, paths(before, after), before, after)
-        found.section(table, paths(before, after), before.manual, after.manual, use)
+    names = {"old": one.table, "new": other.table}
+    places = one.path[:2], other.path[:2]
+    found.renamed("table-renamed", table, places, Use((Side.SENDING,), (old.group,)), **names)
+    found.texts(table, paths(before, after), before, after)
+    found.section(table, paths(before, after), before.manual, after.manual, use)
     found.texts(item, paths(one, other), one, other)
     own = ["" if e.manual == t.manual else e.manual for e, t in ((one, before), (other, after))]
     found.section(item, paths(one, other), own[0], own[1], use)
@@ -185,8 +230,8 @@ _OF_COMMAND = (
     Attribute[Command](
         "implemented-changed", "implemented", lambda c: Word("yes" if c.implemented else "no"), _implemented
     ),
-    Attribute[Command]("mode-of-command-changed", "mode", lambda c: c.mode or Word("none"), Impact.LOUD),
 )
+_MODE = Attribute[Command]("mode-of-command-changed", "mode", lambda c: c.mode or Word("none"), Impact.LOUD)
 _LIMITS = Attribute[Command]("limits-changed", "limited_by", _limits, Impact.SILENT, _limited_by)
 _EXCEPTIONS = Attribute[Command](
     "limits-changed", "not_limited_by", _limits, Impact.SAFE, lambda c: {s.name for s in c.not_limited_by}
@@ -310,7 +355,10 @@ def _message(
     found: Collector, both: Editions, old: Command, new: Command, one: Message, other: Message, use: Use
 ) -> None:
     rows = list(_OF_MESSAGE)
-    if [discriminators.code_sent(m) for m in (one, other)] != [old.code, new.code]:
+    if discriminators.same_kind(old, new) and [discriminators.code_sent(m) for m in (one, other)] != [
+        old.code,
+        new.code,
+    ]:
         rows.insert(0, _REPLY_CODE)
     if one.id != other.id:
         rows.append(_ADDRESS)

@@ -9,7 +9,7 @@ from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Command, Key, KeyRole, Message
 from .change import Impact, Item, Side, Word
-from .collector import Attribute, Collector, Places, Use, at, listed, paths
+from .collector import Attribute, Collector, Places, Use, at, given, listed, paths
 from .fields import Editions, constant_keys, place_of
 from .match import by_name
 
@@ -41,7 +41,7 @@ _INDEX = Attribute[Command]("index-changed", "index", index, Impact.SILENT)
 
 def compare(found: Collector, both: Editions, old: Command, new: Command) -> None:
     """All changes of codes, indices and constants that distinguish messages."""
-    if old.code != new.code:
+    if same_kind(old, new) and old.code != new.code:
         item, use, places = Item("command", old.group), Use(tuple(Side), (old.group,)), at(paths(old, new), "code")
         facts = {"old": code(old.code), "new": code(new.code)}
         taken = (c for c in both.new.commands if (c.address, c.code, c.entry) == (new.address, old.code, None))
@@ -53,13 +53,24 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
     if old.entry and new.entry:
         use = Use(tuple(Side), (old.group,))
         found.attributes([_INDEX], Item.of_entry(old.entry), paths(old.entry, new.entry), old, new, use)
+        if not same_kind(old, new):
+            facts = {"old": given(old.entry.kind), "new": given(new.entry.kind)}
+            places = at(paths(old.entry, new.entry), "kind")
+            found.add("kind-changed", Item.of_entry(old.entry), places, Impact.LOUD, use, **facts)
     for side, one, other_message in ((Side.SENDING, old.request, new.request), (Side.RECEIVING, old.reply, new.reply)):
         if one and other_message:
             use = Use((side,), (old.group,))
             if one.address == other_message.address or one.id == other_message.id:
-                _code_moved(found, both, one, other_message, use)
+                of_replies = side is Side.RECEIVING and not _like_requests(old, new)
+                _code_moved(found, both, one, other_message, "reply_selector" if of_replies else "selector", use)
             _index_moved(found, old, new, one, other_message, use)
             _constants(found, one, other_message, use)
+
+
+def same_kind(old: Command, new: Command) -> bool:
+    """Whether the codes are those of one kind of entry."""
+    codes = [[code_sent(m) for m in (c.request, c.reply) if m] for c in (old, new)]
+    return codes[0] == codes[1] or (old.entry and old.entry.kind) == (new.entry and new.entry.kind)
 
 
 class _Field(NamedTuple):
@@ -107,13 +118,23 @@ def _one_selector(edition: Edition) -> bool:
     return len({(key.space, key.segments) for key in keys}) < 2
 
 
-def _code_moved(found: Collector, both: Editions, old: Message, new: Message, use: Use) -> None:
+def _like_requests(old: Command, new: Command) -> bool:
+    """Whether the replies of both editions have their code where the requests have it."""
+    return all(
+        c.request is None
+        or c.reply is None
+        or _place_of(c.request.keys, KeyRole.CODE) == _place_of(c.reply.keys, KeyRole.CODE)
+        for c in (old, new)
+    )
+
+
+def _code_moved(found: Collector, both: Editions, old: Message, new: Message, key: str, use: Use) -> None:
     facts = {"old": _place_of(old.keys, KeyRole.CODE), "new": _place_of(new.keys, KeyRole.CODE)}
     if facts["old"] == facts["new"]:
         return
     whole = _one_selector(both.old) and _one_selector(both.new)
     item = Item("edition", "") if whole else Item("address", old.address)
-    of_address = ("addresses", old.address, "selector"), ("addresses", new.address, "selector")
+    of_address = ("addresses", old.address, key), ("addresses", new.address, key)
     places: Places = (("selector",), ("selector",)) if whole else of_address
     found.add("code-moved", item, places, Impact.LOUD, use, **facts)
 

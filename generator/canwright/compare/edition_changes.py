@@ -108,6 +108,9 @@ def _addresses(found: Collector, old: Sequence[Address], new: Sequence[Address])
     for one, other in matched.pairs:
         item, places = Item("address", one.name), paths(one, other)
         found.renamed("address-renamed", item, places, BOTH_SIDES, old=one.name, new=other.name)
+        extended = [(a.request.extended, a.reply.extended) for a in (one, other)]
+        if extended[0] != extended[1]:
+            _extended(found, item, one, other)
         if one.request == one.reply and other.request == other.reply:
             _rule(found, item, (one, other), tuple(Direction), one.request, other.request)
         else:
@@ -134,7 +137,7 @@ def _rule(
     new: IdRule,
 ) -> None:
     sides = tuple(map(Side.of, directions))
-    before, after = ((r.base, r.node_step, r.extended, r.nodes is None) for r in (old, new))
+    before, after = ((r.base, r.node_step, r.nodes is None) for r in (old, new))
     if before != after:
         facts = {"direction": Word(" and ".join(d.value for d in directions)), "old": _id(old), "new": _id(new)}
         impact = Impact.SILENT if _taken(old, new) else Impact.LOUD
@@ -145,6 +148,17 @@ def _rule(
             beyond = set(new.nodes) - set(old.nodes) if side is Side.RECEIVING else set(old.nodes) - set(new.nodes)
             impact = Impact.LOUD if beyond else Impact.SAFE
             found.add("nodes-changed", item, at(paths(*pair), "nodes"), impact, Use((side,)), **facts)
+
+
+def _extended(found: Collector, item: Item, old: Address, new: Address) -> None:
+    """Adds the change of the width of all ids of an address."""
+
+    def ids(address: Address) -> Fact:
+        request, reply = _id(address.request), _id(address.reply)
+        return request if request == reply else (request, ", ", reply)
+
+    facts = {"direction": Word("request and reply"), "old": ids(old), "new": ids(new)}
+    found.add("id-changed", item, at(paths(old, new), "extended"), Impact.LOUD, BOTH_SIDES, **facts)
 
 
 def _id(rule: IdRule) -> Fact:

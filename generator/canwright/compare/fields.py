@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..diagnostics.diagnostic import DocumentPath
+from ..language.notation import At, frame_bits
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import Field, Layout, NodeRole, ReservedRole
+from ..model.layout import Field, Layout, NodeRole, ReservedRole, Space
 from ..model.message import KeyRole, Message
 from ..model.types import Encoding, Type
 from . import match, quantities
-from .change import Fact, Impact, Item, Side, Word
+from .change import Category, Change, Fact, Impact, Item, Side, Word
 from .collector import Attribute, Collector, Places, Use, at, listed, paths
 
 
@@ -135,7 +136,16 @@ def _moved(old: Field, new: Field) -> bool:
     before, after = ((f.type.width, f.type.order, len(f.elements)) for f in (old, new))
     if before == after:
         return [e.segments for e in old.elements] != [e.segments for e in new.elements]
-    return min(old.elements[0].bits) != min(new.elements[0].bits)
+    return _starts(old).isdisjoint(_starts(new))
+
+
+def _starts(field: Field) -> set[At]:
+    """What the spec can say of the position of a field."""
+    bits = sorted(bit for element in field.elements for bit in element.bits)
+    bytes_ = (0,) if field.space is Space.ID else (bits[0] // 8, bits[-1] // 8)
+    in_byte = (bits[0],) if field.space is Space.ID else (None, *(bit % 8 for bit in bits))
+    starts = {At(field.space, byte, bit) for byte in bytes_ for bit in in_byte}
+    return {start for start in starts if sorted(frame_bits(start, len(bits), field.type.order)) == bits}
 
 
 _WIDTH = Attribute[Type]("width-changed", "raw", lambda t: str(t.width), Impact.SILENT)
@@ -150,20 +160,68 @@ def _type(found: Collector, both: Editions, item: Item, old: Field, new: Field, 
     same = all(named) and both.types.get(one.name, one.name) == other.name
     owner, name = (Item("type", one.name), one.name) if same else (item, new.name)
     places = paths(one, other) if same else (_path(old), _path(new))
+    if min(one.width, other.width) > 8 and _follows_edition(both, one, other):
+        edition: tuple[Item, Places] = Item("edition", ""), ((), ())
+        found.attributes([_ORDER], *edition, one, other, use, name="byte_order")
+    if not same and any(named) and one.name != other.name:
+        _other_type(found, both, item, old, new, use)
+        return
     if same:
         found.renamed("type-renamed", owner, places, use, old=one.name, new=other.name)
         found.texts(owner, places, one, other)
         found.text("text-changed", owner, at(places, "differs"), name, one.differs, other.differs)
-    elif any(named):
-        found.renamed("type-of-field-changed", item, places, use, name=new.name, old=one.name, new=other.name)
+    _meaning(found, both, owner, name, places, one, other, use)
+
+
+def _other_type(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
+    """Adds one change for a field that has another type, with all that differs."""
+    places = _path(old), _path(new)
+    inner = found.apart()
+    _meaning(inner, both, item, new.name, places, old.type, new.type, use)
+    changes = list(inner)
+    facts: dict[str, Fact] = {"name": new.name, "old": old.type.name, "new": new.type.name}
+    for change in changes:
+        if change.rule.category is Category.DOC:
+            found.add(change.rule.id, item, places, change.impact, use, **change.facts)
+    strong = [c for c in changes if c.rule.category in (Category.WIRE, Category.VALUE)]
+    if strong:
+        wire = any(c.rule.category is Category.WIRE for c in strong)
+        rule = "field-format-changed" if wire else "field-meaning-changed"
+        worst = min((c.impact for c in strong), key=list(Impact).index)
+        facts["changes"] = tuple(
+            part for i, c in enumerate(strong) for part in ((", ", _difference(c)) if i else (_difference(c),))
+        )
+        found.add(rule, item, places, worst, use, **facts)
+    elif old.type.path[0] == "types":  # a number without a type had no names
+        found.renamed("type-of-field-changed", item, places, use, **facts)
+
+
+def _follows_edition(both: Editions, one: Type, other: Type) -> bool:
+    """Whether two types have the byte orders of their editions."""
+    return (one.order, other.order) == (both.old.order, both.new.order)
+
+
+_WHAT = {"range-changed": "raw range", "scale-changed": "resolution"}
+"""What a change is about, where its rule has another word."""
+
+
+def _difference(change: Change) -> Fact:
+    """What differs, such as `scale 0.1 V (was 1 V)`."""
+    what = Word(_WHAT.get(change.rule.id) or change.rule.id.rpartition("-")[0].replace("-", " "))
+    if not {"old", "new"} <= change.facts.keys() or change.rule.id.startswith("member"):
+        return Word("members")
+    when = change.facts.get("when", "")
+    return (what, when, " ", change.facts["new"], " (", Word("was"), " ", change.facts["old"], ")")
+
+
+def _meaning(
+    found: Collector, both: Editions, owner: Item, name: str, places: Places, one: Type, other: Type, use: Use
+) -> None:
+    """Changes of the raw format of a type, and of what its values mean."""
     encoding = _ENCODING if Encoding.FLOAT in (one.encoding, other.encoding) else _SIGN
     found.attributes((_WIDTH, encoding), owner, places, one, other, use, name=name)
-    if min(one.width, other.width) > 8:
-        if (one.order, other.order) == (both.old.order, both.new.order):
-            edition: tuple[Item, Places] = Item("edition", ""), ((), ())
-            found.attributes([_ORDER], *edition, one, other, use, name="byte_order")
-        else:
-            found.attributes([_ORDER], owner, places, one, other, use, name=name)
+    if min(one.width, other.width) > 8 and not _follows_edition(both, one, other):
+        found.attributes([_ORDER], owner, places, one, other, use, name=name)
     quantities.compare(found, quantities.Pair(one, other, owner, name, places, use))
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
+from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Field, Layout
 from ..model.message import Command, Message
-from ..model.types import Type
+from ..model.types import Member, Text, Type
 
 
 class Named(Protocol):
@@ -17,6 +18,17 @@ class Named(Protocol):
     def name(self) -> str: ...
 
 
+class Titled(Named, Protocol):
+    @property
+    def title(self) -> Text: ...
+
+
+class Renamable(Named, Protocol):
+    @property
+    def renamed_from(self) -> str | None: ...
+
+
+R = TypeVar("R", bound=Renamable)
 T = TypeVar("T", bound=Named)
 
 
@@ -51,31 +63,96 @@ def by_name(old: Iterable[T], new: Iterable[T]) -> Matched[T]:
     )
 
 
+def by_former_name(old: Iterable[T], new: Iterable[T], former_names: Callable[[T], Iterable[str]]) -> Matched[T]:
+    """As `by_name`, but what states a former name in one edition is that thing of the other.
+
+    A statement that both editions make is about a third one.
+    """
+    before, after = {one.name: one for one in old}, {one.name: one for one in new}
+
+    def stated(here: dict[str, T], there: dict[str, T]) -> Iterator[tuple[T, T]]:
+        """What states its former name, with the thing of that name in the other edition."""
+        for one in here.values():
+            same = there.get(one.name)
+            names = set(former_names(one)) - set(former_names(same) if same is not None else ())
+            former = next((there[name] for name in former_names(one) if name in names & there.keys()), None)
+            if former is not None:
+                yield one, former
+
+    pairs = {id(was): (was, now) for now, was in stated(after, before)}
+    taken = {id(now) for _, now in pairs.values()}
+    for was, now in stated(before, after):
+        if id(was) not in pairs and id(now) not in taken:
+            pairs[id(was)] = was, now
+            taken.add(id(now))
+    rest = by_name(
+        (one for one in before.values() if id(one) not in pairs),
+        (one for one in after.values() if id(one) not in taken),
+    )
+    return Matched((*pairs.values(), *rest.pairs), rest.removed, rest.added)
+
+
+def renamable(old: Iterable[R], new: Iterable[R]) -> Matched[R]:
+    """Things of one name, or of a former name."""
+    return by_former_name(old, new, lambda one: (one.renamed_from,) if one.renamed_from else ())
+
+
+def same_title(one: Titled, other: Titled) -> bool:
+    """Whether two things have one title, or none: titles that only repeat the names."""
+    return one.title == other.title or all(set(t.title.values()) <= {formatting.spoken(t.name)} for t in (one, other))
+
+
+def members(old: Sequence[Member], new: Sequence[Member]) -> Matched[Member]:
+    """Members of one name or a former name; of one value and one title."""
+    return renamable(old, new).also(lambda a, b: a.value == b.value and same_title(a, b))
+
+
 def commands(old: Edition, new: Edition) -> Matched[Command]:
-    """Commands of one name; of one code with the same bits, or fields of the same names; of one title and the same bits."""
+    """Commands of one name or a former name; of one title and one code with the same bits, or fields of the same names.
+
+    What has another name and another title has another meaning.
+    """
+
+    before, after = ({command.group for command in edition.commands} for edition in (old, new))
+
+    def may_be_renamed(one: Command, other: Command) -> bool:
+        return one.group == other.group or not (one.group in after or other.group in before)
+
+    def same_names(one: Command, other: Command) -> bool:
+        return code_of(one) == code_of(other) and _same_titles(one, other) and may_be_renamed(one, other)
 
     def same_fields(one: Command, other: Command) -> bool:
-        return code_of(one) == code_of(other) and _names(one) == _names(other)
+        return same_names(one, other) and _names(one) == _names(other)
 
     def same_frames(one: Command, other: Command) -> bool:
-        return code_of(one) == code_of(other) and _content(one) == _content(other)
+        return same_names(one, other) and _content(one) == _content(other)
 
-    def same_title(one: Command, other: Command) -> bool:
-        return one.title == other.title and _content(one) == _content(other)
+    def same_purpose(one: Command, other: Command) -> bool:
+        return one.title == other.title and _content(one) == _content(other) and may_be_renamed(one, other)
 
-    return by_name(old.commands, new.commands).also(same_frames, same_fields, same_title)
+    matched = by_former_name(old.commands, new.commands, lambda command: command.former_names)
+    return matched.also(same_frames, same_fields, same_purpose)
+
+
+def _same_titles(one: Command, other: Command) -> bool:
+    if one.entry is not None and other.entry is not None and not same_title(one.entry, other.entry):
+        return False
+    spoken = [{formatting.spoken(c.group)} for c in (one, other)]
+    titles = [c.group_title for c in (one, other)]
+    return titles[0] == titles[1] or [set(t.values()) for t in titles] == spoken
 
 
 def fields(old: Layout, new: Layout) -> Matched[Field]:
-    """Fields of one name, the same bits with the same meaning under another name, or of one type and title."""
+    """Fields of one name or a former name; with the same bits, meaning and title; or of one type and title."""
 
     def same_bits(one: Field, other: Field) -> bool:
-        return one.elements == other.elements and _meaning(one.type) == _meaning(other.type) and one.only == other.only
+        same_values = _meaning(one.type) == _meaning(other.type) and same_title(one, other)
+        return one.elements == other.elements and same_values and one.only == other.only
 
-    def same_title(one: Field, other: Field) -> bool:
+    def same_type(one: Field, other: Field) -> bool:
         return one.type.name == other.type.name and one.title == other.title
 
-    return by_name(old.fields, new.fields).also(same_bits, same_title)
+    return renamable(old.fields, new.fields).also(same_bits, same_type)
 
 
 def code_of(command: Command) -> tuple[object, ...]:
@@ -105,7 +182,12 @@ def _names(command: Command) -> tuple[set[str], set[str]]:
 
 
 def _fields(message: Message | None) -> object:
-    return message and {(f.elements, f.only, f.fixed, f.demanded, _meaning(f.type)) for f in message.layout.fields}
+    return message and content(message.layout)
+
+
+def content(layout: Layout) -> object:
+    """The bits of a layout with their meaning; not the names."""
+    return {(f.elements, f.only, f.fixed, f.demanded, _meaning(f.type)) for f in layout.fields}
 
 
 def _meaning(type_: Type) -> tuple[object, ...]:

@@ -6,15 +6,25 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 from ..model import formatting
-from ..model.types import Bound, Dependent, Linear, Member, Range, Type
+from ..model.types import Assignment, Bound, Dependent, Linear, Member, Range, Type
+from . import match
 from .change import Impact, Item, Side, Word
 from .collector import Attribute, Collector, Places, Use, at
-from .match import by_name
 
 T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Case(Generic[T]):
+    """What two types have under some parameter values; `when` is empty, or ` [series A, B]`."""
+
+    when: str
+    assignments: tuple[Assignment, ...]
+    old: T | None
+    new: T | None
 
 
 @dataclass(frozen=True)
@@ -28,51 +38,69 @@ class Pair:
     places: Places
     use: Use
 
-    def add(self, found: Collector, rule: str, impact: Impact, key: str, when: str, old: str, new: str) -> None:
+    def add(self, found: Collector, rule: str, impact: Impact, key: str, case: Case[T], old: str, new: str) -> None:
         """Adds a change of a number that may depend on parameters."""
-        facts = {"name": self.name, "when": when, "old": old, "new": new}
-        found.add(rule, self.item, at(self.places, key), impact, self.use, **facts)
+        facts = {"name": self.name, "when": case.when, "old": old, "new": new}
+        found.add(rule, self.item, at(self.places, key), impact, self.use, case.assignments, **facts)
 
 
-_ATTRIBUTES = (
-    Attribute[Type]("unit-changed", "unit", lambda t: t.unit.symbol if t.unit else Word("no unit"), Impact.SILENT),
-    Attribute[Type](
-        "parameters-of-type-changed",
-        "scale",
-        lambda t: ", ".join((*t.parameters, *t.numbers)) or Word("nothing"),
-        Impact.BUILD,
-    ),
+_UNIT = Attribute[Type]("unit-changed", "unit", lambda t: t.unit.symbol if t.unit else Word("no unit"), Impact.SILENT)
+_PARAMETERS = Attribute[Type](
+    "parameters-of-type-changed",
+    "scale",
+    lambda t: ", ".join((*t.parameters, *t.numbers)) or Word("nothing"),
+    Impact.BUILD,
 )
 
 
 def compare(found: Collector, pair: Pair) -> None:
     """All changes of what a type means."""
     old, new = pair.old, pair.new
-    _scales(found, pair)
-    _ranges(found, pair)
+    linear = [_scales(found, pair), _offsets(found, pair)]
+    shows_parameters = any([*linear, _ranges(found, pair)])
     for key, before, after in (("enum", old.enum, new.enum), ("flags", old.flags, new.flags)):
         _members(found, pair, key, before, after)
-    found.attributes(_ATTRIBUTES, pair.item, pair.places, old, new, pair.use, name=pair.name)
+    rows = (_UNIT,) if shows_parameters else (_UNIT, _PARAMETERS)
+    found.attributes(rows, pair.item, pair.places, old, new, pair.use, name=pair.name)
 
 
 def _scale(linear: Linear | None) -> object:
     return linear and (linear.scale, linear.times)
 
 
-def _offset(linear: Linear) -> object:
-    return linear.offset, linear.times if linear.offset else None
-
-
-def _scales(found: Collector, pair: Pair) -> None:
-    for when, one, other in _cases(pair.old.linear, pair.new.linear):
+def _scales(found: Collector, pair: Pair) -> bool:
+    """Adds changes of scales; whether there are any of their values."""
+    changed = False
+    for case in _cases(pair.old.linear, pair.new.linear):
+        one, other = case.old, case.new
         shown = _scale_shown(one, pair.old), _scale_shown(other, pair.new)
         if _scale(one) != _scale(other):
-            pair.add(found, "scale-changed", Impact.SILENT, "scale", when, *shown)
-        if one and other and _offset(one) != _offset(other):
-            offsets = formatting.offset(one) + _unit(pair.old), formatting.offset(other) + _unit(pair.new)
-            pair.add(found, "offset-changed", Impact.SILENT, "offset", when, *offsets)
-        if one and one == other and one.printed != other.printed:
-            pair.add(found, "scale-rewritten", Impact.SAFE, "scale", when, *shown)
+            pair.add(found, "scale-changed", Impact.SILENT, "scale", case, *shown)
+            changed = True
+        elif one and other and one.printed != other.printed and not one.is_identity:
+            pair.add(found, "scale-rewritten", Impact.SAFE, "scale", case, *shown)
+    return changed
+
+
+def _offsets(found: Collector, pair: Pair) -> bool:
+    """Adds changes of offsets; whether there are any."""
+    changed = False
+    for case in _cases(_offsets_of(pair.old.linear), _offsets_of(pair.new.linear)):
+        one, other = case.old, case.new
+        if one is not None and other is not None and one != other:
+            pair.add(
+                found, "offset-changed", Impact.SILENT, "offset", case, one + _unit(pair.old), other + _unit(pair.new)
+            )
+            changed = True
+    return changed
+
+
+def _offsets_of(linear: Dependent[Linear]) -> Dependent[str]:
+    def offset(one: Linear | None) -> str | None:
+        return None if one is None else formatting.offset(one)
+
+    cases = {name: offset(one) for name, one in linear.cases.items()}
+    return Dependent(parameter=linear.parameter, constant=offset(linear.constant), cases=cases)
 
 
 def _scale_shown(linear: Linear | None, type_: Type) -> str:
@@ -83,17 +111,53 @@ def _unit(type_: Type) -> str:
     return f" {type_.unit.symbol}" if type_.unit else ""
 
 
-def _ranges(found: Collector, pair: Pair) -> None:
-    for when, one, other in _cases(pair.old.raw_range, pair.new.raw_range):
+def _ranges(found: Collector, pair: Pair) -> bool:
+    """Adds changes of ranges; whether there are any."""
+    changed = False
+    if _same_values(pair.old, pair.new):
+        return changed
+    for case in _cases(pair.old.raw_range, pair.new.raw_range):
+        one, other = case.old, case.new
         old, new = one or _whole(pair.old), other or _whole(pair.new)
         if old == new or one is other is None:
             continue
+        changed = True
         affected = (Side.SENDING in pair.use.sides and not _within(old, new)) or (
             Side.RECEIVING in pair.use.sides and not _within(new, old)
         )
         shown = [Word("not limited") if limits is None else formatting.span(limits) for limits in (one, other)]
         impact = Impact.SILENT if affected else Impact.SAFE
-        pair.add(found, "range-changed", impact, "raw_range", when, shown[0], shown[1])
+        pair.add(found, "range-changed", impact, "raw_range", case, shown[0], shown[1])
+    return changed
+
+
+def _same_values(old: Type, new: Type) -> bool:
+    """Whether the raw ranges differ only because the scales do: the same values are allowed, rounded to a raw integer."""
+    dependents: tuple[Dependent[Linear] | Dependent[Range], ...]
+    dependents = (old.linear, new.linear, old.raw_range, new.raw_range)
+    parameters = {d.parameter for d in dependents} - {None}
+    if old.linear == new.linear or len(parameters) > 1:
+        return False
+    names = {name: None for d in dependents for name in d.cases} or {"": None}
+    assignments = [dict.fromkeys(parameters, name) for name in names]
+    return all(
+        _same_range((old.raw_range.at(a), new.raw_range.at(a)), (old.linear.at(a), new.linear.at(a)))
+        for a in ({p: name for p, name in one.items() if p} for one in assignments)
+    )
+
+
+def _same_range(ranges: tuple[Range | None, Range | None], lines: tuple[Linear | None, Linear | None]) -> bool:
+    (old, new), (line, other) = ranges, lines
+    if old is None or new is None or line is None or other is None:
+        return old is new
+    step = max(abs(line.scale), abs(other.scale))
+    before, after = formatting.in_unit(old, line), formatting.in_unit(new, other)
+    return all(
+        a.parameter == b.parameter
+        and abs(a.constant - b.constant) <= step
+        and abs(a.coefficient - b.coefficient) <= step
+        for a, b in ((before.low, after.low), (before.high, after.high))
+    )
 
 
 def _whole(type_: Type) -> Range:
@@ -109,22 +173,24 @@ def _within(inner: Range, outer: Range) -> bool:
     return outer.low.constant <= inner.low.constant and inner.high.constant <= outer.high.constant
 
 
-def _cases(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, T | None, T | None]]:
-    """Where two differ, cases that differ alike together: (` [series A, B]` or nothing, old, new)."""
-    groups: list[tuple[list[str], T | None, T | None]] = []
+def _cases(old: Dependent[T], new: Dependent[T]) -> Iterator[Case[T]]:
+    """Where two differ, cases that differ alike together."""
+    groups: list[tuple[list[str], list[Assignment], T | None, T | None]] = []
     for name, assignment in _assignments(old, new):
         one, other = old.at(assignment), new.at(assignment)
-        known = next((group for group in groups if (group[1], group[2]) == (one, other)), None)
+        known = next((group for group in groups if group[2:] == (one, other)), None)
         if known is None:
-            groups.append(([name], one, other))
+            groups.append(([name], [assignment], one, other))
         else:
             known[0].append(name)
+            known[1].append(assignment)
     parameters = "" if len({old.parameter, new.parameter} - {None}) > 1 else f"{old.parameter or new.parameter} "
-    for group, one, other in groups:
-        yield ("" if group == [""] else f" [{parameters}{', '.join(group)}]"), one, other
+    for names, assignments, one, other in groups:
+        when = "" if names == [""] else f" [{parameters}{', '.join(names)}]"
+        yield Case(when, tuple(assignments) if when else (), one, other)
 
 
-def _assignments(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, dict[str, str]]]:
+def _assignments(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, Assignment]]:
     """Every value of the parameters that two depend on, with a name."""
     if old.parameter and new.parameter and old.parameter != new.parameter:
         for a, b in itertools.product(old.cases, new.cases):
@@ -140,7 +206,7 @@ def _assignments(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, di
 
 
 def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], new: tuple[Member, ...]) -> None:
-    matched = by_name(old, new).also(lambda a, b: a.value == b.value)
+    matched = match.members(old, new)
     sides, parents = pair.use.sides, at(pair.places, key)
     for one, other in matched.pairs:
         places = (*parents[0], one.name), (*parents[1], other.name)
@@ -150,11 +216,16 @@ def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], ne
             facts = {"name": pair.name, "member": other.name, "old": str(one.value), "new": str(other.value)}
             found.add("member-renumbered", pair.item, places, Impact.SILENT, pair.use, **facts)
         found.texts(pair.item, places, one, other)
-    for gone in matched.removed:
+    replaced = matched.also(lambda a, b: a.value == b.value)
+    for one, other in replaced.pairs[len(matched.pairs) :]:
+        places = (*parents[0], one.name), (*parents[1], other.name)
+        facts = {"name": pair.name, "value": str(one.value), "old": one.name, "new": other.name}
+        found.add("member-replaced", pair.item, places, Impact.SILENT, pair.use, **facts)
+    for gone in replaced.removed:
         impact = Impact.SILENT if Side.SENDING in sides else Impact.SAFE
         facts = {"name": pair.name, "member": gone.name, "value": str(gone.value)}
         found.add("member-removed", pair.item, ((*parents[0], gone.name), parents[1]), impact, pair.use, **facts)
-    for fresh in matched.added:
+    for fresh in replaced.added:
         unknown = Impact.SILENT if key == "flags" else Impact.LOUD
         impact = unknown if Side.RECEIVING in sides else Impact.SAFE
         facts = {"name": pair.name, "member": fresh.name, "value": str(fresh.value)}

@@ -41,7 +41,7 @@ def _other_file(document: Document, concept: type[Concept]) -> Diagnostic | None
     if key in data and not {"commands", "frames"} - {key} & set(data):
         return document.finding((key,), "missing-key", message, hint, key=True)
     needed = [name for name, key in keys(concept).items() if key.required]
-    if not (set(data) | {path[0] for path in document.unreadable if path}) & set(needed):
+    if needed and not (set(data) | {path[0] for path in document.unreadable if path}) & set(needed):
         message = f"this file has none of the required keys {', '.join(f'`{name}`' for name in needed)}"
         return document.finding((), "missing-key", message, "start with `canwright: 1`")
     return None

@@ -8,7 +8,7 @@ from ..model.layout import MAX_DATA_BYTES
 from ..model.types import Encoding, Order
 from .concept import Choose, Concept, Doc, JsonSchema, Limits, keys
 from .scalar_types import Byte, CodeFormat, Indices, Name, Nodes, Only, Raw, Section, Start, Text
-from .types import Description
+from .types import Description, RenamedFrom
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +28,7 @@ class FieldSpec(Description):
             "least significant bit."
         ),
     ]
+    renamed_from: RenamedFrom = None
     type: Annotated[Name | None, Doc("A type of this edition.")] = None
     raw: Annotated[Raw | None, Doc("Format of a plain number, instead of a type.")] = None
     byte_order: Annotated[Order | None, Doc("Byte order of a plain number, if not that of the edition.")] = None
@@ -147,6 +148,7 @@ class EntrySpec(Description):
         Doc("Value of the index; a list, possibly shorter, if the index is a list."),
     ]
     layout: Annotated[LayoutOrName, Doc("Fields, or the name of a shared layout.")]
+    renamed_from: RenamedFrom = None
     kind: Annotated[
         Name | None, Doc("Kind of entry, a name that you choose, if the codes of a command depend on it.")
     ] = None
@@ -206,6 +208,7 @@ class CommandSpec(Description):
             ),
         ),
     ] = None
+    renamed_from: RenamedFrom = None
     short_name: Annotated[
         Name | None,
         Doc(

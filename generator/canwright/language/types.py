@@ -16,6 +16,15 @@ class Description(Concept):
     about: Annotated[Text | None, Doc("One or two sentences for users.")] = None
 
 
+RenamedFrom = Annotated[
+    Name | None,
+    Doc(
+        "Name in previous editions, for `canwright diff`: the meaning is the same. Otherwise, an item with another name "
+        "and another title, unit or type in the same place has another meaning."
+    ),
+]
+
+
 CaseMultiple = Literal["none"] | Multiple
 CaseSpan = Literal["none"] | Span
 
@@ -60,6 +69,7 @@ class MemberSpec(Description):
     """A name for one raw value."""
 
     value: Annotated[int, Doc("The raw value with this name.")]
+    renamed_from: RenamedFrom = None
 
 
 BitNumber = Annotated[int, Limits(ge=0, le=63)]
@@ -70,6 +80,7 @@ class FlagSpec(Description):
     """A name for one bit."""
 
     bit: Annotated[BitNumber, Doc("The bit; 0 is the least significant one.")]
+    renamed_from: RenamedFrom = None
 
 
 NamedValue = int | MemberSpec

@@ -88,10 +88,12 @@ FieldRole = ValueRole | ConstantRole | ReservedRole | NodeRole
 class Field:
     """A run of bits with a type; an array has one element for each index.
 
-    `only` are the values of the layout's parameter under which the field exists; empty means always.
+    `only` are the values of the layout's parameter under which the field exists; empty means always. `renamed_from` is
+    its name in previous editions.
     """
 
     name: str
+    renamed_from: str | None
     type: Type
     space: Space
     elements: tuple[Element, ...]

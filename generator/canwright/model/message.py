@@ -140,10 +140,15 @@ class Table:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Entry:
-    """An entry of a table: one of the settings; a command with a table has one form for each."""
+    """An entry of a table: one of the settings; a command with a table has one form for each.
+
+    `renamed_from` is its name in previous editions; codes may depend on the `kind`.
+    """
 
     table: str
     name: str
+    renamed_from: str | None
+    kind: str | None
     title: Text
     about: Text
     manual: str
@@ -189,12 +194,14 @@ class Command:
 
     `code` is None without a selector. `only` maps a parameter to the values under which the command exists.
     `group` is the name of the command in the spec. A command with a table has one form for each `entry`; the name of
-    such a form is `GROUP_ENTRY`. `short_group` stands for `group` where the length of names is limited.
+    such a form is `GROUP_ENTRY`. `short_group` stands for `group` where the length of names is limited, `former_group`
+    is `group` in previous editions.
     """
 
     name: str
     short_group: str
     group: str
+    former_group: str | None
     entry: Entry | None
     code: int | None
     address: str
@@ -216,6 +223,18 @@ class Command:
     def short_name(self) -> str:
         """The name where the length of names is limited."""
         return self.short_group + self.name.removeprefix(self.group)
+
+    @property
+    def former_names(self) -> tuple[str, ...]:
+        """Names in previous editions, where the command, its entry or both were renamed."""
+        if self.entry is None:
+            return (self.former_group,) if self.former_group else ()
+        groups, entries = (
+            (one or now, now)
+            for one, now in ((self.former_group, self.group), (self.entry.renamed_from, self.entry.name))
+        )
+        names = dict.fromkeys(f"{group}_{entry}" for group in groups for entry in entries)
+        return tuple(name for name in names if name != self.name)
 
     @property
     def group_title(self) -> Text:

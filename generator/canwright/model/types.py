@@ -176,9 +176,13 @@ class Range:
 
 @dataclass(frozen=True, kw_only=True)
 class Member:
-    """A name for one raw value of an enum, or for one bit of flags (then `value` is the bit number)."""
+    """A name for one raw value of an enum, or for one bit of flags (then `value` is the bit number).
+
+    `renamed_from` is its name in previous editions.
+    """
 
     name: str
+    renamed_from: str | None
     value: int
     title: Text
     about: Text

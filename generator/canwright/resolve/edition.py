@@ -45,7 +45,7 @@ def resolve(
     """
     check_limits(document, spec)
     context = Context(document, tuple(spec.languages), [], Affected(document.data, invalid))
-    return _edition(context, spec, digest), Unresolved(context.diagnostics, [*context.invalid], context.unknown)
+    return _edition(context, spec, digest), Unresolved(context.findings, [*context.invalid], context.unknown)
 
 
 def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition:
@@ -141,6 +141,8 @@ def _command(
         of = Entry(
             table=written.table,
             name=form.entry,
+            renamed_from=entry.renamed_from,
+            kind=entry.kind,
             title=context.title(at, entry.title, form.entry),
             about=context.text((*at, "about"), entry.about),
             manual=entry.manual or tables[written.table].manual or "",
@@ -155,6 +157,7 @@ def _command(
         name=form.name,
         short_group=written.short_name or form.command,
         group=form.command,
+        former_group=written.renamed_from,
         entry=of,
         code=messages.code_of(form),
         address=messages.address_of(form.command),

@@ -144,6 +144,7 @@ class LayoutResolver:
             title = self._context.title(path, None, name)
         return Field(
             name=name,
+            renamed_from=written.renamed_from,
             type=type_,
             space=start.space,
             elements=tuple(elements),

@@ -105,13 +105,20 @@ class _TypeResolver:
         if isinstance(written, int):
             return Member(
                 name=name,
+                renamed_from=None,
                 value=written,
                 title=self.context.title(path, None, name),
                 about=self.context.text(path, None),
             )
         value = written.value if isinstance(written, schema.MemberSpec) else written.bit
         title = self.context.title(path, written.title, name)
-        return Member(name=name, value=value, title=title, about=self.context.text((*path, "about"), written.about))
+        return Member(
+            name=name,
+            renamed_from=written.renamed_from,
+            value=value,
+            title=title,
+            about=self.context.text((*path, "about"), written.about),
+        )
 
     def _linear(self, spec: schema.TypeSpec) -> Dependent[Linear]:
         scale = self._multiples("scale", 1 if spec.scale is None else spec.scale)

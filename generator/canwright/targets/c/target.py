@@ -9,7 +9,7 @@ from ...model.edition import Edition
 from ...model.types import Assignment
 from ..base import NameProblem, Output, Specification, Target
 from . import generate
-from .names import Names, member
+from .names import Names, layouts, member
 from .problems import between, problems
 
 
@@ -30,21 +30,22 @@ class CTarget(Target):
     def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
         """Names without the prefix of family and edition; constants have `…_` instead."""
         in_c = Names(edition)
-        names = {command.path: f"{command.short_name}_request_t" for command in edition.commands}
-        for layout in edition.layouts:
-            names[layout.path] = f"{layout.name}_t"
+        names = {command.path: f"…_COMMAND_{command.short_name}".upper() for command in edition.commands}
+        for layout in layouts(edition):
+            if any(field.fixed is None for field in layout.fields):
+                names.setdefault(layout.path, f"{in_c.short(layout.name)}_t")
         for parameter in edition.parameters:
             at: DocumentPath = ("parameters", parameter.name)
             names[at] = f".{parameter.name}"
             names |= {(*at, "values", v.name): f"…_{parameter.name}_{v.name}".upper() for v in parameter.values}
-        for type_ in edition.types:
+        for type_ in (t for t in edition.types if t.path[0] == "types"):
             key = "enum" if type_.enum else "flags"
             stem = in_c.type_stem(type_)
             names[type_.path] = f"…_{stem}_to_milli"
             members = (*type_.enum, *type_.flags)
             names |= {(*type_.path, key, m.name): f"…_{stem}_{m.name}".upper() for m in members}
         for message in edition.all_messages():
-            names |= {field.path: member(field.name) for field in message.layout.fields}
+            names |= {field.path: member(field.name) for field in message.layout.fields if field.fixed is None}
         return names
 
 

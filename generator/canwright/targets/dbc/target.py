@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
+from ...model.layout import Space
 from ...model.types import Assignment
 from ..base import NameProblem, Output, Specification, Target
 from . import generate
@@ -37,7 +38,8 @@ class DbcTarget(Target):
         """Signal names with `…_` in place of the prefix of direction and code."""
         names: dict[DocumentPath, str] = {("bus", "host"): edition.bus.host}
         for message in edition.all_messages():
-            names |= {field.path: f"…_{field.name}" for field in message.layout.fields}
+            fields = (field for field in message.layout.fields if field.space is Space.DATA)
+            names |= {field.path: f"…_{field.name}" for field in fields}
         return names
 
 

@@ -24,9 +24,14 @@ class PythonTarget(Target):
         return problems(edition)
 
     def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
-        names = {command.path: text.class_name(f"{command.name}_request") for command in edition.commands}
-        for layout in edition.layouts:
-            names[layout.path] = text.class_name(layout.name)
+        names: dict[DocumentPath, str] = {}
+        for command in edition.commands:
+            message = command.request or command.reply
+            names |= {command.path: text.class_name(message.name)} if message else {}
+        names |= {message.layout.path: text.class_name(message.name) for message in edition.all_messages()}
+        for layout in (message.layout for message in edition.all_messages()):
+            if len(edition.of_layout(layout)) > 1 and layout.fields:
+                names[layout.path] = text.class_name(layout.name)
         for parameter in edition.parameters:
             at: DocumentPath = ("parameters", parameter.name)
             names[at] = text.attribute(parameter.name)
@@ -35,10 +40,11 @@ class PythonTarget(Target):
             key = "enum" if type_.enum else "flags"
             members = (*type_.enum, *type_.flags)
             names |= {(*type_.path, key, m.name): text.member_name(m.name) for m in members}
-        names |= {("settings", setting.name): f'"{setting.name}"' for setting in edition.settings}
+        used = {setting for command in edition.commands for setting in command.limited_by}
+        names |= {("settings", s.name): f'"{s.name}"' for s in edition.settings if s in used}
         names |= {("effects", effect.name): f'"{effect.name}"' for effect in edition.effects}
         for message in edition.all_messages():
-            names |= {field.path: text.attribute(field.name) for field in message.layout.fields}
+            names |= {field.path: text.attribute(field.name) for field in message.layout.fields if field.fixed is None}
         return names
 
 

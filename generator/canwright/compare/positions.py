@@ -1,0 +1,76 @@
+"""Positions of a change in the documents of both editions: the lines that were edited."""
+
+from __future__ import annotations
+
+from ..diagnostics.diagnostic import DocumentPath, Position
+from ..document.builder import Data
+from ..document.document import Document
+from .change import Change
+
+_MISSING = object()
+_OTHER_KEYS = {
+    "raw_range": ("range",),
+    "request": ("id", "extended"),
+    "reply": ("id", "extended"),
+    "reply_selector": ("selector",),
+}
+"""Keys that can be written instead of the key of a change."""
+
+
+def positions(change: Change, old: Document, new: Document) -> tuple[Position, Position]:
+    """The positions of a change: of its item or key, or of what differs inside, if that is a single key."""
+    before, after = change.old or (), change.new or ()
+    item = max(before, after, key=len)
+    is_named = bool(item) and isinstance(item[-1], str)  # a number is that of another item in the other edition
+    if is_named and item in old and item in new and item[: min(len(before), len(after))] in (before, after):
+        before = after = item  # written in both, but without effect in one
+    before, after = _edited(old, new, before, after)
+    return old.position(before, key=True), new.position(after, key=True)
+
+
+def _edited(
+    old: Document, new: Document, before: DocumentPath, after: DocumentPath
+) -> tuple[DocumentPath, DocumentPath]:
+    """The paths of what differs at or below two paths, as far as it is a single key; they lead into one of the documents."""
+    wanted = before[-1:] if before not in old and after not in new else ()
+    before, after = _known(old, before), _known(new, after)
+    one, other = _value(old, before), _value(new, after)
+    while before[-1:] == after[-1:]:
+        differing = [key for key in _keys(one, other) if _item(one, key) != _item(other, key)]
+        others = _OTHER_KEYS.get(str(wanted[0]), ()) if wanted else ()
+        differing = [key for key in differing if key in others] or differing
+        if len(differing) != 1:
+            break
+        key = differing[0]
+        before, after, wanted = (*before, key), (*after, key), ()
+        one, other = _item(one, key), _item(other, key)
+    return before, after
+
+
+def _known(document: Document, path: DocumentPath) -> DocumentPath:
+    while path and path not in document:
+        path = path[:-1]
+    return path
+
+
+def _keys(one: object, other: object) -> list[str | int]:
+    if isinstance(one, dict) and isinstance(other, dict):
+        return list({**one, **other})
+    if isinstance(one, list) and isinstance(other, list):
+        return list(range(max(len(one), len(other))))
+    return []
+
+
+def _item(data: object, key: str | int) -> object:
+    if isinstance(data, dict):
+        return data.get(key, _MISSING)
+    if isinstance(data, list) and isinstance(key, int) and key < len(data):
+        return data[key]
+    return _MISSING
+
+
+def _value(document: Document, path: DocumentPath) -> object:
+    data: Data | object = document.data
+    for key in path:
+        data = _item(data, key)
+    return data
