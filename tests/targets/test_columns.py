@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import functools
 import importlib.util
 import itertools
-from collections.abc import Iterator, Sequence
+import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +28,10 @@ from canwright.targets.columns.view import columns_of, tables_of
 from ..conformance.adapter import write_files
 from ..conformance.adapters.modules import load
 from ..spec_texts import MINIMAL, ROOT, edition
+from ..strangers.everything import filled
+from ..tools import tool
+
+COMMITTED = ROOT / "generated/columns"
 
 PARAMETERS = {"series": "MG", "encoder_bits": 18}
 
@@ -273,32 +279,39 @@ def test_duckdb_and_polars(package: Package, tmp_path: Path) -> None:
 
 
 @pytest.mark.tools
-def test_pyspark(package: Package) -> None:
-    from ..tools import tool
-
+def test_pyspark(package: Package, monkeypatch: pytest.MonkeyPatch) -> None:
     tool("java")
     if importlib.util.find_spec("pyspark") is None:
         raise SystemExit("pyspark is not installed: pip install pyspark")
     sql = importlib.import_module("pyspark.sql")
-    decoder = package.edition.decoder(PARAMETERS)
-    expected = _decoded(package, [package.input()], "motion_feedback")
+    for name, value in (("PYSPARK_PYTHON", sys.executable), ("PYTHONPATH", str(COMMITTED))):
+        monkeypatch.setenv(name, value)  # the workers import the package
+    monkeypatch.syspath_prepend(str(COMMITTED))
+    edition_, arrow = (importlib.import_module(f"mwd_motor_columns.{name}") for name in ("v2_35", "arrow"))
     rows = [tuple(row.values()) for row in package.input().to_pylist()]
     schema = "time long, bus string, id long, extended boolean, remote boolean, data binary, direction string"
     result = (
-        "time long, bus string, node int, direction string, command string, code long, temperature tinyint, iq double"
+        "time long, bus string, node int, direction string, command string, code long, "
+        "temperature tinyint, iq double, speed smallint, encoder double"
     )
-    session = sql.SparkSession.builder.master("local[1]").config("spark.ui.enabled", "false").getOrCreate()
+    decode = functools.partial(arrow.decode_batches, decoder=edition_.decoder(PARAMETERS), table="motion_feedback")
+    builder = sql.SparkSession.builder.master("local[1]").config("spark.ui.enabled", "false")
+    session = builder.config("spark.driver.host", "127.0.0.1").getOrCreate()
     try:
-        decode = functools.partial(package.arrow.decode_batches, decoder=decoder, table="motion_feedback")
-
-        def chosen(batches: Iterator[pa.RecordBatch]) -> Iterator[pa.RecordBatch]:
-            for batch in decode(batches):
-                yield batch.select([column.split()[0] for column in result.split(", ")])
-
-        found = session.createDataFrame(rows, schema).mapInArrow(chosen, result).collect()
+        found = session.createDataFrame(rows, schema).mapInArrow(decode, result).collect()
     finally:
         session.stop()
-    assert sorted(row["iq"] for row in found) == sorted(expected["iq"].to_pylist())
+    expected = _decoded(package, [package.input()], "motion_feedback").to_pylist()
+    assert [row.asDict() for row in found] == expected
+
+
+def test_hostile_texts_stay_texts(tmp_path: Path) -> None:
+    hostile = 'x""" \'\\ {{7*7}} # )\\'
+    for output in target.generate([filled(lambda: hostile, tmp_path)], {}):
+        if output.path.endswith("/v1.py"):
+            tree = ast.parse(output.text)
+            assert all(isinstance(one, ast.Expr | ast.ImportFrom | ast.Assign | ast.AnnAssign) for one in tree.body)
+            assert "{{7*7}}" in output.text
 
 
 def test_names_that_are_taken_differ(tmp_path: Path) -> None:

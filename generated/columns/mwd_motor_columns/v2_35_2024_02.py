@@ -26,7 +26,7 @@ from ._columns import (
 
 __all__ = ["EDITION", "LAYOUTS", "MESSAGES", "PARAMETERS", "decoder"]
 
-PARAMETERS = {
+PARAMETERS: dict[str, Parameter] = {
     "series": Parameter(("MS", "MF", "MH", "MG")),
     "encoder_bits": Parameter(("14", "15", "16")),
     "gear_ratio": Parameter((), Fraction(1, 1), None),
