@@ -99,6 +99,20 @@ set_option = click.option(
     help="Fix a parameter in the DBC files, for example --set size=12.",
 )
 
+nodes_option = click.option(
+    "--nodes",
+    default="",
+    metavar="NODES",
+    help="List only these nodes in the DBC files, for example --nodes 5,7 or --nodes 1..8.",
+)
+comments_option = click.option(
+    "--comments",
+    "language",
+    default="",
+    metavar="LANGUAGE",
+    help="The language of comments in DBC files, for example --comments zh. Files with non-English comments are UTF-8.",
+)
+
 
 def configuration() -> tuple[Configuration, Path]:
     """The configuration of the project and its folder. Errors are printed and exit the command."""
