@@ -9,7 +9,7 @@ from ..model.formatting import counted, sent
 from ..recordings.exports import bus_name, milliseconds, seconds
 from ..recordings.nodes import Choice, Nodes
 from ..recordings.recorded import Counts, Part
-from ..recordings.rows import Cell, Row
+from ..recordings.rows import CellValue, Row
 from ..recordings.summary import NodeSummary, Summary
 from .settings import known_values
 
@@ -59,18 +59,17 @@ def _fields(row: Row) -> str:
         return f"foreign: {sent(judged.recorded.frame)}"
     if judged.rejection is not None:
         return f"rejected: {judged.rejection.text} ({sent(judged.recorded.frame)})"
-    values = ", ".join(f"{cell.column.name} {value_text(cell)}" for cell in row.cells)
+    values = ", ".join(f"{c.column.name} {value_text(c.value, c.raw, c.column.unit)}" for c in row.cells)
     if judged.request is None:
         return values
     latency = f" after {milliseconds(judged.latency, 3)} ms" if judged.latency is not None else ""
     return f"{values}{'; ' if values else ''}answers #{judged.request}{latency}"
 
 
-def value_text(cell: Cell) -> str:
+def value_text(value: CellValue, raw: int, unit: str) -> str:
     """A value with its unit: `2.5 A`, `[hot, clipping]`; a raw integer without a value as `raw 155`."""
-    value, unit = cell.value, cell.column.unit
     if value is None:
-        return f"raw {cell.raw}"
+        return f"raw {raw}"
     text = f"[{', '.join(value)}]" if isinstance(value, list) else str(value)
     return f"{text} {unit}" if unit else text
 

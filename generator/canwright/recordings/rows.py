@@ -109,7 +109,7 @@ def _plan(message: Message, assignment: Assignment) -> _Plan:
     readers = []
     for field in fields:
         if field.fixed is None:
-            missing += [name for name in _needed(field.type, assignment) if name not in assignment]
+            missing += [name for name in needed(field.type, assignment) if name not in assignment]
             readers.append(_FieldReader(field, columns(field), value_reader(field.type, assignment)))
     return _Plan(tuple(readers), tuple(dict.fromkeys(missing)))
 
@@ -122,7 +122,7 @@ def columns(field: Field) -> tuple[Column, ...]:
     )
 
 
-def _needed(type_: Type, assignment: Assignment) -> Iterator[str]:
+def needed(type_: Type, assignment: Assignment) -> Iterator[str]:
     """The parameters that a value depends on."""
     if type_.is_number:
         if type_.linear.parameter is not None:

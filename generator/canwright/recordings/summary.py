@@ -78,6 +78,12 @@ class Summary:
         """Frames whose id has no message, by id; later ids of very many are counted as `other_foreign`."""
         self.other_foreign = 0
         self._waiting: dict[int, _Waiting] = {}
+        self._limits: dict[Command, int | None] = {}
+
+    @property
+    def has_rejected(self) -> bool:
+        """Whether frames of some node are no message."""
+        return any(node.rejected for node in self.nodes.values())
 
     def add(self, row: Row) -> None:
         """Counts a row."""
@@ -137,7 +143,7 @@ class Summary:
             if len(waiting.replied) >= max(1, len(waiting.command.from_each)):
                 del self._waiting[judged.request]
             if judged.latency is not None:
-                node.late += _is_late(edition, waiting.command, judged.node, judged.latency)
+                node.late += self._is_late(edition, waiting.command, judged.node, judged.latency)
         if judged.latency is not None:
             node.timed += 1
             node.latency += judged.latency
@@ -152,11 +158,14 @@ class Summary:
             if (waiting.bus, node) in self.nodes and node not in waiting.replied:
                 self.nodes[waiting.bus, node].missing += 1
 
-
-def _is_late(edition: Edition, command: Command, node: int | None, latency: int) -> bool:
-    """Whether a reply comes after the time of the spec. Nodes that answer one broadcast reply one after the other."""
-    within = edition.bus.reply_within_ms
-    if within is None or command.name in edition.slow_replies:
-        return False
-    turn = command.from_each.index(node) + 1 if node in command.from_each else 1
-    return latency > within * 1_000_000 * turn
+    def _is_late(self, edition: Edition, command: Command, node: int | None, latency: int) -> bool:
+        """Whether a reply comes after the time of the spec. Nodes that answer one broadcast reply one after the other."""
+        if command not in self._limits:
+            within = edition.bus.reply_within_ms
+            is_limited = within is not None and command.name not in edition.slow_replies
+            self._limits[command] = int(within * 1_000_000) if within is not None and is_limited else None
+        limit = self._limits[command]
+        if limit is None:
+            return False
+        from_each = command.from_each
+        return latency > limit * (from_each.index(node) + 1 if node in from_each else 1)
