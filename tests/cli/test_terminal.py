@@ -48,12 +48,12 @@ def shell(line: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
 def test_encodings_without_these_characters() -> None:
     for encoding in ("cp437", "latin-1"):
         done = shell("canwright diff v1 v2", PYTHONIOENCODING=encoding)
-        assert b"C `dim_request_t` -> `dim_to_request_t`" in done.stdout
+        assert b"C `..._COMMAND_DIM` -> `..._COMMAND_DIM_TO`" in done.stdout
     done = shell("canwright show dim; canwright identify bus.log", PYTHONIOENCODING="cp1252")
     assert b"\\u8bbe\\u5b9a ->" in done.stdout
     ascii_only = {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
     done = shell("canwright diff v1 v2 --format json", **ascii_only)
-    assert b"C `dim_request_t` \\u2192 `dim_to_request_t`" in done.stdout
+    assert b"C `\\u2026_COMMAND_DIM` \\u2192 `\\u2026_COMMAND_DIM_TO`" in done.stdout
 
 
 def test_closed_streams_and_broken_pipes() -> None:

@@ -108,7 +108,7 @@ def test_json() -> None:
     assert (found["family"], found["old"], found["new"]) == ("lamp", "v1", "v2")
     first = found["changes"][0]
     assert first["rule"] == "scale-changed" and CHANGES[first["rule"]].category.value == first["category"]
-    assert (first["impact"], first["host"], first["used_by"]) == ("silent", ["sending"], ["dim"])
+    assert (first["impact"], first["host"], first["used_by"]) == ("silent", ["sending", "receiving"], ["dim"])
     assert first["old"] == {"file": "spec/lamp/v1.yaml", "line": 7, "column": 32}
     assert first["new"] == {"file": "spec/lamp/v2.yaml", "line": 8, "column": 32}
 
@@ -116,7 +116,7 @@ def test_json() -> None:
 def test_github() -> None:
     first, second = diff("v1", "v2", "--format", "github").output.splitlines()
     assert first.startswith(
-        "::warning file=spec/lamp/v2.yaml,line=8,col=32,title=scale-changed::silent, host sending: "
+        "::warning file=spec/lamp/v2.yaml,line=8,col=32,title=scale-changed::silent, host sending and receiving: "
     )
     assert second.startswith("::notice file=spec/lamp/v2.yaml,line=10,col=3,title=command-renamed::")
 
@@ -128,11 +128,11 @@ def test_markdown_and_changelog(specs: Path) -> None:
     text = diff("v1", "v2", "--format", "markdown").output
     assert "# lamp v1 -> v2\n" in text and "## Silent: " in text
     rows = [line for line in text.splitlines() if line.startswith("| ")]
-    assert all(line.replace("\\|", "").count("|") == 7 for line in rows)
+    assert all(line.replace("\\|", "").count("|") == 8 for line in rows)
     assert "a \\| &lt;b&gt; c" in text
     section = diff("v1", "v2", "--format", "changelog").output
     assert section.startswith("## v2 (2026-01)\n\nSince v1, ")
-    assert "- **silent**, host sending: the resolution of `level` is 0.01 % (was 0.1 %)" in section
+    assert "- **silent**, host sending and receiving: the resolution of `level` is 0.01 % (was 0.1 %)" in section
     assert "### Documents\n\n- A title is changed: `dim`" in section
 
 
@@ -232,7 +232,7 @@ def test_wrong_arguments() -> None:
 
 
 def test_reports_for_build_servers(specs: Path) -> None:
-    text = NEW.replace("    code", "    title: a </details> <b> |\n    code")
+    text = NEW.replace("    code", "    renamed_from: dim\n    title: a </details> <b> |\n    code")
     (specs / "v2.yaml").write_text(text, "utf-8")
     suite = ElementTree.fromstring(diff("v1", "v2", "--format", "junit").output)[0]
     assert (suite.get("tests"), suite.get("failures")) == ("3", "1")

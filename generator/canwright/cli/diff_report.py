@@ -7,7 +7,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from xml.etree import ElementTree
 
-from ..compare import Category, Change, Impact, Item, by_impact, compare
+from ..compare import (
+    REASONS,
+    Category,
+    Change,
+    Impact,
+    Item,
+    Witness,
+    by_impact,
+    compare,
+    examples,
+    reason_without_witness,
+)
 from ..compare.positions import positions
 from ..diagnostics.diagnostic import Position
 from ..diagnostics.unicode_safety import visible
@@ -147,8 +158,20 @@ def _text(comparison: Comparison) -> str:
             lines.append(f"  {impact}  {change.rule.category.value:5}  {change.says()} [{change.rule.id}]")
             affected = _affected(change) and f"{_affected(change)}; "
             lines.append(f"                 {affected}{_location(old)} -> {_location(new)}")
+            lines += (f"                 {line}" for line in _examples(change))
         lines.append("")
     return "\n".join([*lines, comparison.summary])
+
+
+def _examples(change: Change) -> list[str]:
+    """The witnesses of a change, one for each side, or why it has none."""
+    reason = reason_without_witness(change)
+    return [REASONS[reason]] if reason else [_example(witness) for witness in examples(change)]
+
+
+def _example(witness: Witness) -> str:
+    condition = f"[{witness.condition}] " if witness.assignment else ""
+    return f"{witness.impact.value}: {condition}{witness.says()}"
 
 
 def _location(at: Position) -> str:
@@ -173,8 +196,12 @@ def _markdown(comparison: Comparison) -> str:
     for impact in Impact:
         changes = [change for change in comparison.changes if change.impact is impact]
         if changes:
-            lines += [f"## {_MEANING[impact]}", "", "| item | change | kind | host | old | new |"]
-            lines += ["| --- | --- | --- | --- | --- | --- |", *(_row(comparison, change) for change in changes), ""]
+            lines += [f"## {_MEANING[impact]}", "", "| item | change | frame | kind | host | old | new |"]
+            lines += [
+                "| --- | --- | --- | --- | --- | --- | --- |",
+                *(_row(comparison, change) for change in changes),
+                "",
+            ]
     return "\n".join(lines).rstrip("\n")
 
 
@@ -183,7 +210,8 @@ def _row(comparison: Comparison, change: Change) -> str:
     host = ", ".join(side.value for side in change.sides)
     kind = f"{change.rule.category.value} `{change.rule.id}`"
     locations = [markdown_text(f"{at.file}:{at.line}") for at in (old, new)]
-    return f"| {' | '.join([str(change.item), change.says(escape=markdown_text), kind, host, *locations])} |"
+    frames = "<br>".join(_examples(change))
+    return f"| {' | '.join([str(change.item), change.says(escape=markdown_text), frames, kind, host, *locations])} |"
 
 
 def _changelog(comparison: Comparison) -> str:
@@ -237,6 +265,8 @@ def _json(comparison: Comparison) -> dict[str, object]:
             "item": {"kind": change.item.kind, "name": change.item.name},
             "message": change.says(),
             "used_by": list(change.used_by),
+            "witnesses": list(map(_witness, change.witnesses)),
+            "no_witness": reason_without_witness(change) or None,
             "old": location(comparison.positions(change)[0]),
             "new": location(comparison.positions(change)[1]),
         }
@@ -247,6 +277,16 @@ def _json(comparison: Comparison) -> dict[str, object]:
     ]
     old, new = comparison.old.specification.edition, comparison.new.specification.edition
     return {"family": old.family, "old": old.name, "new": new.name, "changes": changes, "accepted": accepted}
+
+
+def _witness(witness: Witness) -> dict[str, object]:
+    return {
+        "host": witness.side.value,
+        "impact": witness.impact.value,
+        "parameters": dict(witness.assignment),
+        "frame": witness.sent or None,
+        "message": witness.says(),
+    }
 
 
 def _github(comparison: Comparison) -> str:

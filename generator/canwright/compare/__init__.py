@@ -1,7 +1,8 @@
 """Two editions compared: every change, its category, and who is affected.
 
-Belongs here: matching the items of two editions, the catalogue of changes, and their impact. What names a target
-exports is passed in. Imports `diagnostics` and `model`.
+Belongs here: matching the items of two editions, the catalogue of changes, and their impact, which follows from frames
+that both editions decode (`witnesses`, `verdicts`). What names a target exports is passed in. Imports `diagnostics`,
+`model` and `semantics`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from .catalogue import CHANGES as CHANGES
 from .change import Category as Category, Change as Change, Impact as Impact, Item as Item, Side as Side
 from .collector import Collector
 from .exported_names import ExportedNames, Exporter
+from .verdicts import examples as examples, judged, reason_without_witness as reason_without_witness
+from .witnesses import REASONS as REASONS, SENTENCES as SENTENCES, Witness as Witness, observe
 
 _CATEGORIES, _IMPACTS = list(Category), list(Impact)
 
@@ -27,7 +30,7 @@ def compare(old: Edition, new: Edition, exporters: Sequence[Exporter] = ()) -> t
     old = renames.compare(found, old, new)
     edition_changes.compare(found, old, new)
     commands.compare(found, old, new)
-    return tuple(found)
+    return judged(tuple(found), observe(old, new))
 
 
 def by_impact(changes: tuple[Change, ...]) -> tuple[Change, ...]:

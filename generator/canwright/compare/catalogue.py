@@ -101,6 +101,11 @@ _WIRE = (
         "`{name}` has the type `{new}` (was `{old}`): {changes}",
     ),
     ("byte-order-changed", "The byte order is changed.", "`{name}` is {new}-endian (was {old}-endian)"),
+    (
+        "frames-affected",
+        "Frames of a command are understood differently because of a change of another command.",
+        "frames of `{name}` are understood differently because of a change of another command",
+    ),
 )
 _VALUE = (
     ("scale-changed", "A scale is changed.", "the resolution of `{name}`{when} is {new} (was {old})"),

@@ -6,10 +6,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.message import Direction, Entry
-from ..model.types import Text
+from ..model.types import Assignment, Text
+
+if TYPE_CHECKING:
+    from .witnesses import Witness
 
 
 class Category(str, Enum):
@@ -58,6 +62,15 @@ Fact = str | Text | tuple["Fact", ...]
 """What a sentence is filled with; a text in several languages where it is the spec's, parts where it is of several."""
 
 
+def filled(fact: Fact, language: str, words: Mapping[str, str], escape: Callable[[str], str]) -> str:
+    """A fact as text in a language."""
+    if isinstance(fact, Word):
+        return words.get(fact, fact)
+    if isinstance(fact, tuple):
+        return "".join(filled(part, language, words, escape) for part in fact)
+    return fact if isinstance(fact, str) else escape(fact.get(language) or next(iter(fact.values()), ""))
+
+
 @dataclass(frozen=True)
 class ChangeRule:
     """An id for people to look up, and the sentence, with names of facts in braces, that describes a change."""
@@ -85,7 +98,11 @@ class Item:
 
 @dataclass(frozen=True)
 class Change:
-    """One change. `old` and `new` are its paths in the specs; `used_by` are the commands it affects."""
+    """One change. `old` and `new` are its paths in the specs; `used_by` are the commands it affects.
+
+    `cases` are the parameter values under which it applies, all if empty. `witnesses` are the frames that demonstrate
+    it, the worst of each side first.
+    """
 
     rule: ChangeRule
     item: Item
@@ -95,6 +112,8 @@ class Change:
     impact: Impact
     sides: tuple[Side, ...]
     used_by: tuple[str, ...]
+    cases: tuple[Assignment, ...] = ()
+    witnesses: tuple[Witness, ...] = ()
 
     def says(
         self,
@@ -107,12 +126,5 @@ class Change:
 
         `escape` makes texts of the spec safe where the sentence goes; names and numbers are safe everywhere.
         """
-
-        def filled(fact: Fact) -> str:
-            if isinstance(fact, Word):
-                return words.get(fact, fact)
-            if isinstance(fact, tuple):
-                return "".join(map(filled, fact))
-            return fact if isinstance(fact, str) else escape(fact.get(language) or next(iter(fact.values()), ""))
-
-        return (sentence or self.rule.says).format_map({name: filled(fact) for name, fact in self.facts.items()})
+        facts = {name: filled(fact, language, words, escape) for name, fact in self.facts.items()}
+        return (sentence or self.rule.says).format_map(facts)

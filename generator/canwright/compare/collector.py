@@ -9,7 +9,7 @@ from typing import Generic, Protocol, TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.types import Text
+from ..model.types import Assignment, Text
 from .catalogue import CHANGES
 from .change import Change, Fact, Impact, Item, Side, Word
 from .exported_names import ExportedNames
@@ -80,16 +80,25 @@ class Collector:
         """An empty collector, for changes that are parts of one."""
         return Collector(self._names)
 
-    def add(self, rule: str, item: Item, places: Places, impact: Impact, use: Use, /, **facts: Fact) -> None:
-        """Adds a change by `rule` of something at `places`."""
+    def add(
+        self,
+        rule: str,
+        item: Item,
+        places: Places,
+        impact: Impact,
+        use: Use,
+        cases: tuple[Assignment, ...] = (),
+        /,
+        **facts: Fact,
+    ) -> None:
+        """Adds a change by `rule` of something at `places`; the impact counts unless there can be witnesses."""
         old, new = self._original(places[0]), places[1]
         key = (rule, item, tuple((name, _frozen(fact)) for name, fact in facts.items()), old, new)
         known = self._changes.get(key)
-        change = Change(CHANGES[rule], item, facts, old, new, impact, use.sides, use.commands)
+        change = Change(CHANGES[rule], item, facts, old, new, impact, use.sides, use.commands, cases)
         if known is not None:
             worst = min(known.impact, impact, key=_ORDER.index)
-            affected = [*(known.sides if known.impact is worst else ()), *(use.sides if impact is worst else ())]
-            sides = tuple(side for side in Side if side in affected)
+            sides = tuple(side for side in Side if side in (*known.sides, *use.sides))
             used_by = tuple(dict.fromkeys((*known.used_by, *use.commands)))
             change = dataclasses.replace(change, impact=worst, sides=sides, used_by=used_by)
         self._changes[key] = change

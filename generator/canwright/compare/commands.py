@@ -127,7 +127,7 @@ def _subject(command: Command, other: Edition) -> tuple[str, Item, DocumentPath,
 
 
 def _command(found: Collector, both: Editions, old: Command, new: Command) -> None:
-    use = Use((Side.SENDING,), (old.group,))
+    use = Use((Side.SENDING if old.request else Side.RECEIVING,), (old.group,))
     if old.entry and new.entry and old.entry.name != new.entry.name:
         names = {"old": old.entry.name, "new": new.entry.name}
         found.renamed("entry-renamed", Item.of_entry(old.entry), paths(old.entry, new.entry), use, **names)

@@ -10,7 +10,7 @@ from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Field, Layout
 from ..model.message import Command, Message
-from ..model.types import Text, Type
+from ..model.types import Member, Text, Type
 
 
 class Named(Protocol):
@@ -102,14 +102,24 @@ def same_title(one: Titled, other: Titled) -> bool:
     return one.title == other.title or all(set(t.title.values()) <= {formatting.spoken(t.name)} for t in (one, other))
 
 
+def members(old: Sequence[Member], new: Sequence[Member]) -> Matched[Member]:
+    """Members of one name or a former name; of one value and one title."""
+    return renamable(old, new).also(lambda a, b: a.value == b.value and same_title(a, b))
+
+
 def commands(old: Edition, new: Edition) -> Matched[Command]:
     """Commands of one name or a former name; of one title and one code with the same bits, or fields of the same names.
 
     What has another name and another title has another meaning.
     """
 
+    before, after = ({command.group for command in edition.commands} for edition in (old, new))
+
+    def may_be_renamed(one: Command, other: Command) -> bool:
+        return one.group == other.group or not (one.group in after or other.group in before)
+
     def same_names(one: Command, other: Command) -> bool:
-        return code_of(one) == code_of(other) and _same_titles(one, other)
+        return code_of(one) == code_of(other) and _same_titles(one, other) and may_be_renamed(one, other)
 
     def same_fields(one: Command, other: Command) -> bool:
         return same_names(one, other) and _names(one) == _names(other)
@@ -118,7 +128,7 @@ def commands(old: Edition, new: Edition) -> Matched[Command]:
         return same_names(one, other) and _content(one) == _content(other)
 
     def same_purpose(one: Command, other: Command) -> bool:
-        return one.title == other.title and _content(one) == _content(other)
+        return one.title == other.title and _content(one) == _content(other) and may_be_renamed(one, other)
 
     matched = by_former_name(old.commands, new.commands, lambda command: command.former_names)
     return matched.also(same_frames, same_fields, same_purpose)

@@ -6,15 +6,25 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 from ..model import formatting
-from ..model.types import Bound, Dependent, Linear, Member, Range, Type
+from ..model.types import Assignment, Bound, Dependent, Linear, Member, Range, Type
+from . import match
 from .change import Impact, Item, Side, Word
 from .collector import Attribute, Collector, Places, Use, at
-from .match import renamable, same_title
 
 T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Case(Generic[T]):
+    """What two types have under some parameter values; `when` is empty, or ` [series A, B]`."""
+
+    when: str
+    assignments: tuple[Assignment, ...]
+    old: T | None
+    new: T | None
 
 
 @dataclass(frozen=True)
@@ -28,10 +38,10 @@ class Pair:
     places: Places
     use: Use
 
-    def add(self, found: Collector, rule: str, impact: Impact, key: str, when: str, old: str, new: str) -> None:
+    def add(self, found: Collector, rule: str, impact: Impact, key: str, case: Case[T], old: str, new: str) -> None:
         """Adds a change of a number that may depend on parameters."""
-        facts = {"name": self.name, "when": when, "old": old, "new": new}
-        found.add(rule, self.item, at(self.places, key), impact, self.use, **facts)
+        facts = {"name": self.name, "when": case.when, "old": old, "new": new}
+        found.add(rule, self.item, at(self.places, key), impact, self.use, case.assignments, **facts)
 
 
 _UNIT = Attribute[Type]("unit-changed", "unit", lambda t: t.unit.symbol if t.unit else Word("no unit"), Impact.SILENT)
@@ -61,23 +71,25 @@ def _scale(linear: Linear | None) -> object:
 def _scales(found: Collector, pair: Pair) -> bool:
     """Adds changes of scales; whether there are any of their values."""
     changed = False
-    for when, one, other in _cases(pair.old.linear, pair.new.linear):
+    for case in _cases(pair.old.linear, pair.new.linear):
+        one, other = case.old, case.new
         shown = _scale_shown(one, pair.old), _scale_shown(other, pair.new)
         if _scale(one) != _scale(other):
-            pair.add(found, "scale-changed", Impact.SILENT, "scale", when, *shown)
+            pair.add(found, "scale-changed", Impact.SILENT, "scale", case, *shown)
             changed = True
         elif one and other and one.printed != other.printed and not one.is_identity:
-            pair.add(found, "scale-rewritten", Impact.SAFE, "scale", when, *shown)
+            pair.add(found, "scale-rewritten", Impact.SAFE, "scale", case, *shown)
     return changed
 
 
 def _offsets(found: Collector, pair: Pair) -> bool:
     """Adds changes of offsets; whether there are any."""
     changed = False
-    for when, one, other in _cases(_offsets_of(pair.old.linear), _offsets_of(pair.new.linear)):
+    for case in _cases(_offsets_of(pair.old.linear), _offsets_of(pair.new.linear)):
+        one, other = case.old, case.new
         if one is not None and other is not None and one != other:
             pair.add(
-                found, "offset-changed", Impact.SILENT, "offset", when, one + _unit(pair.old), other + _unit(pair.new)
+                found, "offset-changed", Impact.SILENT, "offset", case, one + _unit(pair.old), other + _unit(pair.new)
             )
             changed = True
     return changed
@@ -104,7 +116,8 @@ def _ranges(found: Collector, pair: Pair) -> bool:
     changed = False
     if _same_values(pair.old, pair.new):
         return changed
-    for when, one, other in _cases(pair.old.raw_range, pair.new.raw_range):
+    for case in _cases(pair.old.raw_range, pair.new.raw_range):
+        one, other = case.old, case.new
         old, new = one or _whole(pair.old), other or _whole(pair.new)
         if old == new or one is other is None:
             continue
@@ -114,7 +127,7 @@ def _ranges(found: Collector, pair: Pair) -> bool:
         )
         shown = [Word("not limited") if limits is None else formatting.span(limits) for limits in (one, other)]
         impact = Impact.SILENT if affected else Impact.SAFE
-        pair.add(found, "range-changed", impact, "raw_range", when, shown[0], shown[1])
+        pair.add(found, "range-changed", impact, "raw_range", case, shown[0], shown[1])
     return changed
 
 
@@ -160,22 +173,24 @@ def _within(inner: Range, outer: Range) -> bool:
     return outer.low.constant <= inner.low.constant and inner.high.constant <= outer.high.constant
 
 
-def _cases(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, T | None, T | None]]:
-    """Where two differ, cases that differ alike together: (` [series A, B]` or nothing, old, new)."""
-    groups: list[tuple[list[str], T | None, T | None]] = []
+def _cases(old: Dependent[T], new: Dependent[T]) -> Iterator[Case[T]]:
+    """Where two differ, cases that differ alike together."""
+    groups: list[tuple[list[str], list[Assignment], T | None, T | None]] = []
     for name, assignment in _assignments(old, new):
         one, other = old.at(assignment), new.at(assignment)
-        known = next((group for group in groups if (group[1], group[2]) == (one, other)), None)
+        known = next((group for group in groups if group[2:] == (one, other)), None)
         if known is None:
-            groups.append(([name], one, other))
+            groups.append(([name], [assignment], one, other))
         else:
             known[0].append(name)
+            known[1].append(assignment)
     parameters = "" if len({old.parameter, new.parameter} - {None}) > 1 else f"{old.parameter or new.parameter} "
-    for group, one, other in groups:
-        yield ("" if group == [""] else f" [{parameters}{', '.join(group)}]"), one, other
+    for names, assignments, one, other in groups:
+        when = "" if names == [""] else f" [{parameters}{', '.join(names)}]"
+        yield Case(when, tuple(assignments) if when else (), one, other)
 
 
-def _assignments(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, dict[str, str]]]:
+def _assignments(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, Assignment]]:
     """Every value of the parameters that two depend on, with a name."""
     if old.parameter and new.parameter and old.parameter != new.parameter:
         for a, b in itertools.product(old.cases, new.cases):
@@ -191,7 +206,7 @@ def _assignments(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, di
 
 
 def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], new: tuple[Member, ...]) -> None:
-    matched = renamable(old, new).also(lambda a, b: a.value == b.value and same_title(a, b))
+    matched = match.members(old, new)
     sides, parents = pair.use.sides, at(pair.places, key)
     for one, other in matched.pairs:
         places = (*parents[0], one.name), (*parents[1], other.name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -10,11 +11,11 @@ from typing import NamedTuple
 from ..model.edition import Edition
 from ..model.layout import Element, Field, ReservedRole, Space
 from ..model.message import Direction, IdRule, Message
-from ..model.types import Type
+from ..model.types import Encoding, Type
 from ..semantics.candidates import Candidates
 from ..semantics.decoder import Decoder, Identified, Rejection, rejects_constants
 from ..semantics.exchange import check_reply
-from ..semantics.frame import CanFrame, data_bits, has_id_rule, node_of, raw_of
+from ..semantics.frame import CanFrame, data_bits, has_id, has_id_rule, node_of, wrong_constants
 
 
 class Channel(NamedTuple):
@@ -39,27 +40,40 @@ class Bits(NamedTuple):
     value: int
 
 
+class Limit(NamedTuple):
+    """Bits of the data that do not all have a meaning: shift, mask and position of each part, and the allowed values."""
+
+    parts: tuple[tuple[int, int, int], ...]
+    allows: Callable[[int], bool]
+
+
 @dataclass(frozen=True, eq=False)
 class Form:
-    """A message that a frame can be. Other `constants` are rejected; other `reserved` bits are ignored by a receiver."""
+    """A message that a frame can be; `has_constants` is false if a constant in the id differs.
+
+    Data with other `constants` is rejected. Data with other `reserved` bits, or beyond the limits, is not sent by a
+    program that obeys the spec, but received.
+    """
 
     message: Message
     node: int | None
-    constants: Bits
+    constants: Bits | None
     reserved: Bits
-    limits: tuple[tuple[Field, Callable[[int], bool]], ...]
-    """Fields with names or a range, and whether a raw integer has a name or is in the range."""
+    limits: tuple[Limit, ...]
 
     def has_constants(self, data: int) -> bool:
-        return data & self.constants.mask == self.constants.value
+        """Whether all constants have their values."""
+        return self.constants is not None and data & self.constants.mask == self.constants.value
 
-    def is_regular(self, data: int, frame: CanFrame) -> bool:
-        """Whether a sender that obeys the spec can send this data: reserved bits, names and ranges."""
+    def is_regular(self, data: int) -> bool:
+        """Whether a program that obeys the spec can send this data."""
         if data & self.reserved.mask != self.reserved.value:
             return False
-        for limited, allows in self.limits:
-            raw = raw_of(limited, frame)
-            if not (all(map(allows, raw)) if isinstance(raw, list) else allows(raw)):
+        for parts, allows in self.limits:
+            raw = 0
+            for shift, mask, position in parts:
+                raw |= (data >> shift & mask) << position
+            if not allows(raw):
                 return False
         return True
 
@@ -80,13 +94,26 @@ class FrameKind:
     replies: tuple[Form, ...]
     opens: tuple[Opened, ...]
     answers: tuple[Channel, ...]
+    with_constants: frozenset[Message]
     _replies_to: dict[FrameKind, Identified | None] = field(default_factory=dict)
 
     @cached_property
     def is_distinct(self) -> bool:
-        """Whether a reply can set bits that the request reserves."""
-        reserved = self.request.reserved.mask if self.request else -1
-        return any(reserved & ~reply.reserved.mask for reply in self.replies)
+        """Whether a reply can have data that the request does not allow."""
+        if self.request is None or self.request.limits:
+            return True
+        return any(self.request.reserved.mask & ~reply.reserved.mask for reply in self.replies)
+
+    @cached_property
+    def is_shared(self) -> bool:
+        """Whether a frame of any data can be a reply, and be a request but for its reserved bits and limits."""
+        forms = [*self.replies, *([self.request] if self.request else [])]
+        return (
+            self.only is None
+            and len(forms) > 1
+            and not any(form.constants is None or form.constants.mask for form in forms)
+            and self.request is not None
+        )
 
     @cached_property
     def is_echoed(self) -> bool:
@@ -109,10 +136,19 @@ class FrameKind:
             self._replies_to[asking] = _answer(self.decoder, request, reply)
         return self._replies_to[asking]
 
+    @cached_property
+    def reply_within(self) -> int | None:
+        """The time in ns within which the reply has arrived: that of the spec, and as much again to send it."""
+        within = self.edition.bus.reply_within_ms
+        is_slow = self.request is None or self.request.message.command in self.edition.slow_replies
+        return None if within is None or is_slow else int(2 * within * 1_000_000)
+
     def rejection(self, direction: Direction, frame: CanFrame) -> Rejection | None:
         """The reason why a frame is no message of a direction; None if it is one."""
         found = self.identified[direction]
-        return found if isinstance(found, Rejection) else rejects_constants(found.message, frame, {})
+        if isinstance(found, Rejection):
+            return found
+        return rejects_constants(found.message, frame, {}) if found.message in self.with_constants else None
 
 
 class FrameKinds:
@@ -123,6 +159,9 @@ class FrameKinds:
         self.number = number
         self._decoder = Decoder(edition)
         self._candidates = Candidates(edition)
+        self._with_constants = frozenset(
+            m for m in edition.all_messages() if any(f.demanded is not None for f in m.layout.fields)
+        )
         rules = dict.fromkeys(reply.id for reply in edition.messages(Direction.REPLY))
         self._rules = {rule: index for index, rule in enumerate(rules)}
 
@@ -140,7 +179,8 @@ class FrameKinds:
         identified = {direction: self._decoder.identify(direction, frame) for direction in Direction}
         forms = [_form(message, frame) for message in self._candidates.of(frame)]
         requests = [form for form in forms if form.message.direction is Direction.REQUEST]
-        having = [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
+        having = [message for message in self.edition.all_messages() if has_id(message, frame)]
+        having = having or [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
         directions = {message.direction for message in having}
         sources = [(message.id, node_of(message, frame)) for message in having if message.direction is Direction.REPLY]
         return FrameKind(
@@ -152,6 +192,7 @@ class FrameKinds:
             replies=tuple(form for form in forms if form.message.direction is Direction.REPLY),
             opens=self._opens(requests[0]) if requests else (),
             answers=tuple(dict.fromkeys(self._channel(rule, n) for rule, node in sources for n in (node, None))),
+            with_constants=self._with_constants,
         )
 
     def _opens(self, request: Form) -> tuple[Opened, ...]:
@@ -176,15 +217,17 @@ def _form(message: Message, frame: CanFrame) -> Form:
     fields = message.layout.fields
     always = [f for f in fields if not f.only]
     ignored = [f for f in always if isinstance(f.role, ReservedRole)]
+    constant = [f for f in always if f.demanded is not None]
     free = data_bits((f.space, e.segments) for f in fields if f not in ignored for e in f.elements)
     keys = data_bits((key.space, key.segments) for key in message.keys)
-    everything = (1 << 8 * len(frame.data)) - 1
+    in_id = [f for f in constant if f.space is Space.ID]
+    limited = [(f, _allows(f.type)) for f in always if f.fixed is None and f.space is Space.DATA]
     return Form(
         message=message,
         node=node_of(message, frame),
-        constants=_bits(f for f in always if f.demanded is not None),
-        reserved=Bits(everything & ~(free | keys), _bits(ignored).value),
-        limits=tuple((f, _allows(f.type)) for f in always if f.fixed is None and _is_limited(f.type)),
+        constants=None if wrong_constants(in_id, frame) else _bits(constant),
+        reserved=Bits((1 << 8 * len(frame.data)) - 1 & ~(free | keys), _bits(ignored).value),
+        limits=tuple(Limit(_parts(e), allows) for f, allows in limited if allows for e in f.elements),
     )
 
 
@@ -192,30 +235,30 @@ def _bits(fields: Iterable[Field]) -> Bits:
     """The data bits of fields that always have the same raw value."""
     mask = value = 0
     for one in fields:
-        for element in one.elements if one.space is Space.DATA and one.fixed is not None else ():
-            mask |= data_bits([(one.space, element.segments)])
-            value |= _placed(element, one.fixed or 0)
+        for element in one.elements if one.space is Space.DATA else ():
+            for shift, ones, position in _parts(element):
+                mask |= ones << shift
+                value |= ((one.fixed or 0) >> position & ones) << shift
     return Bits(mask, value)
 
 
-def _placed(element: Element, raw: int) -> int:
-    return sum((raw >> s.raw_low & (1 << s.width) - 1) << s.byte * 8 + s.low for s in element.segments)
+def _parts(element: Element) -> tuple[tuple[int, int, int], ...]:
+    """Shift, mask and position in the raw integer of each segment."""
+    return tuple((s.byte * 8 + s.low, (1 << s.width) - 1, s.raw_low) for s in element.segments)
 
 
-def _is_limited(type_: Type) -> bool:
-    return bool(type_.enum or type_.flags or type_.raw_range.parameter or type_.raw_range.constant)
-
-
-def _allows(type_: Type) -> Callable[[int], bool]:
-    """Whether a sender can send a raw integer, under some parameters."""
-    if type_.enum:
-        return frozenset(member.value for member in type_.enum).__contains__
+def _allows(type_: Type) -> Callable[[int], bool] | None:
+    """Whether the raw bits of a type have a name, or are in the range of some parameters; None if all are."""
+    full = 1 << type_.width
     if type_.flags:
         unnamed = ~sum(1 << flag.value for flag in type_.flags)
-        return lambda raw: not raw & unnamed
+        return lambda bits: not bits & unnamed
+    if type_.enum:
+        return frozenset(member.value % full for member in type_.enum).__contains__
     spans = [span for _, span in type_.raw_range.distinct()]
-    if any(span is None or not span.is_constant for span in spans):
-        return lambda _: True
-    low = min(span.low.constant for span in spans if span)
-    high = max(span.high.constant for span in spans if span)
-    return lambda raw: low <= raw <= high
+    if type_.encoding is Encoding.FLOAT or not all(span is not None and span.is_constant for span in spans):
+        return None
+    low = math.ceil(min(span.low.constant for span in spans if span is not None))
+    high = math.floor(max(span.high.constant for span in spans if span is not None))
+    sign = full >> 1 if type_.encoding is Encoding.SIGNED else full
+    return lambda bits: low <= (bits - full if bits & sign else bits) <= high

@@ -62,10 +62,7 @@ class Decoder:
 
     def identify(self, direction: Direction, frame: CanFrame) -> Identified | Rejection:
         """The message that a frame is, without knowledge of its request."""
-        known = (direction, frame.id, frame.extended, frame.remote)
-        if known not in self._of_id:
-            self._of_id[known] = self._route(direction, frame)
-        found = self._of_id[known]
+        found = self._route(direction, frame)
         if found is None:
             kind = ("29-bit " if frame.extended else "") + ("remote " if frame.remote else "")
             return Rejection(Refusal.UNKNOWN_ID, f"no {direction.value} has the {kind}id 0x{frame.id:X}")
@@ -85,10 +82,19 @@ class Decoder:
             return Rejection(_REASONS.get(wrong.part, Refusal.UNKNOWN_ID), wrong.text)
         return _fields(Identified(message, node_of(message, frame)), frame, assignment)
 
+    def decisions(self, direction: Direction, frame: CanFrame) -> Node | None:
+        """The decisions between the messages that have the id of a frame; None without such a message."""
+        found = self._route(direction, frame)
+        return None if found is None else found[0].then
+
     def _route(self, direction: Direction, frame: CanFrame) -> tuple[Route, int | None] | None:
-        kind = (frame.extended, frame.remote)
-        routes = (e for e in self._routes[direction] if (e.rule.extended, e.remote) == kind and e.contains(frame.id))
-        return next(((route, route.node(frame.id)) for route in routes), None)
+        known = (direction, frame.id, frame.extended, frame.remote)
+        if known not in self._of_id:
+            kind = (frame.extended, frame.remote)
+            routes = (r for r in self._routes[direction] if (r.rule.extended, r.remote) == kind)
+            having = (route for route in routes if route.contains(frame.id))
+            self._of_id[known] = next(((route, route.node(frame.id)) for route in having), None)
+        return self._of_id[known]
 
 
 _REASONS = {"length": Refusal.WRONG_LENGTH, "keys": Refusal.UNKNOWN_CODE}

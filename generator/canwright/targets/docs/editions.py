@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Literal, NamedTuple
 
-from ...compare import Category, Change, Impact
+from ...compare import REASONS, Category, Change, Impact, examples, reason_without_witness
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.message import Command, Direction, KeyRole
 from ...templating.markup import code, markdown, spaced
 from .tables import code_of, index as index_of
 
-Wording = Mapping[Literal["sentences", "words"], Mapping[str, str]]
-"""Sentences of changes by rule, and the words inserted into them, in one language."""
-ENGLISH: Wording = {"sentences": {}, "words": {}}
+Wording = Mapping[Literal["sentences", "words", "witnesses", "reasons"], Mapping[str, str]]
+"""Sentences of changes by rule, words inserted into them, and sentences about witnesses, in one language."""
+ENGLISH: Wording = {"sentences": {}, "words": {}, "witnesses": {}, "reasons": REASONS}
 """The sentences of the comparison, unchanged."""
 
 
@@ -23,6 +23,7 @@ class ChangeLine(NamedTuple):
 
     what: str
     change: str
+    frames: str
     kind: str
     host: str
 
@@ -111,7 +112,13 @@ def changes(
         sentence = change.says(language, wording["sentences"].get(change.rule.id), wording["words"], markdown)
         host = labels["listed"].join(labels[f"host_{side.value}"] for side in change.sides)
         what = f"{labels[f'item_{change.item.kind}']} {code(change.item.name)}".rstrip()
-        return ChangeLine(what, spaced(sentence), labels[f"kind_{change.rule.category.value}"], host)
+        return ChangeLine(
+            what,
+            spaced(sentence),
+            spaced(_frames(change, language, wording)),
+            labels[f"kind_{change.rule.category.value}"],
+            host,
+        )
 
     def is_document(change: Change) -> bool:
         return change.rule.category is Category.DOC
@@ -124,6 +131,18 @@ def changes(
         old,
         tuple((impact, lines) for impact, lines in sections if lines),
         tuple(dict.fromkeys(line(change) for change in found if is_document(change))),
+    )
+
+
+def _frames(change: Change, language: str, wording: Wording) -> str:
+    """The witnesses of a change, one for each side, or why it has none."""
+    reason = reason_without_witness(change)
+    if reason:
+        return wording["reasons"][reason]
+    return "<br>".join(
+        (f"[{witness.condition}] " if witness.assignment else "")
+        + witness.says(language, wording["witnesses"].get(witness.sentence), wording["words"], markdown)
+        for witness in examples(change)
     )
 
 

@@ -1,0 +1,428 @@
+"""What becomes of the frames of one edition in the other: which message they are, and whether they are an answer.
+
+The id, the other distinguishing bits, and the fields are compared one after the other: a frame whose id is another in
+the other edition is also tried with the correct id, and fields are compared as if the message had been identified.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from ...diagnostics.diagnostic import DocumentPath
+from ...model.edition import Edition
+from ...model.layout import NodeRole, Space
+from ...model.message import Command, Direction, IdRule, Message
+from ...model.types import Assignment
+from ...semantics.decoder import Decoder, Identified, Rejection, rejects_constants
+from ...semantics.encoder import Encoder, Encoders
+from ...semantics.exchange import check_reply
+from ...semantics.frame import CanFrame, raw_of
+from ..change import Fact, Impact, Side, Word
+from . import candidates
+from .assignments import Assignments
+from .counterparts import Counterparts
+from .reading import Reading, Transfer, shown
+from .witness import Aspect, Observation, Witness
+
+MOST_NODES = 64
+"""So many nodes are tried where an id rule differs: the first ones, and as many of the last ones."""
+MOST_FIELDS = 4
+"""So many fields of a foreign message are shown."""
+
+
+class _Case(NamedTuple):
+    """A command of both editions on one side; one of them is None if only the other edition has it."""
+
+    side: Side
+    old: Command | None
+    new: Command | None
+
+    @property
+    def both(self) -> tuple[Command, ...]:
+        return tuple(command for command in (self.old, self.new) if command is not None)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        layouts = [m.layout.parameter for c in self.both for m in (c.request, c.reply) if m is not None]
+        return tuple(dict.fromkeys((*(p for p in layouts if p), *(p for c in self.both for p in c.only))))
+
+
+class Behaviour:
+    """Observes both directions between an old host and a new node."""
+
+    def __init__(self, old: Edition, new: Edition) -> None:
+        self._counterparts = Counterparts(old, new)
+        self._assignments = Assignments(old, new)
+        self._reading = Reading(self._counterparts, self._assignments)
+        self._encoders = Encoders()
+        self._editions = {Side.SENDING: (old, new), Side.RECEIVING: (new, old)}
+        decoders = Decoder(old), Decoder(new)
+        self._decoders = {Side.SENDING: decoders, Side.RECEIVING: decoders[::-1]}
+        """The decoders of the sender and of the receiver."""
+
+    def observations(self) -> Iterator[Observation]:
+        """Every witness that was found."""
+        pairs = self._counterparts
+        for old, new in pairs.commands:
+            yield from self._available(_Case(Side.SENDING, old, new))
+            yield from self._sending(_Case(Side.SENDING, old, new))
+            yield from self._receiving(_Case(Side.RECEIVING, old, new))
+        for old in pairs.removed:
+            if old.request is not None:
+                yield from self._identified(_Case(Side.SENDING, old, None), old.request, None)
+            elif old.reply is not None:
+                yield self._absent(_Case(Side.RECEIVING, old, None), "received-removed", old.reply)
+        for new in pairs.added:
+            if new.request is None and new.reply is not None:
+                yield from self._identified(_Case(Side.RECEIVING, None, new), new.reply, None)
+
+    def _sending(self, case: _Case) -> Iterator[Observation]:
+        old, new = case.both
+        if old.request is None:
+            return
+        yield from self._identified(case, old.request, new.request)
+        if new.request is not None:
+            yield from self._read(case, old.request, new.request)
+
+    def _receiving(self, case: _Case) -> Iterator[Observation]:
+        old, new = case.both
+        if old.reply is None:
+            if new.reply is not None:
+                yield from self._identified(case, new.reply, None)
+        elif new.reply is None:
+            if old.request is None:
+                yield self._absent(case, "received-removed", old.reply)
+            else:
+                facts = {"sent": f"`{old.name}`"}
+                request = self._first(old.request)
+                yield self._made(case, Aspect.PRESENCE, Impact.LOUD, {}, request, "sent-unanswered", facts)
+        else:
+            if old.request is None and new.request is not None:
+                yield self._absent(case, "received-missing", old.reply)
+            yield from self._identified(case, new.reply, old.reply)
+            if old.request is not None and new.request is not None:
+                yield from self._answers(case, old.request, old.reply, new.reply)
+            yield from self._read(case, new.reply, old.reply)
+
+    def _available(self, case: _Case) -> Iterator[Observation]:
+        """The parameter values under which only the old edition has a command."""
+        old, new = case.both
+        if old.only == new.only:
+            return
+        for assignment in self._assignments.of((*old.only, *new.only)):
+            if old.available(assignment) and not new.available(assignment):
+                if old.request is not None:
+                    frame = self._first(old.request)
+                    facts = {"sent": f"`{old.name}`"}
+                    yield self._made(case, Aspect.PRESENCE, Impact.LOUD, assignment, frame, "sent-unavailable", facts)
+                elif old.reply is not None:
+                    missing = case._replace(side=Side.RECEIVING)
+                    yield self._absent(missing, "received-removed", old.reply, assignment)
+
+    def _read(self, case: _Case, sent: Message, read: Message) -> Iterator[Observation]:
+        groups = tuple(dict.fromkeys((*(command.group for command in case.both), *self._owners(case))))
+        transfer = Transfer(case.side, groups, [command.only for command in case.both], sent, read)
+        yield from self._reading.observations(transfer)
+
+    def _identified(self, case: _Case, sent: Message, read: Message | None) -> Iterator[Observation]:
+        """The frames of a message that are another message, or none; with the correct id, and with the sender's."""
+        for assignment in self._assignments.of(case.parameters):
+            if not all(command.available(assignment) for command in case.both):
+                continue
+            encoder = self._encoders.under({**self._assignments.first, **assignment})
+            seen: set[object] = set()
+            for aspect, node, frame in self._frames(case.side, encoder, sent, read):
+                observation = self._outcome(case, assignment, encoder, sent, read, aspect, node, frame)
+                if observation is not None:
+                    kind = (aspect, observation.witness.impact, observation.commands)
+                    if kind not in seen:
+                        seen.add(kind)
+                        yield observation
+                        yield from self._answer_of_another(case, assignment, encoder, observation)
+
+    def _answer_of_another(
+        self, case: _Case, assignment: Assignment, encoder: Encoder, observation: Observation
+    ) -> Iterator[Observation]:
+        """What the old host makes of the reply to a request that the new node takes for another command's."""
+        asked, old = observation.witness.frame, case.old
+        if case.side is not Side.SENDING or observation.aspect is not Aspect.IDENTITY or asked is None or old is None:
+            return
+        receiver = self._decoders[Side.SENDING][1]
+        understood = candidates.message_of(receiver, Direction.REQUEST, asked)
+        if understood is None or old.reply is None or old.request is None:
+            return
+        other = self._editions[Side.SENDING][1].command(understood.command)
+        back, node = case._replace(side=Side.RECEIVING), _common_node(old.request.id, understood.id)
+        reply = self._reply(encoder, other, asked, node)
+        if reply is None or other.reply is None:
+            facts: dict[str, Fact] = {"sent": f"`{old.name}`"}
+            yield self._made(back, Aspect.IDENTITY, Impact.LOUD, assignment, asked, "sent-unanswered", facts, (other,))
+            return
+        original = _moved(asked, understood.id, old.request.id, node)
+        placed = _moved(reply, other.reply.id, old.reply.id, node)
+        if original is None or placed is None:
+            return
+        facts = {"sent": _whole(other.reply, encoder, reply)}
+        if isinstance(check_reply(self._decoders[Side.SENDING][0], original, placed), Rejection):
+            facts["reason"] = _reason("not_answer")
+            yield self._made(
+                back, Aspect.IDENTITY, Impact.LOUD, assignment, placed, "received-rejected", facts, (other,)
+            )
+        else:
+            facts["read"] = _whole(old.reply, encoder, placed)
+            yield self._made(back, Aspect.IDENTITY, Impact.SILENT, assignment, placed, "received-read", facts, (other,))
+
+    def _frames(
+        self, side: Side, encoder: Encoder, sent: Message, read: Message | None
+    ) -> Iterator[tuple[Aspect, int | None, CanFrame]]:
+        """Frames of a message: with the ids of the receiver for all decisions, then with those of the sender."""
+        direction, receiver = sent.direction, self._decoders[side][1]
+        common = _common_node(sent.id, read.id if read else sent.id)
+        variable = candidates.variable_bits(encoder, sent)
+        for frame in self._samples(encoder, sent, common):
+            placed = frame if read is None else _moved(frame, sent.id, read.id, common)
+            if placed is None:
+                continue
+            for one in candidates.reaching(receiver, direction, placed, variable):
+                original = CanFrame(frame.id, one.data, frame.extended, frame.remote)
+                if self._is_valid(side, encoder, sent, original):
+                    yield Aspect.IDENTITY, common, one
+                    if side is Side.RECEIVING and one is not None:
+                        for code in sent.accept:
+                            yield Aspect.IDENTITY, common, candidates.with_first_key(sent, one, code)
+        if read is not None and read.id != sent.id:
+            for node in _nodes(sent.id):
+                base = next(iter(self._samples(encoder, sent, node)), None)
+                if base is not None:
+                    yield Aspect.ID, node, base
+
+    def _samples(self, encoder: Encoder, message: Message, node: int | None) -> Iterator[CanFrame]:
+        """A frame of a message, and further ones with other values in its fields in the id."""
+        base = candidates.base_raws(encoder, message, node)
+        if base is None:
+            return
+        frames = [base]
+        for name, field in (encoder.fields(message) or {}).items():
+            if field.space is Space.ID and not field.is_array:
+                frames += [{**base, name: raw} for raw in candidates.raws(encoder, field, field)]
+        for raws in frames:
+            frame = encoder.encode_raws(message, node if message.id.nodes else None, raws)
+            if isinstance(frame, CanFrame):
+                yield frame
+
+    def _is_valid(self, side: Side, encoder: Encoder, message: Message, frame: CanFrame) -> bool:
+        """Whether the sender can encode a frame, and the frame is this message in its own edition."""
+        decoder = self._decoders[side][0]
+        decoded = decoder.decode_as(message, frame, encoder.assignment)
+        if isinstance(decoded, Rejection):
+            return False
+        fields = encoder.fields(message) or {}
+        if any(encoder.rejects_raw(field, decoded.raws[name]) for name, field in fields.items()):
+            return False
+        return side is Side.RECEIVING or candidates.message_of(decoder, Direction.REQUEST, frame) is message
+
+    def _outcome(
+        self,
+        case: _Case,
+        assignment: Assignment,
+        encoder: Encoder,
+        sent: Message,
+        read: Message | None,
+        aspect: Aspect,
+        node: int | None,
+        frame: CanFrame,
+    ) -> Observation | None:
+        """What the receiver makes of a frame; None if it is the expected message of the same node."""
+        direction, receiver = sent.direction, self._decoders[case.side][1]
+        found = receiver.identify(direction, frame)
+        sending = case.side is Side.SENDING
+        facts: dict[str, Fact] = {"sent": self._sent(encoder, sent, frame, aspect)}
+        if isinstance(found, Identified):
+            expected = self._expected(case.side, encoder, sent, read, frame)
+            if found.message in expected:
+                if node is None or found.node is None or node == found.node:
+                    return None
+                facts = {"sent": (f"`{sent.command}`, ", Word("node"), f" {node}")}
+                facts["read"] = (Word("node"), f" {found.node}")
+            elif read is not None and not sending and self._is_ambiguous(receiver, read, frame, encoder):
+                return None
+            else:
+                wrong = rejects_constants(found.message, frame, encoder.assignment)
+                if wrong is not None:
+                    found = wrong
+                else:
+                    facts["read"] = _whole(found.message, encoder, frame)
+        if isinstance(found, Rejection):
+            if read is None and not sending:
+                return None
+            facts["reason"] = _reason(found.reason.value)
+            sentence = "sent-rejected" if sending else "received-rejected"
+            return self._made(case, aspect, Impact.LOUD, assignment, frame, sentence, facts)
+        sentence = "sent-read" if sending else "received-read"
+        other = self._editions[case.side][1].command(found.message.command)
+        return self._made(case, aspect, Impact.SILENT, assignment, frame, sentence, facts, (other,))
+
+    def _is_ambiguous(self, receiver: Decoder, read: Message, frame: CanFrame, encoder: Encoder) -> bool:
+        """Whether the old host takes the same frame of an old node for another message, too."""
+        return not isinstance(receiver.decode_as(read, frame, encoder.assignment), Rejection)
+
+    def _sent(self, encoder: Encoder, message: Message, frame: CanFrame, aspect: Aspect) -> Fact:
+        name = f"`{message.command}`"
+        decoded = self._decoders[Side.SENDING][0].decode_as(message, frame, encoder.assignment)
+        return name if isinstance(decoded, Rejection) or aspect is Aspect.ID else _whole(message, encoder, frame)
+
+    def _expected(
+        self, side: Side, encoder: Encoder, sent: Message, read: Message | None, frame: CanFrame
+    ) -> Sequence[Message]:
+        """The messages as which the receiver may decode a frame: some replies are identified only by their request."""
+        expected = [] if read is None else [read]
+        if side is Side.SENDING:
+            return expected
+        sender, receiver = self._decoders[side]
+        if read is not None:
+            node = _common_node(read.id, read.id)
+            own = next(iter(self._samples(encoder, read, node)), None)
+            alone = own and candidates.message_of(receiver, Direction.REPLY, own)
+            expected += [alone] if alone else []
+        alone = candidates.message_of(sender, Direction.REPLY, frame)
+        if alone is not None and alone is not sent:
+            counterpart = self._counterparts.of(self._editions[side][0].command(alone.command))
+            expected += [counterpart.reply] if counterpart and counterpart.reply else []
+        return expected
+
+    def _answers(self, case: _Case, request: Message, read: Message, sent: Message) -> Iterator[Observation]:
+        """The replies of the new node that the old host does not accept as answers to its request."""
+        old, new = case.both
+        if set(old.from_each) != set(new.from_each):
+            yield from self._repliers(case, old, new)
+            return
+        host = self._decoders[Side.SENDING][0]
+        for assignment in self._assignments.of(case.parameters):
+            encoder = self._encoders.under({**self._assignments.first, **assignment})
+            node = _common_node(request.id, sent.id)
+            asked = next(iter(self._samples(encoder, request, node)), None)
+            replier = new.from_each[0] if new.from_each else node
+            own = self._reply(encoder, old, asked, replier)
+            if asked is None or own is None or isinstance(check_reply(host, asked, own), Rejection):
+                continue
+            for reply in self._replies(encoder, new, asked, replier):
+                placed = _moved(reply, sent.id, read.id, replier)
+                judged = None if placed is None else check_reply(host, asked, placed)
+                if placed is not None and isinstance(judged, Rejection):
+                    facts = {"sent": f"`{new.name}`", "reason": _reason(judged.reason.value)}
+                    yield self._made(case, Aspect.ANSWER, Impact.LOUD, assignment, placed, "received-rejected", facts)
+                    break
+
+    def _reply(self, encoder: Encoder, command: Command, asked: CanFrame | None, node: int | None) -> CanFrame | None:
+        return None if asked is None else next(iter(self._replies(encoder, command, asked, node)), None)
+
+    def _replies(self, encoder: Encoder, command: Command, asked: CanFrame, node: int | None) -> Iterator[CanFrame]:
+        """Replies to a request: its echo, or frames with different values of the first fields."""
+        reply = command.reply
+        base = None if reply is None else candidates.base_raws(encoder, reply, node)
+        if reply is None or base is None:
+            return
+        given = [base]
+        if not command.is_echoed:
+            for name, field in itertools.islice((encoder.fields(reply) or {}).items(), MOST_FIELDS):
+                if not field.is_array and not isinstance(field.role, NodeRole):
+                    raws = (raw for raw in candidates.raws(encoder, field, field) if raw != base[name])
+                    given += [{**base, name: raw} for raw in itertools.islice(raws, 1)]
+        for raws_of in given:
+            frame = encoder.encode_raws(reply, node if reply.id.nodes else None, raws_of)
+            if isinstance(frame, CanFrame):
+                same = command.is_echoed and len(frame.data) == len(asked.data)
+                yield CanFrame(frame.id, asked.data if same else frame.data, frame.extended, frame.remote)
+
+    def _repliers(self, case: _Case, old: Command, new: Command) -> Iterator[Observation]:
+        """The nodes whose replies are missing or unexpected."""
+        missing = [n for n in old.from_each if n not in new.from_each] or (
+            [] if old.from_each else [n for n in _nodes(new.replies[0].message.id) if n is not None][:1]
+        )
+        unexpected = [n for n in new.from_each if n not in old.from_each]
+        for node, sentence in [(n, "received-removed") for n in missing[:1]] + [
+            (n, "received-rejected") for n in unexpected[:1]
+        ]:
+            name: Fact = (f"`{new.name}`, ", Word("node"), f" {node}")
+            facts: dict[str, Fact] = {"read": name, "sent": name, "reason": _reason("not_answer")}
+            yield self._made(case, Aspect.ANSWER, Impact.LOUD, {}, None, sentence, facts)
+
+    def _owners(self, case: _Case) -> Iterator[str]:
+        """The commands whose replies those of a case are."""
+        for edition, command in zip(self._editions[Side.SENDING], (case.old, case.new), strict=True):
+            if command is not None and command.reply is not None:
+                yield edition.command(command.reply.command).group
+
+    def _absent(self, case: _Case, sentence: str, read: Message, assignment: Assignment | None = None) -> Observation:
+        facts = {"read": f"`{read.command}`"}
+        return self._made(case, Aspect.PRESENCE, Impact.LOUD, assignment or {}, None, sentence, facts)
+
+    def _first(self, message: Message) -> CanFrame | None:
+        encoder = self._encoders.under(self._assignments.first)
+        return next(iter(self._samples(encoder, message, _common_node(message.id, message.id))), None)
+
+    def _made(
+        self,
+        case: _Case,
+        aspect: Aspect,
+        impact: Impact,
+        assignment: Assignment,
+        frame: CanFrame | None,
+        sentence: str,
+        facts: Mapping[str, Fact],
+        others: Iterable[Command] = (),
+    ) -> Observation:
+        commands = (*case.both, *others)
+        messages = [m for c in case.both for m in (c.request, c.reply) if m is not None]
+        paths: list[DocumentPath] = [("addresses", m.address) for m in messages]
+        paths += [c.entry.path for c in commands if c.entry is not None]
+        groups = tuple(dict.fromkeys((*(c.group for c in commands), *self._owners(case))))
+        witness = Witness(case.side, impact, assignment, frame, sentence, facts)
+        return Observation(aspect, witness, groups, tuple(dict.fromkeys(paths)))
+
+
+def _reason(refusal: str) -> Word:
+    """The reason for a rejection: `unknown code`."""
+    return Word(refusal.replace("_", " "))
+
+
+def _whole(message: Message, encoder: Encoder, frame: CanFrame) -> str:
+    """A message with the values of its first fields: `` `dim`: `level = 5 %` ``."""
+    fields = list((encoder.fields(message) or {}).values())[:MOST_FIELDS]
+    values = [shown(field, raw_of(field, frame), encoder.assignment) for field in fields]
+    return f"`{message.command}`" + (f": {', '.join(values)}" if values else "")
+
+
+def _common_node(one: IdRule, other: IdRule) -> int | None:
+    """A node that two rules have, of the first if it is the only one with nodes."""
+    if one.nodes is None:
+        return None
+    if other.nodes is None:
+        return one.nodes[0]
+    return max(one.nodes[0], other.nodes[0])
+
+
+def _nodes(rule: IdRule) -> Sequence[int | None]:
+    """Nodes of a rule: all, or the first and the last ones."""
+    if rule.nodes is None:
+        return [None]
+    if len(rule.nodes) <= 2 * MOST_NODES:
+        return list(rule.nodes)
+    return [*rule.nodes[:MOST_NODES], *rule.nodes[-MOST_NODES:]]
+
+
+def _moved(frame: CanFrame, old: IdRule, new: IdRule, node: int | None) -> CanFrame | None:
+    """A frame of a node with the id of another rule; None if there is no such id."""
+    id_ = frame.id - _id(old, node) + _id(new, node)
+    if not 0 <= id_ < 1 << (29 if new.extended else 11):
+        return None
+    return CanFrame(id_, frame.data, new.extended, frame.remote)
+
+
+def _id(rule: IdRule, node: int | None) -> int:
+    """The id of a node, or of the first one if the rule does not have it."""
+    if rule.nodes is None:
+        return rule.base
+    return rule.base + rule.node_step * (rule.nodes[0] if node is None or node not in rule.nodes else node)

@@ -1,0 +1,149 @@
+"""Raw integers and frames to try: boundary values, and frames that reach each decision of the other edition."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from ...language import notation
+from ...model.layout import Field, NodeRole, Segment, Space
+from ...model.message import BitRun, Direction, Message
+from ...model.types import Assignment, Bound, Encoding, Type
+from ...semantics.decoder import Decoder, Identified
+from ...semantics.dispatch import Length, MaskedId, Node, Select
+from ...semantics.encoder import Encoder
+from ...semantics.frame import CanFrame, Raw, data_bits, read_bits
+
+MOST_FRAMES = 64
+"""So many frames of one message are tried for the decisions of the other edition."""
+MOST_MEMBERS = 256
+"""So many members of an enum are tried; of two editions, those that differ come first."""
+
+
+def raws(encoder: Encoder, field: Field, other: Field) -> Iterator[int]:
+    """Raw integers that a field can be sent with, ends of ranges and members in both editions among them."""
+    for raw in dict.fromkeys(_raws(field.type, other.type, encoder.assignment)):
+        if encoder.rejects_raw(field, [raw] * len(field.elements) if field.is_array else raw) is None:
+            yield raw
+
+
+def _raws(one: Type, other: Type, assignment: Assignment) -> Iterator[int]:
+    if one.enum or one.flags:
+        named = {m.value for t in (one, other) for m in (t.enum or t.flags)}
+        differing = {(m.name, m.value) for m in one.enum or one.flags} ^ {
+            (m.name, m.value) for m in other.enum or other.flags
+        }
+        first = sorted(value for _, value in differing)
+        values = list(dict.fromkeys((*first, *sorted(named))))[:MOST_MEMBERS]
+        yield from (values if one.enum else (1 << value for value in values if value < one.width))
+        if one.flags:
+            yield from (0, sum(1 << m.value for m in one.flags))
+        return
+    if one.encoding is Encoding.FLOAT:
+        yield from ({32: (0x3F800000, 0xC2C80000, 0), 64: (0x3FF << 52, 0xC059 << 48, 0)}[one.width])
+    yield from (1, 100, -1, 0)
+    for type_ in (one, other):
+        span = type_.raw_range.at(assignment)
+        for end in (span.low, span.high) if span else ():
+            at = _end(end, assignment)
+            if at is not None:
+                yield from (math.floor(at), math.ceil(at), math.floor(at) - 1, math.ceil(at) + 1)
+        yield from type_.raw_limits
+        yield from (m.value for m in type_.enum)
+        yield from (1 << m.value for m in type_.flags)
+
+
+def _end(bound: Bound, assignment: Assignment) -> float | None:
+    numbers = {n: notation.rational(text) for n, text in assignment.items() if n == bound.parameter}
+    end = bound.at(numbers)
+    return None if end is None else float(end) if end.denominator != 1 else end.numerator
+
+
+def base_raws(encoder: Encoder, message: Message, node: int | None) -> dict[str, Raw] | None:
+    """A raw integer for each field of a message; None if its fields are unknown or one has no allowed value."""
+    fields = encoder.fields(message)
+    if fields is None:
+        return None
+    chosen: dict[str, Raw] = {}
+    for name, field in fields.items():
+        first = (node or 0) & (1 << field.type.width) - 1 if isinstance(field.role, NodeRole) else 0
+        raw = first if _allows(encoder, field, first) else next(raws(encoder, field, field), None)
+        if raw is None:
+            return None
+        chosen[name] = [raw] * len(field.elements) if field.is_array else raw
+    return chosen
+
+
+def _allows(encoder: Encoder, field: Field, raw: int) -> bool:
+    return encoder.rejects_raw(field, [raw] * len(field.elements) if field.is_array else raw) is None
+
+
+def variable_bits(encoder: Encoder, message: Message) -> int:
+    """The data bits of the fields of a message whose values the sender chooses, as a mask."""
+    fields = (encoder.fields(message) or {}).values()
+    return data_bits((f.space, e.segments) for f in fields for e in f.elements)
+
+
+def reaching(decoder: Decoder, direction: Direction, frame: CanFrame, variable: int) -> Iterator[CanFrame]:
+    """Frames as this one, with other values in `variable` data bits, for each decision on them; at most `MOST_FRAMES`."""
+    node = decoder.decisions(direction, frame)
+    if node is None or frame.remote:
+        yield frame
+        return
+    size = len(frame.data)
+    left = MOST_FRAMES
+    for data in _data(node, frame, int.from_bytes(frame.data, "little"), variable):
+        yield CanFrame(frame.id, data.to_bytes(size, "little"), frame.extended)
+        left -= 1
+        if not left:
+            return
+
+
+def _data(node: Node, frame: CanFrame, data: int, variable: int) -> Iterator[int]:
+    """The data of a frame for each leaf that the variable bits can reach."""
+    while isinstance(node, Select):
+        subject = node.subject
+        if isinstance(subject, Length):
+            node = node.by_value.get(len(frame.data), node.otherwise)
+        elif isinstance(subject, MaskedId):
+            node = node.by_value.get(frame.id & subject.mask, node.otherwise)
+        else:
+            now = CanFrame(frame.id, data.to_bytes(len(frame.data), "little"), frame.extended)
+            mask = data_bits([(subject.space, subject.segments)]) & ((1 << len(frame.data) * 8) - 1)
+            if mask & variable:
+                yield from _choices(node, subject, frame, data, variable, mask)
+                return
+            node = node.by_value.get(read_bits(subject, now), node.otherwise)
+    yield data
+
+
+def _choices(select: Select, subject: BitRun, frame: CanFrame, data: int, variable: int, mask: int) -> Iterator[int]:
+    now = CanFrame(frame.id, data.to_bytes(len(frame.data), "little"), frame.extended)
+    current = read_bits(subject, now)
+    other = next((v for v in (current, 0, 1, (1 << subject.width) - 1, 85) if v not in select.by_value), current)
+    for value in dict.fromkeys((current, other, *select.by_value)):
+        changed = data & ~mask | placed(subject.segments, value)
+        if changed.bit_length() <= len(frame.data) * 8 and not (changed ^ data) & ~variable:
+            yield from _data(select.by_value.get(value, select.otherwise), frame, changed, variable & ~mask)
+
+
+def placed(segments: tuple[Segment, ...], value: int) -> int:
+    """The data with a value in some bits and 0 in all others, as a little-endian integer."""
+    return sum((value >> s.raw_low & (1 << s.width) - 1) << s.low + s.byte * 8 for s in segments)
+
+
+def with_first_key(message: Message, frame: CanFrame, value: int) -> CanFrame:
+    """A frame of a message with another value of its first key."""
+    key = message.keys[0]
+    if key.space is Space.ID:
+        mask = sum(((1 << s.width) - 1) << s.low for s in key.segments)
+        return CanFrame(frame.id & ~mask | placed(key.segments, value), frame.data, frame.extended, frame.remote)
+    data = int.from_bytes(frame.data, "little") & ~data_bits([(key.space, key.segments)])
+    changed = (data | placed(key.segments, value)).to_bytes(len(frame.data), "little")
+    return CanFrame(frame.id, changed, frame.extended, frame.remote)
+
+
+def message_of(decoder: Decoder, direction: Direction, frame: CanFrame) -> Message | None:
+    """The message that a frame is; None if it is rejected."""
+    found = decoder.identify(direction, frame)
+    return found.message if isinstance(found, Identified) else None

@@ -1,0 +1,53 @@
+"""A sample of edits: the verdicts of a comparison are those of generated code, and the oracle notices wrong ones."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+from canwright.compare import Impact, compare
+
+from ..spec_texts import SMALL, called
+from .behaviour import LOUD, RECEIVING, SAFE, SENDING, SILENT
+from .compare import OWN, Case, Spec, run
+
+
+def _case(family: str, name: str, folder: Path) -> Case:
+    (file,) = (f for f in (*OWN, *SMALL) if called(f).startswith(f"{family}/"))
+    spec = Spec(file, folder)
+    (edit,) = (e for e in spec.edits() if e.name == name)
+    case = spec.case(edit)
+    assert case is not None
+    return case
+
+
+@pytest.mark.parametrize(
+    ("family", "edit", "sending", "receiving"),
+    [
+        ("winch", "codes of wind and hold swapped", LOUD, SAFE),
+        ("oven", "id of addresses stop_all and start_all swapped", SILENT, SAFE),
+        ("oven", "status must be requested", SAFE, LOUD),
+        ("winch", "enum mode: parking added", SAFE, SILENT),
+        ("pump", "scale of current times 10", SILENT, SAFE),
+        ("pump", "set_duty renamed", SAFE, SAFE),
+        ("arm", "parameter p_max renamed", SAFE, SAFE),
+    ],
+)
+def test_what_generated_code_does(family: str, edit: str, sending: int, receiving: int, tmp_path: Path) -> None:
+    sides = _case(family, edit, tmp_path).found.sides
+    assert (sides[SENDING].low, sides[RECEIVING].low) == (sending, receiving)
+
+
+def test_a_sample_of_all_edits(tmp_path: Path) -> None:
+    totals = run([f for f in SMALL if f.parent.name == "pump"], tmp_path, sample=25)
+    assert [c.name for c in totals.cases if c.dangerous] == []
+    assert totals.cases
+
+
+def test_a_wrong_verdict_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        "tests.assurance.compare.compare",
+        lambda old, new: tuple(dataclasses.replace(c, impact=Impact.SAFE, witnesses=()) for c in compare(old, new)),
+    )
+    assert _case("pump", "scale of current times 10", tmp_path).dangerous

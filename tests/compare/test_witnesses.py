@@ -1,0 +1,236 @@
+"""Verdicts follow from frames that one edition encodes and the other decodes; each finding shows such a frame."""
+
+from __future__ import annotations
+
+import functools
+import tempfile
+from pathlib import Path
+
+import pytest
+from canwright.compare import Category, Change, Impact, compare
+from canwright.model.edition import Edition
+
+from ..spec_texts import MINIMAL, ROOT, edition
+
+V2_35 = (ROOT / "spec/mwd_motor/v2.35.yaml").read_text("utf-8")
+V2_36 = (ROOT / "spec/mwd_motor/v2.36-2025-03.yaml").read_text("utf-8")
+JOINT = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
+PUMP = (ROOT / "tests/specs/pump/v1.yaml").read_text("utf-8")
+MIXER = (ROOT / "tests/specs/mixer/v2-2024-02.yaml").read_text("utf-8")
+
+
+@functools.cache
+def _original(text: str) -> Edition:
+    with tempfile.TemporaryDirectory() as folder:
+        return edition(Path(folder), text)
+
+
+def _changed(text: str, *changes: tuple[str, str]) -> str:
+    for old, new in changes:
+        assert text.count(old) == 1, (text.count(old), old)
+        text = text.replace(old, new)
+    return text
+
+
+def found(folder: Path, text: str, *changes: tuple[str, str]) -> list[Change]:
+    """The changes of bits and meaning."""
+    whole = compare(_original(text), edition(folder, _changed(text, *changes)))
+    return [c for c in whole if c.rule.category in (Category.WIRE, Category.VALUE)]
+
+
+def verdicts(changes: list[Change]) -> dict[str, dict[str, str]]:
+    """The worst impact of each side, by rule and item."""
+    worst: dict[str, dict[str, str]] = {}
+    order = list(Impact)
+    for change in changes:
+        sides = worst.setdefault(f"{change.rule.id} {change.item}", {})
+        for witness in change.witnesses:
+            side = witness.side.value
+            known = sides.get(side)
+            if known is None or order.index(witness.impact) < order.index(Impact(known)):
+                sides[side] = witness.impact.value
+    return worst
+
+
+SILENT, LOUD = "silent", "loud"
+
+
+def test_swapped_codes_are_silent_in_both_directions(tmp_path: Path) -> None:
+    """Reading is answered as writing, and the old host takes the reply to one for the reply to the other."""
+    swapped = [("code: 0xC0", "code: 0xFF"), ("code: 0xC1", "code: 0xC0"), ("code: 0xFF", "code: 0xC1")]
+    changes = found(tmp_path, V2_36, *swapped)
+    both = {"sending": SILENT, "receiving": SILENT}
+    result = verdicts(changes)
+    assert result["code-changed command read_control_parameter"] == both
+    assert result["code-changed command write_control_parameter_ram"] == both
+    read = next(c for c in changes if c.item.name == "read_control_parameter")
+    assert read.witnesses[0].says() == (
+        "141#C00A000000000000: the old host sends `read_control_parameter_angle_pid`; the new node reads "
+        "`write_control_parameter_ram_angle_pid`: `kp = 0`, `ki = 0`, `kd = 0`"
+    )
+
+
+def test_swapped_indexes_are_silent(tmp_path: Path) -> None:
+    swapped = [("index: 0x22", "index: 0xFF"), ("index: 0x23", "index: 0x22"), ("index: 0xFF", "index: 0x23")]
+    result = verdicts(found(tmp_path, V2_36, *swapped))
+    assert {rule.partition(" ")[0] for rule in result} == {"index-changed"}
+    assert all(sides["sending"] == SILENT for sides in result.values())
+
+
+def test_an_unused_index_is_loud(tmp_path: Path) -> None:
+    (change,) = found(tmp_path, V2_36, ("index: 0x26", "index: 0x77"))
+    assert (change.rule.id, change.impact) == ("index-changed", Impact.LOUD)
+    assert change.witnesses[0].says().endswith("the new node rejects it: unknown code")
+
+
+MARKERS = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses:
+  lamp: {id: 0x100 + node, nodes: 1..4}
+  all: {id: 0x300}
+  none: {id: 0x301}
+commands:
+  start: {request: {mark: {at: 0, raw: u32, constant: 0xFFFFFFFE}}, reply: none}
+  stop: {request: {mark: {at: 0, raw: u32, constant: 0xFFFFFFFD}}, reply: none}
+  dim: {request: {level: {at: 0, raw: u16}, speed: {at: 2, raw: u16}}, reply: none}
+  every: {address: all, request: {level: {at: 0, raw: u16}}, reply: none}
+  dark: {address: none, request: {time: {at: 0, raw: u16}, zero: {at: 2, raw: u8, constant: 0}}, reply: none}
+  state: {address: none, request: none, reply: {level: {at: 0, raw: u16}}}
+"""
+START = "  start: {request: {mark: {at: 0, raw: u32, constant: 0xFFFFFFFE}}, reply: none}\n"
+
+
+def test_a_changed_constant_leaves_its_frames_to_the_set_point(tmp_path: Path) -> None:
+    (change,) = found(tmp_path, MARKERS, ("0xFFFFFFFE", "0xFFFFFFFB"))
+    assert (change.rule.id, change.item.name, change.impact) == ("constant-changed", "start", Impact.SILENT)
+    assert change.witnesses[0].says() == (
+        "101#FEFFFFFF00000000: the old host sends `start`; the new node reads `dim`: `level = 65534`, `speed = 65535`"
+    )
+    assert "dim" in {name for w in change.witnesses for name in (w.says().split("`")[1],)}, "set-points are now `start`"
+
+
+def test_swapped_constants_are_silent(tmp_path: Path) -> None:
+    swapped = [("0xFFFFFFFE", "0xFFFFFFFB"), ("0xFFFFFFFD", "0xFFFFFFFE"), ("0xFFFFFFFB", "0xFFFFFFFD")]
+    result = verdicts(found(tmp_path, MARKERS, *swapped))
+    assert result == {f"constant-changed command {one}": {"sending": SILENT} for one in ("start", "stop")}
+
+
+def test_a_renamed_constant_is_a_name(tmp_path: Path) -> None:
+    renamed = edition(tmp_path, MARKERS.replace("mark:", "marker:"))
+    assert {c.rule.id for c in compare(_original(MARKERS), renamed)} == {"field-renamed"}
+
+
+def test_a_removed_marker_becomes_a_set_point(tmp_path: Path) -> None:
+    (change,) = found(tmp_path, MARKERS, (START, ""))
+    assert (change.rule.id, change.impact) == ("command-removed", Impact.SILENT)
+    assert "reads `dim`" in change.witnesses[0].says()
+
+
+def test_a_new_marker_takes_frames_from_the_set_point(tmp_path: Path) -> None:
+    (change,) = found(tmp_path, MARKERS.replace(START, ""), ("  stop:", f"{START}  stop:"))
+    assert (change.rule.id, change.impact) == ("command-added", Impact.SILENT)
+    assert "sends `dim`: `level = 65534`, `speed = 65535`; the new node reads `start`" in change.witnesses[0].says()
+
+
+def test_swapped_fixed_ids_are_silent(tmp_path: Path) -> None:
+    swapped = [("id: 0x300", "id: 0x302"), ("id: 0x301", "id: 0x300"), ("id: 0x302", "id: 0x301")]
+    result = verdicts(found(tmp_path, MARKERS, *swapped))
+    assert result["id-changed address all"]["sending"] == SILENT
+    assert result["id-changed address none"]["sending"] == SILENT
+
+
+def test_a_further_accepted_code_is_loud(tmp_path: Path) -> None:
+    (change,) = found(tmp_path, MIXER, ("accept: [0x20, 0x22]", "accept: [0x20, 0x22, 0x77]"))
+    assert (change.rule.id, change.impact) == ("accept-changed", Impact.LOUD)
+    fewer = found(tmp_path, MIXER, ("accept: [0x20, 0x22]", "accept: [0x20]"))
+    assert [(c.rule.id, c.impact) for c in fewer] == [("accept-changed", Impact.SAFE)]
+
+
+def test_a_periodic_frame_that_has_to_be_requested_is_loud(tmp_path: Path) -> None:
+    periodic = "  state: {address: none, request: none, reply:"
+    (change,) = found(
+        tmp_path,
+        MARKERS,
+        (periodic, periodic.replace("request: none", "request: {ask: {at: 2, raw: u8, constant: 1}}")),
+    )
+    assert (change.rule.id, change.impact) == ("request-changed", Impact.LOUD)
+    assert change.witnesses[0].says() == "the old host expects `state`; the new node sends it only on request"
+
+
+def test_a_new_value_of_an_enum_is_silent(tmp_path: Path) -> None:
+    (change,) = found(
+        tmp_path, V2_36, ('      "off": {value: 0x10', '      starting: {value: 0x20}\n      "off": {value: 0x10')
+    )
+    assert (change.rule.id, change.impact, [s.value for s in change.sides]) == (
+        "member-added",
+        Impact.SILENT,
+        ["receiving"],
+    )
+    assert change.witnesses[0].says() == (
+        "181#9A00000000002000: the new node sends `read_status_1`: `motor_state = starting`; the old host reads `motor_state = 32`"
+    )
+
+
+def test_availability_for_more_nodes_is_safe_and_for_fewer_loud(tmp_path: Path) -> None:
+    text = MINIMAL.replace('manual: "1"', "only: {size: [a]}") + "parameters: {size: {values: [a, b]}}\n"
+    (more,) = found(tmp_path, text, ("[a]}", "[a, b]}"))
+    assert (more.rule.id, more.impact) == ("availability-changed", Impact.SAFE)
+    (fewer,) = found(tmp_path, text.replace("[a]}", "[a, b]}"), ("size: [a, b]}", "size: [a]}"))
+    assert (fewer.impact, fewer.witnesses[0].condition) == (Impact.LOUD, "size b")
+
+
+ENUM = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
+selector: {at: 0, raw: u8}
+types:
+  mode: {raw: u8, enum: {dark: {value: 0, title: Dark lamp}, bright: {value: 1, title: Bright lamp}}}
+  faults: {raw: u8, flags: {hot: {bit: 0, title: Lamp too hot}}}
+commands:
+  start: {code: 0x10, title: Switch the lamp on, reply: none}
+  read:
+    code: 0x11
+    reply: {mode: {at: 1, type: mode}, faults: {at: 2, type: faults}, level: {at: 3, raw: u8, title: Brightness}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "rule"),
+    [
+        ("start: {code: 0x10, title: Switch the lamp on", "erase: {code: 0x10, title: Erase", "command-repurposed"),
+        ("bright: {value: 1, title: Bright lamp}", "broken: {value: 1, title: Broken lamp}", "member-replaced"),
+        ("hot: {bit: 0, title: Lamp too hot}", "cold: {bit: 0, title: Lamp too cold}", "member-replaced"),
+        ("level: {at: 3, raw: u8, title: Brightness}", "age: {at: 3, raw: u8, title: Hours}", "field-replaced"),
+    ],
+)
+def test_reuse_under_another_name_and_title_is_silent(old: str, new: str, rule: str, tmp_path: Path) -> None:
+    (change,) = found(tmp_path, ENUM, (old, new))
+    assert (change.rule.id, change.impact) == (rule, Impact.SILENT)
+    assert change.witnesses
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("start:", "begin:"), ("bright: {", "light: {"), ("hot: {", "heat: {"), ("level: {", "light: {")]
+)
+def test_a_name_alone_is_no_change_of_meaning(old: str, new: str, tmp_path: Path) -> None:
+    assert not found(tmp_path, ENUM, (old, new))
+
+
+def test_a_narrower_range_is_loud_for_a_sender_and_a_wider_one_safe_for_a_receiver(tmp_path: Path) -> None:
+    text = MINIMAL.replace("reply: echo", "reply: {level: {at: 2, type: level}}")
+    (narrower,) = found(tmp_path, text, ("0..1000", "0..900"))
+    assert (narrower.impact, [s.value for s in narrower.sides]) == (Impact.LOUD, ["sending"])
+    assert narrower.witnesses[0].says() == (
+        "101#1000E80300000000: the old host sends `dim`: `level = 100 %`; the new node allows 0..900"
+    )
+    (wider,) = found(tmp_path, text, ("0..1000", "0..1100"))
+    assert wider.impact is Impact.SAFE
+
+
+def test_every_edition_agrees_with_itself() -> None:
+    for text in (V2_35, V2_36, JOINT, PUMP, MIXER):
+        assert compare(_original(text), _original(text)) == ()
