@@ -74,7 +74,7 @@ def _meaning(form: Form, frame: CanFrame, assignment: Assignment, only: Only) ->
     parameter = None if variant else message.layout.parameter
     varying = [(f, {parameter: f.only} if parameter and f.only else {}) for f in fields if f.fixed is None]
     found = [one for f, limits in varying for one in _fields(f, frame, assignment, only, limits)]
-    is_regular = form.is_regular(int.from_bytes(frame.data, "little"), frame)
+    is_regular = form.is_regular(int.from_bytes(frame.data, "little"))
     return Meaning(message.direction, message, form.node, is_regular, tuple(found), None)
 
 

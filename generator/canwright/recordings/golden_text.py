@@ -39,6 +39,7 @@ def golden_text(edition: Edition, message: Message, frame: CanFrame, assignment:
         for field in decoded.variant.fields
         if field.fixed is None and all(name in assignment for name in needed(field.type, assignment))
     }
+    values = {name: text for name, text in values.items() if len(text) <= _WIDTH}  # the language rejects longer numbers
     raws = {name: str(raw) for name, raw in decoded.raws.items()}
     used = {name: _parameter(edition.parameter(name), assignment[name]) for name in _used(message, assignment)}
     parts += [
@@ -78,12 +79,13 @@ def _text(text: str) -> str:
 
 
 def _wrapped(parts: Sequence[str]) -> str:
-    """An item of a list, in lines of at most 120 characters where its parts permit."""
+    """An item of a list, in lines of at most 120 characters where its items permit."""
     lines = ["  - {"]
-    for i, part in enumerate(parts):
-        end = "}" if i + 1 == len(parts) else ","
-        if len(lines[-1]) + len(part) + 2 > _WIDTH:
+    items = ", ".join(parts).split(", ")
+    for i, item in enumerate(items):
+        end = "}" if i + 1 == len(items) else ","
+        if len(lines[-1]) + len(item) + 2 > _WIDTH:
             lines.append("    ")
         space = "" if lines[-1].endswith("{") else " "
-        lines[-1] += f"{space}{part}{end}"
+        lines[-1] += f"{space}{item}{end}"
     return "\n".join(lines) + "\n"
