@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
@@ -79,13 +80,13 @@ def _text(text: str) -> str:
 
 
 def _wrapped(parts: Sequence[str]) -> str:
-    """An item of a list, in lines of at most 120 characters where its items permit."""
+    """An item of a list, in lines of at most 120 characters; a part that is longer is broken between its items."""
     lines = ["  - {"]
-    items = ", ".join(parts).split(", ")
-    for i, item in enumerate(items):
-        end = "}" if i + 1 == len(items) else ","
-        if len(lines[-1]) + len(item) + 2 > _WIDTH:
-            lines.append("    ")
-        space = "" if lines[-1].endswith("{") else " "
-        lines[-1] += f"{space}{item}{end}"
+    for i, part in enumerate(parts):
+        whole = part + ("}" if i + 1 == len(parts) else ",")
+        pieces = [whole] if len(whole) < _WIDTH - 5 else re.split("(?<=,) ", whole)
+        for piece in pieces:
+            if len(lines[-1]) + len(piece) + 1 > _WIDTH:
+                lines.append("    ")
+            lines[-1] += piece if lines[-1].endswith("{") else f" {piece}"
     return "\n".join(lines) + "\n"
