@@ -7,7 +7,6 @@ may repeat the request. Raw integers are at 0 in one case of ten, near 0 in thre
 
 from __future__ import annotations
 
-import dataclasses
 import heapq
 import math
 import random
@@ -127,7 +126,7 @@ class Traffic:
             time += self._chance.randint(20_000, self._within)
             if reply is not None and self._chance.random() >= self._loss.failed:
                 frame = self._frame(reply, index, index, node)
-                frame = dataclasses.replace(frame, data=request.data) if command.is_echoed else frame
+                frame = frame._replace(data=request.data) if command.is_echoed else frame
                 yield _Wanted(time, frame, Direction.REPLY)
 
     def _frame(self, message: Message, index: int, reported: int, node: int | None = None) -> CanFrame:

@@ -100,15 +100,9 @@ def family_of(start: Iterable[Recorded], editions: Sequence[Edition]) -> list[Ed
 
 def _identified(start: Sequence[Recorded], editions: Sequence[Edition]) -> dict[tuple[str, int | None], Choice]:
     """The edition of each node on each bus; of frames without a node only where no frames have one."""
-    by_bus: dict[str, list[CanFrame]] = {}
-    for one in start:
-        by_bus.setdefault(one.bus, []).append(one.frame)
-    found: dict[tuple[str, int | None], tuple[Edition, ...]] = {}
-    for bus, frames in by_bus.items():
-        results, _ = identify(frames, editions)
-        with_nodes = [result for result in results if result.node is not None]
-        for result in with_nodes or results:
-            found[bus, result.node] = result.editions
+    results = identify(start, editions).nodes
+    having = {result.bus for result in results if result.node is not None}
+    found = {(r.bus, r.node): r.editions for r in results if r.node is not None or r.bus not in having}
     certain = [fitting[0] for fitting in found.values() if len(fitting) == 1]
     return {key: _choice(fitting, certain) for key, fitting in found.items()}
 
