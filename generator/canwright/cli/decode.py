@@ -151,7 +151,7 @@ def decode(
 
     Exit status: 0 if all lines and all frames of the nodes are decoded, 1 if not, 2 if it could not run.
     """
-    editions = [one.edition for one in read(specs)]
+    editions = [one.edition for one in read(specs, packaged=True)]
     set_ = node_settings(editions, settings)
     if isinstance(log, CanFrame):
         if form or out or split or plot:
