@@ -115,6 +115,13 @@ def test_which_edition_a_log_fits(clone: Path) -> None:
     assert match
     (clone / "bus.log").write_text(match.group(1), "utf-8")
     assert run(example("identify"), clone) == printed("identify")
+    assert run(example("decode"), clone) == printed("decode")
+
+
+def test_a_single_frame_is_decoded(clone: Path) -> None:
+    assert "".join(run(line, clone) for line in example("frame-decoded").strip().split("\n")) == printed(
+        "frame-decoded"
+    )
 
 
 def test_a_frame_in_a_terminal() -> None:
