@@ -67,7 +67,7 @@ class Case:
     @property
     def rules(self) -> str:
         return ", ".join(
-            f"{c.impact.value} {c.rule.id}({c.item})" + ("+".join(s.value[0] for s in c.sides))
+            f"{c.rule.id}({c.item})" + ", ".join(f" {side.value} {impact.value}" for side, impact in c.verdicts.items())
             for c in functional(self.changes)
         )
 
@@ -81,11 +81,8 @@ def reported(changes: Iterable[Change]) -> dict[str, int]:
     """The worst verdict of each side."""
     worst = dict.fromkeys(SIDES, SAFE)
     for change in changes:
-        shown = {witness.side for witness in change.witnesses}
-        for witness in change.witnesses:
-            worst[witness.side.value] = max(worst[witness.side.value], _IMPACT[witness.impact.value])
-        for side in (side for side in change.sides if side not in shown):
-            worst[side.value] = max(worst[side.value], _IMPACT[change.impact.value])
+        for side, impact in change.verdicts.items():
+            worst[side.value] = max(worst[side.value], _IMPACT[impact.value])
     return worst
 
 

@@ -6,7 +6,7 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from canwright.compare import Impact, compare
+from canwright.compare import compare
 
 from ..spec_texts import SMALL, called
 from .behaviour import LOUD, RECEIVING, SAFE, SENDING, SILENT
@@ -48,6 +48,6 @@ def test_a_sample_of_all_edits(tmp_path: Path) -> None:
 def test_a_wrong_verdict_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         "tests.assurance.compare.compare",
-        lambda old, new: tuple(dataclasses.replace(c, impact=Impact.SAFE, witnesses=()) for c in compare(old, new)),
+        lambda old, new: tuple(dataclasses.replace(c, verdicts={}, witnesses=()) for c in compare(old, new)),
     )
     assert _case("pump", "scale of current times 10", tmp_path).dangerous

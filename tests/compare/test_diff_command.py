@@ -109,6 +109,7 @@ def test_json() -> None:
     first = found["changes"][0]
     assert first["rule"] == "scale-changed" and CHANGES[first["rule"]].category.value == first["category"]
     assert (first["impact"], first["host"], first["used_by"]) == ("silent", ["sending", "receiving"], ["dim"])
+    assert first["verdicts"] == {"sending": "silent", "receiving": "silent"}
     assert first["old"] == {"file": "spec/lamp/v1.yaml", "line": 7, "column": 32}
     assert first["new"] == {"file": "spec/lamp/v2.yaml", "line": 8, "column": 32}
 

@@ -39,17 +39,11 @@ def found(folder: Path, text: str, *changes: tuple[str, str]) -> list[Change]:
 
 
 def verdicts(changes: list[Change]) -> dict[str, dict[str, str]]:
-    """The worst impact of each side, by rule and item."""
-    worst: dict[str, dict[str, str]] = {}
-    order = list(Impact)
-    for change in changes:
-        sides = worst.setdefault(f"{change.rule.id} {change.item}", {})
-        for witness in change.witnesses:
-            side = witness.side.value
-            known = sides.get(side)
-            if known is None or order.index(witness.impact) < order.index(Impact(known)):
-                sides[side] = witness.impact.value
-    return worst
+    """The impact on each side, by rule and item."""
+    return {
+        f"{change.rule.id} {change.item}": {side.value: impact.value for side, impact in change.verdicts.items()}
+        for change in changes
+    }
 
 
 SILENT, LOUD = "silent", "loud"

@@ -13,7 +13,7 @@ from ..model.layout import Field, Layout, NodeRole, ReservedRole, Space
 from ..model.message import KeyRole, Message
 from ..model.types import Encoding, Type
 from . import match, quantities
-from .change import Category, Change, Fact, Impact, Item, Side, Word
+from .change import Category, Change, Fact, Impact, Item, Side, Word, worst
 from .collector import Attribute, Collector, Places, Use, at, listed, paths
 
 
@@ -187,11 +187,11 @@ def _other_type(found: Collector, both: Editions, item: Item, old: Field, new: F
     if strong:
         wire = any(c.rule.category is Category.WIRE for c in strong)
         rule = "field-format-changed" if wire else "field-meaning-changed"
-        worst = min((c.impact for c in strong), key=list(Impact).index)
+        impact = worst(c.impact for c in strong)
         facts["changes"] = tuple(
             part for i, c in enumerate(strong) for part in ((", ", _difference(c)) if i else (_difference(c),))
         )
-        found.add(rule, item, places, worst, use, **facts)
+        found.add(rule, item, places, impact, use, **facts)
     elif old.type.path[0] == "types":  # a number without a type had no names
         found.renamed("type-of-field-changed", item, places, use, **facts)
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
 from .catalogue import CHANGES
-from .change import Category, Change, Impact, Item, Side
+from .change import Category, Change, Impact, Item, Side, worst
 from .witnesses import Aspect, Observation, Witness
 
 MOST_WITNESSES = 16
@@ -181,15 +181,15 @@ class _Index:
 
 
 def _with(change: Change, witnesses: Sequence[Witness]) -> Change:
-    """A change with its witnesses, the worst of each side first; its impact is the worst, its sides those that have it."""
+    """A change with its witnesses, the worst of each side first, and with the verdicts that they give."""
     ordered = sorted(witnesses, key=lambda w: (_ORDER.index(w.impact), list(Side).index(w.side)))
-    impact = ordered[0].impact if ordered else Impact.SAFE
     first = dict.fromkeys((w.side, w.impact) for w in ordered)
     leading = [next(w for w in ordered if (w.side, w.impact) == kind) for kind in first]
     rest = [w for w in ordered if not any(w is one for one in leading)]
-    sides = tuple(side for side in Side if (side, impact) in first)
+    verdicts = {side: worst(w.impact for w in ordered if w.side is side) for side in Side}
+    verdicts = {side: impact for side, impact in verdicts.items() if impact is not Impact.SAFE}
     kept = tuple((*leading, *rest)[:MOST_WITNESSES])
-    return dataclasses.replace(change, impact=impact, sides=sides, witnesses=kept)
+    return dataclasses.replace(change, verdicts=verdicts, witnesses=kept)
 
 
 def _unexplained(observations: Iterable[Observation]) -> Iterator[Change]:
@@ -200,7 +200,7 @@ def _unexplained(observations: Iterable[Observation]) -> Iterator[Change]:
     for command, found in groups.items():
         item, path = Item("command", command), ("commands", command)
         facts = {"name": command}
-        change = Change(CHANGES["frames-affected"], item, facts, path, path, Impact.SAFE, (), (command,))
+        change = Change(CHANGES["frames-affected"], item, facts, path, path, {}, (command,))
         yield _with(change, [observation.witness for observation in found])
 
 
