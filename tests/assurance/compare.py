@@ -25,6 +25,7 @@ from typing import Any
 
 import yaml
 from canwright.compare import Category, Change, compare
+from canwright.compare.positions import positions
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.document.document import Document
 from canwright.project.loader import Loaded, load, spec_files
@@ -177,8 +178,8 @@ def _changed_lines(old: str, new: str) -> tuple[set[int], set[int]]:
 
 def _near(change: Change, before: set[int], after: set[int], old: Document, new: Document) -> bool:
     """Whether a change is at an edited line of one of the specs."""
-    places = ((change.old, before, old), (change.new, after, new))
-    return any(path is not None and document.position(path, key=True).line in lines for path, lines, document in places)
+    one, other = positions(change, old, new)
+    return one.line in before or other.line in after
 
 
 @dataclass

@@ -150,6 +150,7 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
         )
     _texts(found, old, new)
     _reply(found, old, new)
+    _address(found, old, new)
     for direction, one, other in messages(old, new):
         used = Use((Side.of(direction),), (old.group,))
         _message(found, both, old, new, one, other, used)
@@ -158,12 +159,26 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
             fields.compare(found, both, old.group, one, other, used)
 
 
+def _address(found: Collector, old: Command, new: Command) -> None:
+    """Adds a change of the address of each message, or one of the command if both follow its address."""
+    moved = [one for one in messages(old, new) if one[1].id != one[2].id and one[1].address != one[2].address]
+    follows = all((a.address, b.address) == (old.address, new.address) for _, a, b in moved)
+    for group in [moved] if moved and follows else [[one] for one in moved]:
+        one, other = group[0][1:]
+        directions = [direction for direction, _, _ in group]
+        facts = {"direction": Word(" and ".join(d.value for d in directions)), "old": one.address, "new": other.address}
+        places = paths(old, new) if follows else paths(one, other)
+        use = Use(tuple(map(Side.of, directions)), (old.group,))
+        found.add("address-of-command-changed", _item(old), at(places, "address"), Impact.LOUD, use, **facts)
+
+
 def _layout_name(found: Collector, both: Editions, command: Command, old: Message, new: Message, use: Use) -> None:
     """Adds the change of where the same fields of a message are defined, which names its type in the bindings."""
     one, other = old.layout, new.layout
     same_place = _is_named(one) == _is_named(other)
     renamed = same_place and (not _is_named(one) or both.layouts.get(one.name, one.name) == other.name)
-    if renamed or match.content(one) != match.content(other):
+    keys = fields.constant_keys(old) | fields.constant_keys(new)
+    if renamed or match.content(one, keys) != match.content(other, keys):
         return
     of_entry = command.entry is not None and "tables" in (one.path[0], other.path[0])
     item = Item.of_entry(command.entry) if of_entry and command.entry else _item(command)
@@ -316,7 +331,8 @@ def _form(command: Command) -> str:
 
 
 def _shown_form(command: Command) -> str:
-    return "".join(r.message.layout.name for r in command.replies if isinstance(r, SharedReply)) or _form(command)
+    shared = (r.message.layout for r in command.replies if isinstance(r, SharedReply))
+    return "".join(layout.name for layout in shared if _is_named(layout)) or _form(command)
 
 
 def _other_form(old: Command, new: Command) -> Impact:
@@ -347,7 +363,6 @@ _REPLY_CODE = Attribute[Message](
     lambda m: discriminators.code(discriminators.code_sent(m)),
     lambda old, new: Impact.SAFE if discriminators.code_sent(new) in old.accept else Impact.LOUD,
 )
-_ADDRESS = Attribute[Message]("address-of-command-changed", "address", lambda m: m.address, Impact.LOUD)
 _DLC = Attribute[Message]("dlc-changed", "dlc", lambda m: str(m.dlc), Impact.LOUD)
 
 
@@ -360,8 +375,6 @@ def _message(
         new.code,
     ]:
         rows.insert(0, _REPLY_CODE)
-    if one.id != other.id:
-        rows.append(_ADDRESS)
     item, places, direction = _item(old), paths(one, other), Word(one.direction.value)
     if [one.dlc, other.dlc] == [edition.bus.dlc for edition in (both.old, both.new)]:
         item_of_bus: tuple[Item, Places] = Item("bus", ""), (("bus",), ("bus",))

@@ -118,7 +118,8 @@ def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field,
     if (old.title, new.title) != (old.type.title, new.type.title):
         found.title(item, at(places, "title"), (old.name, new.name), old.title, new.title)
     found.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)
-    _type(found, both, item, old, new, use)
+    if isinstance(old.role, ReservedRole) is isinstance(new.role, ReservedRole):  # reserved bits have no meaning
+        _type(found, both, item, old, new, use)
 
 
 def _constant(field: Field) -> Fact:

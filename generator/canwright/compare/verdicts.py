@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
+from ..model.refusal import Refusal
 from .catalogue import CHANGES
-from .change import Category, Change, Impact, Item, Side, worst
+from .change import Category, Change, Impact, Item, Side, Word, worst
 from .witnesses import Aspect, Observation, Witness
 
 MOST_WITNESSES = 16
@@ -73,14 +74,18 @@ _EXPLAINS: dict[str, frozenset[Aspect]] = {
 """The aspects that each kind of change explains; other kinds have no witness."""
 _ADDITIONS = ("command-added", "entry-added", "address-added")
 _ANY_SIDE = (*_ADDITIONS, "command-removed", "entry-removed", "request-changed", "availability-changed")
+_OF_LENGTH = ("field-added", "field-removed", "field-replaced")
+"""Changes of fields that come with another length."""
 _WHOLE = ("reply-form-changed", "request-changed", "table-of-command-changed")
 """Changes that replace all fields of a command."""
 _ORDER = list(Impact)
+_WRONG_LENGTH = Word(Refusal.WRONG_LENGTH.value.replace("_", " "))
 
 
 def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tuple[Change, ...]:
     """The changes with their witnesses and impacts; observations that no change explains are changes of their own."""
     index = _Index(observations)
+    wrong_lengths = frozenset(_place(o) for o in observations if o.witness.facts.get("reason") == _WRONG_LENGTH)
     explained: set[int] = set()
     found: list[list[int] | None] = []
     for change in changes:
@@ -97,14 +102,23 @@ def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tu
     made = [
         change
         if numbers is None
-        else _with(change, _effective(change, [observations[n] for n in dict.fromkeys(numbers)]))
+        else _with(change, _effective(change, [observations[n] for n in dict.fromkeys(numbers)], wrong_lengths))
         for change, numbers in zip(changes, found, strict=True)
     ]
     return (*made, *_unexplained(o for n, o in enumerate(observations) if n not in explained))
 
 
-def _effective(change: Change, observations: Sequence[Observation]) -> list[Witness]:
-    """The witnesses of a change; where it replaces all fields, none of fields in frames that are rejected."""
+def _place(observation: Observation) -> tuple[Side, str]:
+    """The frames that an observation is about."""
+    return observation.witness.side, observation.commands[0]
+
+
+def _effective(
+    change: Change, observations: Sequence[Observation], wrong_lengths: Collection[tuple[Side, str]]
+) -> list[Witness]:
+    """The witnesses of a change; where it replaces fields, none of fields in frames that are rejected."""
+    if change.rule.id in _OF_LENGTH:
+        return [o.witness for o in observations if o.aspect not in _CONTENT or _place(o) not in wrong_lengths]
     rejected = {o.witness.side for o in observations if (o.aspect, o.witness.impact) == (Aspect.IDENTITY, Impact.LOUD)}
     without = rejected if change.rule.id in _WHOLE else ()
     return [o.witness for o in observations if not (o.witness.side in without and o.aspect in _CONTENT)]

@@ -30,6 +30,8 @@ class Transfer:
     """The conditions of the command in both editions."""
     sent: Message
     read: Message
+    has_same_origin: bool
+    """Whether both are the same message, so that its fields can have been renamed."""
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -85,6 +87,8 @@ class Reading:
 
     def _sources(self, transfer: Transfer, every: Mapping[str, Field]) -> dict[str, str]:
         """The name of the field that is sent, by that of the field that is read."""
+        if not transfer.has_same_origin:
+            return {field.name: field.name for field in transfer.read.layout.fields if field.name in every}
         if transfer.side is Side.SENDING:
             pairs = self._counterparts.fields(transfer.sent.layout, transfer.read.layout)
             return {new.name: old.name for old, new in pairs if old.name in every}
