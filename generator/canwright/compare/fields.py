@@ -19,12 +19,13 @@ from .collector import Attribute, Collector, Places, Use, at, listed, paths
 
 @dataclass(frozen=True)
 class Editions:
-    """Both editions, and which types and layouts of the old one have another name in the new one."""
+    """Both editions, and which types, layouts and commands of the old one have another name in the new one."""
 
     old: Edition
     new: Edition
     types: dict[str, str]
     layouts: dict[str, str]
+    commands: dict[str, str]
 
 
 def compare(found: Collector, both: Editions, command: str, one: Message, another: Message, use: Use) -> None:

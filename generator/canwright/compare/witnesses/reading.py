@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
-from ...model.layout import Field
+from ...model.layout import ConstantRole, Field
 from ...model.message import Message
 from ...model.types import Assignment, Encoding, Type
 from ...semantics.decoder import Value, field_value, value_of
@@ -192,7 +192,9 @@ class _Pair:
             yield self._misread(Aspect.MEMBER, assignment, encoder, frame, source, raw, target, raw, tuple(differing))
 
     def unset(self, target: Field, source: Field | None) -> Iterator[Observation]:
-        """A field that is read but not sent, or always sent as the same value."""
+        """A field that is read but not sent; not one that is always sent as the same value."""
+        if source is not None and isinstance(source.role, ConstantRole) and source.elements == target.elements:
+            return
         frame = self._frame({})
         if frame is None:
             return
