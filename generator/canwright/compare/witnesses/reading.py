@@ -102,7 +102,7 @@ class Reading:
         """The names of members that are read, by those that are sent."""
         if side is Side.SENDING:
             return self._counterparts.members(sent, read)
-        return {new: old for old, new in self._counterparts.members(read, sent).items()}
+        return self._counterparts.former_members(read, sent)
 
     def further(self, encoder: Encoder, known: Assignment, *fields: Field) -> Iterator[tuple[Assignment, Encoder]]:
         """`known` with every value of the further parameters that some fields depend on."""
