@@ -124,6 +124,16 @@ def test_a_frame_in_a_terminal() -> None:
     assert done.stdout.strip() == printed("dbc").strip()
 
 
+def test_dbc_files_of_some_nodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    arguments = [str(tmp_path) if word == "my-dbc" else word for word in example("dbc-nodes").split()[1:]]
+    result = CliRunner().invoke(main, arguments, catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    text = (tmp_path / "dbc/mwd_motor-v2.35-MG-encoder_bits_18-reply-node5_7.dbc").read_text("ascii")
+    assert re.findall(r"^BO_ (\d+) ", text, re.MULTILINE) == [str(0x145), str(0x147)]
+    assert 'rA1_encoder m161 : 48|16@1+ (0.0054931640625,0) [0|359.9945068359375] "deg"' in text
+
+
 def test_a_command_in_a_terminal(clone: Path) -> None:
     shown, listed = (run(line, clone) for line in example("show").strip().split("\n"))
     assert shown.startswith("set_torque  0xA1  Torque control\nmwd_motor v2.35, manual 2.5\n")

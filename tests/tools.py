@@ -19,6 +19,7 @@ PACKAGES: Mapping[str, str] = {
     "gcc": "gcc",
     "sdcc": "sdcc",
     "simavr": "simavr",
+    "tshark": "tshark",
     "valgrind": "valgrind",
 }
 """Those of programs that begin with `qemu-` are in `qemu-user`."""

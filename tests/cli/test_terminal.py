@@ -53,7 +53,7 @@ def test_encodings_without_these_characters() -> None:
     assert b"\\u8bbe\\u5b9a ->" in done.stdout
     ascii_only = {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
     done = shell("canwright diff v1 v2 --format json", **ascii_only)
-    assert b"C `dim_request_t` \\u2192 `dim_to_request_t`" in done.stdout
+    assert b"C `\\u2026_COMMAND_DIM` \\u2192 `\\u2026_COMMAND_DIM_TO`" in done.stdout
 
 
 def test_closed_streams_and_broken_pipes() -> None:

@@ -13,6 +13,7 @@ from canwright.diagnostics.diagnostic import MOST_FINDINGS, SpecError
 from canwright.document.document import MAX_BYTES, read_document
 from canwright.language import notation
 from canwright.resolve.limits import MOST_COMMANDS
+from canwright.rules import bit_patterns
 from click.testing import CliRunner
 
 from ..spec_texts import MINIMAL, findings, marked, places
@@ -115,10 +116,6 @@ TOO_MUCH: dict[str, Callable[[], str]] = {
         + many(1000, "e#: {index: #, layout: {}}, ")
         + "}}}\n"
     ),
-    "nodes times fields": lambda: (
-        MINIMAL.replace("0x100 + node, nodes: 1..4", "node, extended: true, nodes: 0..65535")
-        + many(30, "  c#: {code: #, request: none, reply: {a: {at: 1, raw: u8}}}\n")
-    ),
 }
 
 
@@ -166,7 +163,8 @@ def test_limits_leave_room() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["layout x commands x series", "enum x fields", "entries x commands", "array x commands"]
+    "name",
+    ["layout x commands x series", "enum x fields", "entries x commands", "array x commands", "bits x nodes x series"],
 )
 def test_what_would_generate_too_much_is_rejected_with_its_size(name: str, tmp_path: Path) -> None:
     start = time.process_time()
@@ -174,6 +172,63 @@ def test_what_would_generate_too_much_is_rejected_with_its_size(name: str, tmp_p
     assert time.process_time() - start < AT_ONCE
     assert "exceeds the maximum of" in found.message
     assert found.hint
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("equal commands", "; 1399 more are not listed"),
+        ("unknown layouts", "; 3300 more are not listed"),
+        ("from_each of other nodes", "nodes in `from_each`"),
+    ],
+)
+def test_many_mistakes_are_counted_at_once(name: str, expected: str, tmp_path: Path) -> None:
+    start = time.process_time()
+    found = findings(tmp_path, ATTACKS[name]().spec)
+    assert time.process_time() - start < AT_ONCE
+    assert len(found) <= MOST_FINDINGS
+    assert expected in found[-1].message
+
+
+def test_commands_with_too_much_in_common_are_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bit_patterns, "MOST_STEPS", 20)
+    layout = "layouts: {l: {fields: {a: {at: 4, raw: u8}}}}\n"
+    text = MINIMAL + many(9, "  c#: {code: 0x10, request: none, reply: l}\n") + layout
+    assert [f.rule for f in findings(tmp_path, text)] == ["ambiguous-message"]
+
+
+def test_a_link_to_a_file_outside_is_not_quoted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "secret").write_text("password: 1234\n", "utf-8")
+    (tmp_path / "lamp").write_text(MINIMAL, "utf-8")
+    folder = tmp_path / "clone"
+    folder.mkdir()
+    for name in ("secret", "lamp"):
+        (folder / f"{name}.yaml").symlink_to(tmp_path / name)
+    monkeypatch.chdir(folder)
+    result = CliRunner().invoke(main, ["check", "--spec", "secret.yaml"])
+    assert result.exit_code == 2
+    assert "password" not in result.output and "is a link to a file outside the current folder" in result.output
+    assert CliRunner().invoke(main, ["check", "--spec", "lamp.yaml"]).exit_code == 0
+
+
+def test_the_root_of_the_file_system_is_no_output_folder(tmp_path: Path) -> None:
+    (tmp_path / "lamp.yaml").write_text(MINIMAL, "utf-8")
+    result = CliRunner().invoke(main, ["generate", "--spec", str(tmp_path / "lamp.yaml"), "--out", "/"])
+    assert result.exit_code == 2
+    assert "/ is the root of the file system; choose another folder" in result.output
+
+
+def test_requests_of_one_address_are_not_replies_of_another(tmp_path: Path) -> None:
+    others = "es: {other: {request: 0x181 + node, reply: 0x200 + node, nodes: 1..4}, "
+    text = MINIMAL.replace("es: {", others, 1).replace(
+        "id: 0x100 + node,", "request: 0x100 + node, reply: 0x180 + node,"
+    )
+    text = text.replace("  dim:", "  sub: {code: 0x20, address: other, reply: {a: {at: 2, raw: u8}}}\n  dim: ")
+    text = text.replace("dim: \n", "dim:\n    address: lamp\n")
+    (found,) = findings(tmp_path, text)
+    assert found.rule == "id-collision"
+    assert found.message == "0x182 is the reply of node 2 here, and the request of node 1 of `other`"
+    assert not findings(tmp_path, text.replace("0x181 + node", "0x180 + node"))
 
 
 def test_a_file_has_a_limited_number_of_values(tmp_path: Path) -> None:

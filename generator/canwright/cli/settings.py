@@ -1,12 +1,15 @@
-"""`--set`: parameters that are fixed in the output."""
+"""`--set`, `--nodes` and `--comments`: what is fixed in the output, or selected from it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..language import notation
+from ..model.message import Direction
 from ..model.types import Assignment
 from ..semantics import parameters
-from ..targets.base import Specification
+from ..targets.base import Options, Specification, TargetWithOptions
+from ..targets.registry import target, target_names
 from .common import stop
 
 
@@ -29,6 +32,40 @@ def assignment(specifications: Sequence[Specification], settings: Sequence[str])
         if result.setdefault(name, value) != value:
             stop(f"--set {setting}: `{name}` is already set to {result[name]}; remove one")
     return result
+
+
+def options(specifications: Sequence[Specification], targets: Sequence[str], nodes: str, language: str) -> Options:
+    """`--nodes` and `--comments`; each node must exist in every edition that has nodes, and each target must accept them."""
+    if nodes or language:
+        option = "--nodes" if nodes else "--comments"
+        accepting = [name for name in target_names() if isinstance(target(name), TargetWithOptions)]
+        if not targets or not set(targets).issubset(accepting):
+            stop(f"{option} affects only the target {' and '.join(accepting)}; add --target {accepting[0]}")
+    for name in targets if language else ():
+        one = target(name)
+        known = one.languages if isinstance(one, TargetWithOptions) else ()
+        if language not in known:
+            stop(f"--comments {language}: the target `{name}` has comments in {', '.join(known)}")
+    return Options(tuple(_nodes(specifications, nodes)) if nodes else (), language)
+
+
+def _nodes(specifications: Sequence[Specification], written: str) -> Sequence[int]:
+    """The nodes of `5,7` and `1..8`, in ascending order."""
+    selected: set[int] = set()
+    for part in written.split(","):
+        try:
+            selected |= {*notation.nodes(part if ".." in part else f"{part}..{part}")}
+        except ValueError:
+            stop(f"--nodes {written}: `{part}` is not a node; write nodes as 5,7 or 1..8")
+    for one in specifications:
+        edition = one.edition
+        rules = [address.rule(direction) for address in edition.addresses for direction in Direction]
+        existing = {node for rule in rules for node in rule.nodes or ()}
+        missing = sorted(selected - existing)
+        if existing and missing:
+            nodes = f"{min(existing)}..{max(existing)}"
+            stop(f"--nodes {written}: {edition.family} {edition.name} has no node {missing[0]}; its nodes are {nodes}")
+    return sorted(selected)
 
 
 def _known(specifications: Sequence[Specification]) -> str:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import difflib
+import functools
+import heapq
+import itertools
 import unicodedata
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import NamedTuple
 
@@ -13,10 +16,13 @@ DocumentPath = tuple[str | int, ...]
 """The path to an item of a YAML document: keys and indices from the top."""
 
 MOST_FINDINGS = 500
-"""The maximum number of findings of one kind of check that one run reports."""
+"""The maximum number of findings of one kind of check that one run lists; the last of them states how many follow."""
 
 MOST_NAMES = 1000
 """The maximum number of names that are compared with a misspelled one."""
+
+MOST_MATCHES = 50
+"""The maximum number of names that are compared in detail: those with the most pairs of characters in common."""
 
 WIDTH = 160
 """The maximum number of characters of a source line; a longer line is cut on both sides of the marked part."""
@@ -83,6 +89,14 @@ class Diagnostic:
         return [f"{one.item} is at {p.file}:{p.line}:{p.column}" for one in self.related for p in (one.position,)]
 
 
+def with_number_of_others(diagnostics: list[Diagnostic], others: int, *, at_least: bool = False) -> list[Diagnostic]:
+    """The findings of a check; the last of them states how many `others` the check found that are not listed."""
+    if not others or not diagnostics:
+        return diagnostics
+    more = f"; {'at least ' if at_least else ''}{others} more are not listed, correct these first"
+    return [*diagnostics[:-1], replace(diagnostics[-1], message=diagnostics[-1].message + more)]
+
+
 def _cells(text: str) -> int:
     """The number of terminal columns of a text: two for a wide character, none for a combining one."""
     if text.isascii():
@@ -106,7 +120,7 @@ def near(name: str, known: Iterable[str]) -> str | None:
     same = next((n for n in names if n.casefold() == name.casefold()), None)
     if same is not None:
         return same
-    matches = _similarities(name, names)
+    matches = _similarities(name, _likely(name, names))
     if matches:
         return max(matches, key=matches.__getitem__)
     starts = [n for n in names if min(len(n), len(name)) > 2 and (n.startswith(name) or name.startswith(n))]
@@ -115,6 +129,21 @@ def near(name: str, known: Iterable[str]) -> str | None:
 
 CUTOFF = 0.61
 """The minimum similarity of a misspelling, from 0 to 1; that of `meta` and `errata` is lower."""
+
+
+def _likely(name: str, names: Sequence[str]) -> Sequence[str]:
+    """At most `MOST_MATCHES` names, in their order: a detailed comparison with all of many names takes too long."""
+    if len(names) <= MOST_MATCHES:
+        return names
+    pairs = _pairs(name)
+    likely = set(heapq.nlargest(MOST_MATCHES, names, key=lambda other: len(pairs & _pairs(other))))
+    return [other for other in names if other in likely]
+
+
+@functools.lru_cache(maxsize=4 * MOST_NAMES)
+def _pairs(name: str) -> frozenset[str]:
+    """The adjacent characters of a name, and the single ones, so that a short name with swapped letters is found."""
+    return frozenset((*map("".join, itertools.pairwise(name)), *name))
 
 
 def _similarities(name: str, names: Iterable[str]) -> dict[str, float]:

@@ -200,6 +200,13 @@ def listed(written: object, key: str) -> str:
     return f"write the {'bit' if key == 'flags' else 'value'} of each: {{{numbered}}}"
 
 
+def fields(written: object) -> str:
+    """A hint for a list of names in place of fields."""
+    if not isinstance(written, list) or not written or not all(isinstance(name, str) for name in written):
+        return ""
+    return f"write fields as a mapping: {{{written[0]}: {{at: 4, raw: u16}}{', …' if len(written) > 1 else ''}}}"
+
+
 def flow(value: object) -> str:
     """Data in the notation of the language, on one line."""
     if isinstance(value, dict):

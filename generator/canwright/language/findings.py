@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from decimal import Decimal
 from typing import Any
 
-from ..diagnostics.diagnostic import MOST_FINDINGS, DocumentPath
+from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, with_number_of_others
 from ..document.document import Document
 
 
@@ -15,23 +15,31 @@ class Findings:
 
     def __init__(self, document: Document) -> None:
         self._document = document
-        self.findings = list(document.findings)
+        self._listed = list(document.findings)
         self.invalid = set(document.unreadable)
-        self._most = len(self.findings) + MOST_FINDINGS
+        self._most = len(self._listed) + MOST_FINDINGS
+        self._more = 0
 
     @property
     def is_full(self) -> bool:
-        """Whether further findings are counted as invalid paths only."""
-        return len(self.findings) >= self._most
+        """Whether further findings are only counted."""
+        return len(self._listed) >= self._most
+
+    @property
+    def findings(self) -> list[Diagnostic]:
+        """The findings so far; the last one states how many more there are."""
+        return with_number_of_others(self._listed, self._more)
 
     def finding(
         self, path: DocumentPath, rule: str, message: str, hint: str = "", *, key: bool = False, about: str = ""
     ) -> None:
         """Adds a finding at a path; `about` is a missing key of the mapping at this path."""
         self.invalid.add((*path, about) if about else path)
-        if not self.is_full:
+        if self.is_full:
+            self._more += 1
+        else:
             message = message[:1].lower() + message[1:]
-            self.findings.append(self._document.finding(path, rule, message, hint, key=key))
+            self._listed.append(self._document.finding(path, rule, message, hint, key=key))
 
     def is_unreadable(self, path: DocumentPath) -> bool:
         """Whether the value at a path already has a finding about its YAML."""

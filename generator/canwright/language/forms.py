@@ -411,7 +411,7 @@ class UnionForm(Form):
         form = next(words, None) or next(matching, None) or self.scalars[-1]
         if isinstance(form, TextForm) and self.example and not isinstance(data, str):
             text = f"expected a name or a mapping here{'' if is_scalar(data) else ', not a list'}"
-            return self._type(report, location, text, aliases.named(data))
+            return self._type(report, location, text, aliases.named(data) or aliases.fields(data))
         return form.decode(report, data, location)
 
     def schema(self, definitions: dict[str, JsonSchema]) -> JsonSchema:

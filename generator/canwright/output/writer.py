@@ -73,6 +73,8 @@ def write(out: Path, content: Content, *, force: bool = False, patience: float =
     a folder for one target alone has other files, another run is writing, or the file system rejects a step.
     """
     with file_system_errors(out, "write"):
+        if out.resolve() == Path(out.resolve().anchor):
+            raise OutputError(f"{out.as_posix()} is the root of the file system; choose another folder with --out")
         _refuse_unsafe(out, content)
         refuse_obstacles(out, LOCK)
         out.mkdir(parents=True, exist_ok=True)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
-from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, nearest
+from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, nearest, with_number_of_others
 from ..document.document import Document
 from ..language import edition as schema
 from ..model import formatting
@@ -36,11 +36,17 @@ class Context:
         """Paths of names without a valid definition."""
         self._unlisted: set[str] = set()
         """Languages of texts that are not in `languages`."""
+        self._more = 0
 
     @property
     def is_full(self) -> bool:
-        """Whether further findings are counted as invalid paths only."""
+        """Whether further findings are only counted."""
         return len(self.diagnostics) >= MOST_FINDINGS
+
+    @property
+    def findings(self) -> list[Diagnostic]:
+        """The findings so far; the last one states how many more there are."""
+        return with_number_of_others(self.diagnostics, self._more)
 
     def report(
         self,
@@ -58,7 +64,9 @@ class Context:
 
     def _report(self, path: DocumentPath, rule: str, message: str, hint: str, key: bool = False) -> None:
         is_hidden = path in self.affected if rule not in _INDEPENDENT_RULES else self.affected.has_error(path)
-        if not is_hidden and not self.is_full:
+        if not is_hidden and self.is_full:
+            self._more += 1
+        elif not is_hidden:
             self.diagnostics.append(self.document.finding(path, rule, message, hint, key=key))
 
     def find(

@@ -45,7 +45,7 @@ def resolve(
     """
     check_limits(document, spec)
     context = Context(document, tuple(spec.languages), [], Affected(document.data, invalid))
-    return _edition(context, spec, digest), Unresolved(context.diagnostics, [*context.invalid], context.unknown)
+    return _edition(context, spec, digest), Unresolved(context.findings, [*context.invalid], context.unknown)
 
 
 def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from ..diagnostics.diagnostic import DocumentPath, SpecError
 from ..document.document import Document
@@ -12,14 +12,17 @@ MOST_COMMANDS = 3000
 """The maximum number of commands; a command with a table counts once for each entry."""
 MOST_FIELDS = 20_000
 """The maximum number of fields that a spec defines; an array counts once for each element."""
+MOST_REPLIES = 100_000
+"""The maximum number of nodes in all `from_each`, because outputs list each of them."""
 
 
 def check_limits(document: Document, spec: EditionSpec) -> None:
-    """Raises SpecError for too many commands or fields, at the first command or field above the limit."""
+    """Raises SpecError for too many commands, fields or replies, at the first one above the limit."""
     entries = {name: len(table.entries) for name, table in spec.tables.items()}
     commands = {("commands", name): entries.get(command.table or "", 1) for name, command in spec.commands.items()}
     _check(document, commands.items(), MOST_COMMANDS, "commands, with one for each table entry,")
     _check(document, _elements(spec), MOST_FIELDS, "fields, with one for each element of an array,")
+    _check(document, _replies(spec, entries), MOST_REPLIES, "nodes in `from_each`, with those of each table entry,")
 
 
 def _check(document: Document, counts: Iterable[tuple[DocumentPath, int]], most: int, what: str) -> None:
@@ -32,6 +35,14 @@ def _check(document: Document, counts: Iterable[tuple[DocumentPath, int]], most:
         text = f"the spec has {total} {what} which exceeds the maximum of {most}"
         hint = "split the protocol into several specs; this is the first one above the maximum"
         raise SpecError([document.finding(first, "too-large", text, hint, key=True)])
+
+
+def _replies(spec: EditionSpec, entries: Mapping[str, int]) -> Iterator[tuple[DocumentPath, int]]:
+    """The number of nodes that reply to each command."""
+    for name, command in spec.commands.items():
+        if isinstance(command.reply, MessageSpec) and command.reply.from_each:
+            path: DocumentPath = ("commands", name, "reply", "from_each")
+            yield path, len(command.reply.from_each) * entries.get(command.table or "", 1)
 
 
 def _elements(spec: EditionSpec) -> Iterator[tuple[DocumentPath, int]]:

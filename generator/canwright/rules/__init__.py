@@ -100,7 +100,7 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "id-collision",
-        "No id belongs to two addresses, or to a request and a reply of one address, unless all their ids are equal.",
+        "No id belongs to two addresses, or to a request and a reply of different nodes.",
         id_collision.check,
         phase=Phase.WHOLE,
     ),

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import islice
+from typing import NamedTuple
 
 from ..language.edition import EditionSpec
 from ..model.edition import Edition
 from ..model.layout import Space
 from ..model.message import Direction, Message
 from . import bit_patterns, can_ids
-from .duplicate_code import sends_the_same
+from .duplicate_code import without_duplicates
 from .rule import Finding, Findings, RelatedItem, Subject
 
 MOST_PAIRS = 2000
@@ -22,6 +23,15 @@ _DATA = 2 * _ID_KEYS
 
 
 def check(subject: Subject) -> Findings:
+    try:
+        yield from _findings(subject)
+    except bit_patterns.TooManyPairsError:
+        text = "the messages of these commands have too much in common to compare every two of them"
+        hint = "distinguish commands by one selector, or split the protocol; there may be further ambiguous messages"
+        yield Finding(("commands",), text, hint, key=True)
+
+
+def _findings(subject: Subject) -> Findings:
     edition = subject.edition
     without_code: set[str] = set()
     """Commands reported as lacking a code; their ambiguous replies follow from that and are not reported."""
@@ -52,15 +62,34 @@ def check(subject: Subject) -> Findings:
                 without_code.add(most)
 
 
+Bits = dict[tuple[Space, int], int]
+"""Bits of a frame with their values."""
+
+
+class _Frames(NamedTuple):
+    """The frames of a message: ids, bits of the id that vary, keys, and bits of fields."""
+
+    message: Message
+    ids: range
+    free_bits: int
+    fixed: Bits
+    fields: frozenset[tuple[Space, int]]
+
+
 def _ambiguous(edition: Edition, direction: Direction) -> Iterator[tuple[Message, Message]]:
-    """Every pair of different messages that one frame can be."""
-    messages = edition.messages(direction)
-    for i, j in bit_patterns.pairs([_known(message) for message in messages]):
-        message, other = messages[i], messages[j]
-        if message.layout is other.layout or not _same_frame(message, other):
-            continue
-        if not sends_the_same(edition.command(message.command), edition.command(other.command)):
-            yield message, other
+    """Every pair of different messages that one frame can be. Commands that repeat a code have findings already."""
+    unique = {command.name for command in without_duplicates(edition.commands)}
+    frames = [_frames(message) for message in edition.messages(direction) if message.command in unique]
+    for i, j in bit_patterns.pairs([_known(one) for one in frames]):
+        one, other = frames[i], frames[j]
+        if one.message.layout is not other.message.layout and _same_frame(one, other):
+            yield one.message, other.message
+
+
+def _frames(message: Message) -> _Frames:
+    fields = frozenset((f.space, bit) for f in message.layout.fields for e in f.elements for bit in e.bits)
+    ids, free_bits = can_ids.of_message(message), can_ids.free_bits(message)
+    return _Frames(message, ids, free_bits, _fixed(message), fields)
 
 
 def _without_explicit_request(spec: EditionSpec, direction: Direction, commands: Sequence[str]) -> str:
@@ -90,27 +119,27 @@ SHOWN = 3
 """The maximum number of messages in a finding."""
 
 
-def _known(message: Message) -> bit_patterns.Known:
+def _known(frames: _Frames) -> bit_patterns.Known:
     """The known bits of a frame of a message: those of the id, then those of the keys."""
-    mask, value = can_ids.known(can_ids.of_message(message), can_ids.free_bits(message))
-    for (space, bit), value_of_bit in _fixed(message).items():
+    mask, value = can_ids.known(frames.ids, frames.free_bits)
+    for (space, bit), value_of_bit in frames.fixed.items():
         at = bit + (_ID_KEYS if space is Space.ID else _DATA)
         mask |= 1 << at
         value |= value_of_bit << at
     return bit_patterns.Known(mask, value)
 
 
-def _same_frame(one: Message, other: Message) -> bool:
-    if not can_ids.messages_meet(one, other):
+def _same_frame(one: _Frames, other: _Frames) -> bool:
+    message, its = one.message, other.message
+    if (message.id.extended, message.remote) != (its.id.extended, its.remote):
         return False
-    first, second = _fixed(one), _fixed(other)
-    if (one.id, first) == (other.id, second) and one.dlc != other.dlc and not one.remote:
+    if (message.id, one.fixed) == (its.id, other.fixed) and message.dlc != its.dlc and not message.remote:
         return False
-    differ = any(second.get(bit, value) != value for bit, value in first.items())
-    return not (differ or _is_remainder(one, first, second) or _is_remainder(other, second, first))
-
-
-Bits = dict[tuple[Space, int], int]
+    if any(other.fixed.get(bit, value) != value for bit, value in one.fixed.items()):
+        return False
+    if _is_remainder(one, other) or _is_remainder(other, one):
+        return False
+    return can_ids.meet(one.ids, other.ids, one.free_bits | other.free_bits) is not None
 
 
 def _fixed(message: Message) -> Bits:
@@ -123,7 +152,7 @@ def _fixed(message: Message) -> Bits:
     }
 
 
-def _is_remainder(message: Message, mine: Bits, others: Bits) -> bool:
+def _is_remainder(one: _Frames, other: _Frames) -> bool:
     """Whether a message is every frame except the other: it has fields at the additional keys of the other."""
-    fields = {(f.space, bit) for f in message.layout.fields for e in f.elements for bit in e.bits}
-    return set(mine) < set(others) and not fields.isdisjoint(set(others) - set(mine))
+    mine, others = one.fixed.keys(), other.fixed.keys()
+    return mine < others and not one.fields.isdisjoint(others - mine)

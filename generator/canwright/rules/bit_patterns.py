@@ -14,15 +14,28 @@ class Known(NamedTuple):
     value: int
 
 
+MOST_STEPS = 1_000_000
+"""The maximum number of steps of one search, a few seconds; very few protocols need more than a thousand."""
+
+
+class TooManyPairsError(Exception):
+    """A search ended after `MOST_STEPS` steps; pairs may be missing."""
+
+
 def pairs(known: Sequence[Known]) -> Iterator[tuple[int, int]]:
     """The indices of every pair that agrees in all bits known of both: the later one, then the earlier one, in order.
 
-    There are few masks, so a table finds the patterns that agree, by the bits that two masks share.
+    There are few masks, so a table finds the patterns that agree, by the bits that two masks share. Raises TooManyPairsError
+    if there are very many masks or pairs.
     """
     masks = dict.fromkeys(mask for mask, _ in known)
     earlier: dict[tuple[int, int, int], list[int]] = defaultdict(list)
+    steps = 0
     for index, (mask, value) in enumerate(known):
         agreeing = [match for other in masks for match in earlier.get((other, mask, value & other), ())]
+        steps += len(masks) + len(agreeing)
+        if steps > MOST_STEPS:
+            raise TooManyPairsError
         yield from ((index, match) for match in sorted(agreeing))
         for other in masks:
             earlier[mask, other, value & other].append(index)

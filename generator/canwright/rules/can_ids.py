@@ -57,10 +57,3 @@ def meet(one: range, other: range, free: int = 0) -> int | None:
     every = one.step * turns
     first += max(0, -((first - other.start) // every)) * every
     return first if first in one and first in other else None
-
-
-def messages_meet(one: Message, other: Message) -> bool:
-    """Whether some id belongs to both messages, in the same format."""
-    if (one.id.extended, one.remote) != (other.id.extended, other.remote):
-        return False
-    return meet(of_message(one), of_message(other), free_bits(one) | free_bits(other)) is not None

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, Related, Severity
+from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, Related, Severity, with_number_of_others
 from ..document.document import Document
 from ..resolve.affected import Affected, decides_code
 from ..resolve.edition import Unresolved
@@ -42,6 +42,10 @@ def check(
     return checker.errors, checker.warnings
 
 
+MOST_COUNTED = 9500
+"""The maximum number of findings of a phase that are counted besides the listed ones."""
+
+
 class _Checker:
     """Collects the findings of one phase after the other."""
 
@@ -64,9 +68,12 @@ class _Checker:
         found = (
             (rule, finding) for rule in RULES if rule.check and rule.phase is phase for finding in rule.check(subject)
         )
-        for rule, finding in itertools.islice(found, MOST_FINDINGS):
-            if finding.path not in affected or finding.in_frames:
-                self._add(rule, finding)
+        relevant = (one for one in found if one[1].path not in affected or one[1].in_frames)
+        for rule, finding in itertools.islice(relevant, MOST_FINDINGS):
+            self._add(rule, finding)
+        others = sum(1 for _ in itertools.islice(relevant, MOST_COUNTED))
+        listed = self.errors if self.errors else self.warnings
+        listed[:] = with_number_of_others(listed, others, at_least=others == MOST_COUNTED)
 
     def _add(self, rule: Rule, finding: Finding) -> None:
         """Adds a finding, unless it is about a key that another rule has reported."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
 from ..model.message import Command, Direction
@@ -12,18 +14,14 @@ from .rule import Finding, Findings, RelatedItem, Subject
 def check(subject: Subject) -> Findings:
     seen: set[tuple[str, str]] = set()
     entries: set[DocumentPath] = set()
-    earlier: dict[object, list[Command]] = {}
-    for command in subject.edition.commands:
-        same = earlier.setdefault(_sent(command), [])
-        for other in same:
-            pair = (command.group, other.group)
-            if pair not in seen and sends_the_same(command, other):
-                seen.add(pair)
-                finding = _finding(command, other)
-                if finding.path not in entries:
-                    yield finding
-                entries |= {finding.path} if command.group == other.group else set()
-        same.append(command)
+    for command, other in _duplicates(subject.edition.commands):
+        pair = (command.group, other.group)
+        if pair not in seen:
+            seen.add(pair)
+            finding = _finding(command, other)
+            if finding.path not in entries:
+                yield finding
+            entries |= {finding.path} if command.group == other.group else set()
     yield from _accepted_codes(subject.edition)
 
 
@@ -42,16 +40,20 @@ def _accepted_codes(edition: Edition) -> Findings:
                 yield Finding(path, text, "check both codes, or remove it", related=(related,))
 
 
-def sends_the_same(one: Command, other: Command) -> bool:
-    """Whether the requests of two commands have the same address, code, index and length."""
-    if one.request is None or other.request is None or one.code is None:
-        return False
-    return _sent(one) == _sent(other)
+def without_duplicates(commands: Sequence[Command]) -> list[Command]:
+    """The commands that do not repeat the address, code, index and length of the request of an earlier one."""
+    repeated = {command.name for command, _ in _duplicates(commands)}
+    return [command for command in commands if command.name not in repeated]
 
 
-def _sent(command: Command) -> object:
-    """The facts that distinguish the request of a command from others; None without a request."""
-    return selection(command.request) if command.request is not None else None
+def _duplicates(commands: Sequence[Command]) -> Iterator[tuple[Command, Command]]:
+    """Every command with the request of an earlier one, and the first of those."""
+    first: dict[object, Command] = {}
+    for command in commands:
+        if command.request is not None and command.code is not None:
+            other = first.setdefault(selection(command.request), command)
+            if other is not command:
+                yield command, other
 
 
 def _finding(command: Command, other: Command) -> Finding:

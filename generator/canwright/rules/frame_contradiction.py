@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from ..diagnostics.diagnostic import nearest
+from ..language.edition import BusSpec, EditionSpec, MessageSpec, keys
 from ..language.golden_frames import GoldenFrame
 from ..model import formatting
 from ..model.edition import Edition
@@ -18,20 +18,21 @@ from ..semantics.encoder import Encoder, Encoders
 from ..semantics.frame import CanFrame, Raw, difference, node_of, raws, wrong_constants
 from . import can_ids
 from .golden_entries import KEY, EntryProblem, entry_findings, named
-from .rule import Findings, Subject
+from .rule import Findings, RelatedItem, Subject
 
 
 def check(subject: Subject) -> Findings:
     if subject.frames is not None:
         yield from entry_findings(
-            subject.edition, "frames", subject.frames.frames, _FrameChecker(subject.edition).problems
+            subject.edition, "frames", subject.frames.frames, _FrameChecker(subject.edition, subject.spec).problems
         )
 
 
 class _FrameChecker:
     """Checks the golden frames of an edition; encoders are cached by their parameters."""
 
-    def __init__(self, edition: Edition) -> None:
+    def __init__(self, edition: Edition, spec: EditionSpec) -> None:
+        self._edition, self._spec = edition, spec
         self._messages = {direction: _messages(edition, direction) for direction in Direction}
         self._encoders = Encoders()
         self._decoder = Decoder(edition)
@@ -50,7 +51,8 @@ class _FrameChecker:
         if not is_expected:
             problem = _header(message, frame, can)
             if problem:
-                return [problem]
+                length = self._length(message) if len(can.data) != message.dlc else None
+                return [(*problem[:3], length) if length else problem]
         encoder = self._encoders.under(frame.parameters)
         variant = message.layout.variant(encoder.assignment)
         if variant is None:
@@ -67,6 +69,18 @@ class _FrameChecker:
             return [(("data",), f"without its request, this frame is {text}", "check the codes in the spec")]
         problems = [*wrong, *_raws(frame, fields, found), *_values(frame, fields, found, encoder.assignment)]
         return problems or ([] if frame.decode_only else list(_encoded(encoder, message, fields, frame, can)))
+
+    def _length(self, message: Message) -> RelatedItem | None:
+        """The definition of the length of a message; None for the default."""
+        item = f"the length of {message.name}"
+        command = self._edition.command(message.command)
+        written = getattr(self._spec.commands[command.group], message.direction.value)
+        if isinstance(written, MessageSpec) and written.dlc is not None:
+            return RelatedItem((*message.path, "dlc"), item)
+        entry = command.entry
+        if entry is not None and self._spec.tables[entry.table].entries[entry.name].dlc is not None:
+            return RelatedItem((*entry.path, "dlc"), item)
+        return RelatedItem(("bus", "dlc"), item) if self._spec.bus.dlc != DEFAULT_DLC else None
 
     def _unknown(self, command: str, direction: Direction) -> EntryProblem:
         """The problem of a frame whose command is unknown, or has no message of this direction."""
@@ -112,6 +126,7 @@ def _encoded(
         yield ("data",), text, _CHECK_LAYOUT
 
 
+DEFAULT_DLC = keys(BusSpec)["dlc"].default
 _DECODE_ONLY = "or add decode_only: true if the frame is never sent"
 _CHECK_LAYOUT = f"check the layout and its `reserved` fields; {_DECODE_ONLY}"
 
@@ -129,13 +144,11 @@ def _header(message: Message, frame: GoldenFrame, can: CanFrame) -> EntryProblem
         return (), wrong.text, f"{wrong.part}: {str(not getattr(frame, wrong.part)).lower()}"
     if wrong.part == "id":
         from_hex = int(str(frame.id), 16) if str(frame.id).isdigit() else 0
-        is_decimal = difference(message, dataclasses.replace(can, id=from_hex)) is None
+        is_decimal = difference(message, can._replace(id=from_hex)) is None
         hint = f"did you mean 0x{from_hex:X}?" if is_decimal else _id_of(message, frame)
         return ("id",), wrong.text, hint
     if wrong.part == "length":
-        path = ".".join(map(str, message.path))
-        hint = f"write {message.dlc} bytes; this length is `dlc` of {path} in the spec, of `bus`, or the default"
-        return ("data",), wrong.text, hint
+        return ("data",), wrong.text, f"write {message.dlc} bytes, or change `dlc`"
     return ("data",), wrong.text, "check `data` and the code in the spec"
 
 

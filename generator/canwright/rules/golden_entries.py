@@ -17,10 +17,10 @@ from ..model.types import Parameter
 from ..semantics.decoder import Decoded, Value
 from ..semantics.frame import Raw
 from ..semantics.parameters import number
-from .rule import Finding, Findings
+from .rule import Finding, Findings, RelatedItem
 
-EntryProblem = tuple[DocumentPath, str, str]
-"""The path within an entry, what is wrong, and what to do about it."""
+EntryProblem = tuple[DocumentPath, str, str] | tuple[DocumentPath, str, str, RelatedItem]
+"""The path within an entry, what is wrong, what to do about it, and the item of the spec that it contradicts."""
 
 KEY = "[key]"
 """At the end of a path: the problem concerns the key, not its value."""
@@ -35,9 +35,11 @@ def entry_findings(
     known = {parameter.name: parameter for parameter in edition.parameters}
     for i, entry in enumerate(entries):
         problems = [*_ids(entry), *_parameters(edition, known, entry.parameters)]
-        for path, text, hint in problems or problems_of(entry):
+        for problem in problems or problems_of(entry):
+            path, text, hint = problem[:3]
             at_key = path[-1:] == (KEY,)
-            yield Finding((key, i, *(path[:-1] if at_key else path)), text, hint, key=at_key, in_frames=True)
+            place = (key, i, *(path[:-1] if at_key else path))
+            yield Finding(place, text, hint, key=at_key, in_frames=True, related=problem[3:])
 
 
 def _ids(entry: Sourced) -> Iterator[EntryProblem]:

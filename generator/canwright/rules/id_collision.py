@@ -1,4 +1,4 @@
-"""No id belongs to two addresses, or to a request and a reply of one address, unless all their ids are equal."""
+"""No id belongs to two addresses, or to a request and a reply of different nodes."""
 
 from __future__ import annotations
 
@@ -15,6 +15,16 @@ from .rule import Finding, Findings, RelatedItem, Subject
 
 
 def check(subject: Subject) -> Findings:
+    try:
+        yield from _findings(subject)
+    except bit_patterns.TooManyPairsError:
+        text = "these addresses have too many ids in common to compare every two of them"
+        yield Finding(
+            ("addresses",), text, "use fewer addresses, or fewer nodes; there may be further collisions", True
+        )
+
+
+def _findings(subject: Subject) -> Findings:
     edition = subject.edition
     seen: set[tuple[DocumentPath, str]] = set()
     for direction in Direction:
@@ -29,6 +39,8 @@ def check(subject: Subject) -> Findings:
         if not seen and not subject.partial:
             yield from _unreachable(edition, direction)
     yield from _between_directions(subject)
+    if not seen:  # ids that collide in one direction usually collide in the other, too
+        yield from _between_addresses(subject)
 
 
 def _path(subject: Subject, address: Address, direction: Direction) -> DocumentPath:
@@ -51,6 +63,35 @@ def _between_directions(subject: Subject) -> Findings:
             if shared is not None:
                 yield _shared_by_directions(subject, address, replies, requests, shared)
                 break
+
+
+def _between_addresses(subject: Subject) -> Findings:
+    """Findings about ids that are requests of one address and replies of another, for different nodes."""
+    edition = subject.edition
+    used = {message.address for message in edition.all_messages()}
+    owned = [
+        (address, direction, its)
+        for address in edition.addresses
+        if not (subject.partial and _is_selected_by_id(subject.spec, address.name))
+        for direction in Direction
+        for its in _ids(edition, direction, address, used)
+    ]
+    seen: set[tuple[str, str]] = set()
+    for i, j in bit_patterns.pairs([can_ids.known(its) for *_, its in owned]):
+        (one, direction, first), (two, other, second) = owned[i], owned[j]
+        rule, its = one.rule(direction), two.rule(other)
+        if direction is other or one is two or (one.name, two.name) in seen or rule.extended != its.extended:
+            continue
+        shared = can_ids.meet(first, second) if None not in (rule.nodes, its.nodes) else None
+        if shared is not None and _owner(rule, first, shared) != _owner(its, second, shared):
+            seen.add((one.name, two.name))
+            text = (
+                f"0x{shared:X} is the {direction.value}{_owner(rule, first, shared)} here, "
+                f"and the {other.value}{_owner(its, second, shared)} of `{two.name}`"
+            )
+            related = RelatedItem(_path(subject, two, other), f"the {other.value} id of `{two.name}`")
+            path = _path(subject, one, direction)
+            yield Finding(path, text, "check `id` and `nodes` of both addresses", related=(related,))
 
 
 def _shared_by_directions(subject: Subject, address: Address, replies: range, requests: range, shared: int) -> Finding:

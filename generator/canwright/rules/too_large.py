@@ -1,6 +1,6 @@
 """The number of combinations of choices and the size of what is generated are limited.
 
-The size is an estimate in units of about 25 microseconds. It is computed from the edition before anything is generated,
+The size is an estimate in units of 25 to 60 microseconds. It is computed from the edition before anything is generated,
 in time proportional to the spec. `resolve` limits the commands and fields before that.
 """
 
@@ -23,9 +23,9 @@ from .rule import Finding, Findings, Subject
 MOST_COMBINATIONS = 64
 """The maximum number of combinations of choices among names; each has its own files."""
 MOST_SIZE = 400_000
-"""The maximum size: about 10 seconds and 500 MB."""
+"""The maximum size: 10 to 20 seconds of processor time, depending on the machine, and 300 MB."""
 
-COMMAND, MESSAGE, FIELD, TYPE, VALUE, CASE, FRAME, CODE, ITEM = 12, 35, 10, 10, 3, 8, 5, 3, 2
+COMMAND, MESSAGE, FIELD, TYPE, VALUE, CASE, FRAME, CODE, ITEM = 12, 35, 10, 10, 3, 8, 5, 7, 2
 """The size of a command, a message, a defined field, a type, a named value, a scale or range for a choice, a golden
 frame, an accepted code, and any other item."""
 REPEATED = 0.7

@@ -11,8 +11,9 @@ from .dbc import DbcAdapter
 from .docs import DocsAdapter
 from .python import PythonAdapter
 from .reference import ReferenceAdapter
+from .wireshark import WiresharkAdapter
 
 ADAPTERS: Mapping[str, type[Adapter]] = {
     adapter.name: adapter
-    for adapter in (ReferenceAdapter, CAdapter, CxxAdapter, PythonAdapter, DbcAdapter, DocsAdapter)
+    for adapter in (ReferenceAdapter, CAdapter, CxxAdapter, PythonAdapter, DbcAdapter, DocsAdapter, WiresharkAdapter)
 }
