@@ -201,12 +201,16 @@ class Behaviour:
     def _frames(
         self, side: Side, encoder: Encoder, sent: Message, read: Message | None
     ) -> Iterator[tuple[Aspect, int | None, CanFrame]]:
-        """Frames of a message: with the ids of the receiver for all decisions, then with those of the sender."""
+        """Frames of a message: with the ids of the receiver for all decisions, then with those of the sender.
+
+        A message that uses another address is only tried with the ids of the sender.
+        """
         direction, receiver = sent.direction, self._decoders[side][1]
         common = _common_node(sent.id, read.id if read else sent.id)
         variable = candidates.variable_bits(encoder, sent)
         for frame in self._samples(encoder, sent, common):
-            placed = frame if read is None else _moved(frame, sent.id, read.id, common)
+            has_same_address = read is not None and read.address == sent.address
+            placed = _moved(frame, sent.id, read.id, common) if read is not None and has_same_address else frame
             if placed is None:
                 continue
             for one in candidates.reaching(receiver, direction, placed, variable):
@@ -331,7 +335,12 @@ class Behaviour:
             own = self._reply(encoder, old, asked, replier)
             if asked is None or own is None or isinstance(check_reply(host, asked, own), Rejection):
                 continue
-            for reply in self._replies(encoder, new, asked, replier):
+            replies = (
+                one
+                for reply in self._replies(encoder, new, asked, replier)
+                for one in (reply, *(candidates.with_first_key(sent, reply, code) for code in sent.accept))
+            )
+            for reply in replies:
                 placed = _moved(reply, sent.id, read.id, replier)
                 judged = None if placed is None else check_reply(host, asked, placed)
                 if placed is not None and isinstance(judged, Rejection):
