@@ -37,6 +37,7 @@ def test_a_spec_is_loaded_and_generated(tmp_path: Path) -> None:
     assert b"lamp_v1_dim_request_encode" in files["c/include/lamp/v1.h"]
     assert {path.partition("/")[0] for path in canwright.generate([specification])} == {
         "c",
+        "columns",
         "dbc",
         "docs",
         "python",

@@ -34,11 +34,14 @@ def printed(name: str) -> str:
     return match.group(1)
 
 
-@pytest.mark.parametrize("name", ["python", "nodes"])
+@pytest.mark.parametrize("name", ["columns", "python", "nodes"])
 def test_the_python_examples(name: str, tmp_path: Path) -> None:
     script = tmp_path / "example.py"
     script.write_text(example(name), "utf-8")
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "generated/python")}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(str(ROOT / "generated" / part) for part in ("python", "columns")),
+    }
     result = subprocess.run([sys.executable, script], capture_output=True, text=True, env=environment, check=False)
     assert (result.stdout, result.stderr) == (printed(name), "")
 

@@ -17,6 +17,7 @@ PACKAGES: Mapping[str, str] = {
     "cppcheck": "cppcheck",
     "frama-c": "frama-c-base",
     "gcc": "gcc",
+    "java": "default-jre-headless",
     "sdcc": "sdcc",
     "simavr": "simavr",
     "tshark": "tshark",

@@ -42,6 +42,7 @@ def test_generate_then_check_then_edit(folder: Path) -> None:
     assert {p.name for p in (folder / "out").iterdir()} == {
         ".canwright.json",
         "c",
+        "columns",
         "python",
         "dbc",
         "docs",

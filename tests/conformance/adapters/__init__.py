@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from ..adapter import Adapter
 from .c import CAdapter
+from .columns import ColumnsAdapter
 from .cxx import CxxAdapter
 from .dbc import DbcAdapter
 from .docs import DocsAdapter
@@ -15,5 +16,14 @@ from .wireshark import WiresharkAdapter
 
 ADAPTERS: Mapping[str, type[Adapter]] = {
     adapter.name: adapter
-    for adapter in (ReferenceAdapter, CAdapter, CxxAdapter, PythonAdapter, DbcAdapter, DocsAdapter, WiresharkAdapter)
+    for adapter in (
+        ReferenceAdapter,
+        CAdapter,
+        CxxAdapter,
+        PythonAdapter,
+        DbcAdapter,
+        DocsAdapter,
+        WiresharkAdapter,
+        ColumnsAdapter,
+    )
 }
