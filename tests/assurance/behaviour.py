@@ -612,7 +612,8 @@ class _Run:
             if isinstance(message, cls):
                 yield message
             else:
-                yield cls.unpack(request.node, request.can_id, data, known)
+                node = request.node if hasattr(cls, "NODES") else None
+                yield cls.unpack(node, request.can_id, data, known)
             return
         key = (cls, repr(known))
         if key not in self.replies:

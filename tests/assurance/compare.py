@@ -25,6 +25,7 @@ from typing import Any
 
 import yaml
 from canwright.compare import Category, Change, compare
+from canwright.compare.positions import positions
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.document.document import Document
 from canwright.project.loader import Loaded, load, spec_files
@@ -67,7 +68,7 @@ class Case:
     @property
     def rules(self) -> str:
         return ", ".join(
-            f"{c.impact.value} {c.rule.id}({c.item})" + ("+".join(s.value[0] for s in c.sides))
+            f"{c.rule.id}({c.item})" + ", ".join(f" {side.value} {impact.value}" for side, impact in c.verdicts.items())
             for c in functional(self.changes)
         )
 
@@ -81,11 +82,8 @@ def reported(changes: Iterable[Change]) -> dict[str, int]:
     """The worst verdict of each side."""
     worst = dict.fromkeys(SIDES, SAFE)
     for change in changes:
-        shown = {witness.side for witness in change.witnesses}
-        for witness in change.witnesses:
-            worst[witness.side.value] = max(worst[witness.side.value], _IMPACT[witness.impact.value])
-        for side in (side for side in change.sides if side not in shown):
-            worst[side.value] = max(worst[side.value], _IMPACT[change.impact.value])
+        for side, impact in change.verdicts.items():
+            worst[side.value] = max(worst[side.value], _IMPACT[impact.value])
     return worst
 
 
@@ -180,8 +178,8 @@ def _changed_lines(old: str, new: str) -> tuple[set[int], set[int]]:
 
 def _near(change: Change, before: set[int], after: set[int], old: Document, new: Document) -> bool:
     """Whether a change is at an edited line of one of the specs."""
-    places = ((change.old, before, old), (change.new, after, new))
-    return any(path is not None and document.position(path, key=True).line in lines for path, lines, document in places)
+    one, other = positions(change, old, new)
+    return one.line in before or other.line in after
 
 
 @dataclass

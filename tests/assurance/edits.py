@@ -317,6 +317,11 @@ def _own_reply(data: Data, name: str, free: int) -> Iterator[Edit]:
         yield Edit(f"{name} replies with a number", put(path, {"own": {"at": 1, "raw": "u8"}}))
 
 
+def _unnamed(layout: Any) -> Any:
+    """The fields of a layout without their names: other names alone are no other meaning."""
+    return list(layout.values()) if isinstance(layout, dict) else None
+
+
 def _tables(data: Data) -> Iterator[Edit]:
     """Entries of tables."""
     for table, one in data.get("tables", {}).items():
@@ -324,7 +329,7 @@ def _tables(data: Data) -> Iterator[Edit]:
         users = [n for n, c in data["commands"].items() if c.get("table") == table]
         for a, b in _pairs(list(one["entries"])):
             yield Edit(f"{table}: indexes of {a} and {b} swapped", swap((*path, a, "index"), (*path, b, "index")))
-            if isinstance(one["entries"][a]["layout"], dict):
+            if _unnamed(one["entries"][a]["layout"]) != _unnamed(one["entries"][b]["layout"]):
                 yield Edit(f"{table}: layouts of {a} and {b} swapped", swap((*path, a, "layout"), (*path, b, "layout")))
         for entry in one["entries"]:
 
@@ -335,7 +340,10 @@ def _tables(data: Data) -> Iterator[Edit]:
             yield Edit(f"{table}: {entry} renamed", rename((*path, entry), f"{entry}_2"), named(f"{entry}_2"))
             yield Edit(
                 f"{table}: {entry} reused with another title",
-                both(put((*path, entry, "title"), _title(data, "Brightness")), rename((*path, entry), "brightness")),
+                both(
+                    put((*path, entry, "title"), _title(data, "Light of the lamp")),
+                    rename((*path, entry), "brightness"),
+                ),
                 named(None),
             )
             if len(users) > 1 and "commands" not in one["entries"][entry]:
@@ -448,7 +456,7 @@ def _members(data: Data, name: str, type_: Data) -> Iterator[Edit]:
         high = int(type_["raw"][1:]) - (type_["raw"][0] == "i")
         top = (1 << high) if kind == "enum" else int(type_["raw"][1:])
         free = next((n for n in range(1, top) if n not in values), None)
-        text = {"title": _title(data, "Parking")}
+        text = {"title": _title(data, "Park the load")}
         if free is not None:
             yield Edit(f"{kind} {name}: parking added", put((*path, "parking"), {key: free, **text}))
         for a, b in _pairs(list(members)):

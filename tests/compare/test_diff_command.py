@@ -14,7 +14,7 @@ from canwright.cli import main
 from canwright.compare import CHANGES
 from click.testing import CliRunner, Result
 
-from ..spec_texts import MINIMAL
+from ..spec_texts import MINIMAL, ROOT
 
 OLD = MINIMAL
 NEW = MINIMAL.replace("edition: v1", "edition: v2\ndate: 2026-01").replace("0.1", "0.01").replace("dim:", "dim_to:")
@@ -109,6 +109,7 @@ def test_json() -> None:
     first = found["changes"][0]
     assert first["rule"] == "scale-changed" and CHANGES[first["rule"]].category.value == first["category"]
     assert (first["impact"], first["host"], first["used_by"]) == ("silent", ["sending", "receiving"], ["dim"])
+    assert first["verdicts"] == {"sending": "silent", "receiving": "silent"}
     assert first["old"] == {"file": "spec/lamp/v1.yaml", "line": 7, "column": 32}
     assert first["new"] == {"file": "spec/lamp/v2.yaml", "line": 8, "column": 32}
 
@@ -247,3 +248,15 @@ def test_editions() -> None:
     result = CliRunner().invoke(main, ["editions"])
     assert result.exit_code == 0
     assert [line.split()[:2] for line in result.output.splitlines()[1:]] == [["lamp", "v1"], ["lamp", "v2"]]
+
+
+def test_verdicts_that_differ_by_side(tmp_path: Path) -> None:
+    """The new node rejects the requests, and an old host takes the replies for those of the other command."""
+    text = (ROOT / "tests/assurance/specs/doser/v1.yaml").read_text("utf-8")
+    old, new = tmp_path / "old.yaml", tmp_path / "new.yaml"
+    old.write_text(text, "utf-8")
+    swapped = text.replace("code: 5", "code: X").replace("code: 6", "code: 5").replace("code: X", "code: 6")
+    new.write_text(swapped, "utf-8")
+    assert "host sending: loud, receiving: silent; " in diff(str(old), str(new)).output
+    first = json.loads(diff(str(old), str(new), "--format", "json").output)["changes"][0]
+    assert (first["impact"], first["verdicts"]) == ("silent", {"sending": "loud", "receiving": "silent"})

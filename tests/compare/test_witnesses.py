@@ -39,17 +39,11 @@ def found(folder: Path, text: str, *changes: tuple[str, str]) -> list[Change]:
 
 
 def verdicts(changes: list[Change]) -> dict[str, dict[str, str]]:
-    """The worst impact of each side, by rule and item."""
-    worst: dict[str, dict[str, str]] = {}
-    order = list(Impact)
-    for change in changes:
-        sides = worst.setdefault(f"{change.rule.id} {change.item}", {})
-        for witness in change.witnesses:
-            side = witness.side.value
-            known = sides.get(side)
-            if known is None or order.index(witness.impact) < order.index(Impact(known)):
-                sides[side] = witness.impact.value
-    return worst
+    """The impact on each side, by rule and item."""
+    return {
+        f"{change.rule.id} {change.item}": {side.value: impact.value for side, impact in change.verdicts.items()}
+        for change in changes
+    }
 
 
 SILENT, LOUD = "silent", "loud"
@@ -234,3 +228,36 @@ def test_a_narrower_range_is_loud_for_a_sender_and_a_wider_one_safe_for_a_receiv
 def test_every_edition_agrees_with_itself() -> None:
     for text in (V2_35, V2_36, JOINT, PUMP, MIXER):
         assert compare(_original(text), _original(text)) == ()
+
+
+def test_negative_members_that_become_flags_are_silent(tmp_path: Path) -> None:
+    enum, flags = "i8, enum: {by_hand: -1, none: 0}", "u8, flags: {by_hand: 1, none: 0}"
+    text = MINIMAL.replace("types:\n", f"types:\n  mode: {{raw: {enum}}}\n").replace(
+        "reply: echo", "reply: {mode: {at: 1, type: mode}}"
+    )
+    changes = found(tmp_path, text, (enum, flags))
+    assert changes
+    assert {Impact.SILENT} == {change.impact for change in changes}
+
+
+def test_a_renamed_command_keeps_the_replies_that_refer_to_it(tmp_path: Path) -> None:
+    further = "  stop: {code: 0x7F, title: Stop, reply: {of: dim}}\n"
+    text = MINIMAL.replace("reply: echo", "reply: {level: {at: 2, type: level}}") + further
+    renamed = ("  dim:", "  fade:"), ("of: dim}", "of: fade}")
+    assert not found(tmp_path, text, *renamed)
+
+
+def test_the_reply_of_another_command_is_no_answer(tmp_path: Path) -> None:
+    """The old host identifies it as what it is, and receives no reply to its request."""
+    further = "  stop: {code: 0x7F, title: Stop, reply: {raw_level: {at: 1, raw: u8}}}\n"
+    text = MINIMAL.replace("reply: echo", "reply: {level: {at: 2, type: level}}") + further
+    (change,) = found(tmp_path, text, ("{raw_level: {at: 1, raw: u8}}", "{of: dim}"))
+    assert verdicts([change]) == {"reply-form-changed command stop": {"receiving": "loud"}}
+
+
+def test_an_echo_instead_of_fields_at_the_same_bits_is_silent(tmp_path: Path) -> None:
+    further = (
+        "  fill: {code: 0x7F, title: Fill, request: {amount: {at: 1, raw: u8}}, reply: {left: {at: 1, raw: u8}}}\n"
+    )
+    (change,) = found(tmp_path, MINIMAL + further, ("reply: {left: {at: 1, raw: u8}}", "reply: echo"))
+    assert verdicts([change]) == {"reply-form-changed command fill": {"receiving": "silent"}}

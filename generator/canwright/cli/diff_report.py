@@ -138,7 +138,17 @@ def _grouped(changes: Sequence[Change]) -> dict[Item, list[Change]]:
 
 
 def _affected(change: Change) -> str:
-    return f"host {' and '.join(side.value for side in change.sides)}" if change.sides else ""
+    """`host sending and receiving`; with the impacts where they differ: `host sending: loud, receiving: silent`."""
+    if not change.verdicts:
+        return ""
+    if change.differs_by_side:
+        return "host " + ", ".join(f"{side.value}: {impact.value}" for side, impact in change.verdicts.items())
+    return f"host {' and '.join(side.value for side in change.verdicts)}"
+
+
+def _host(change: Change) -> str:
+    """The affected sides for a cell of a table."""
+    return _affected(change).removeprefix("host ").replace(" and ", ", ")
 
 
 def _reach(item: Item, changes: Sequence[Change]) -> str:
@@ -207,11 +217,10 @@ def _markdown(comparison: Comparison) -> str:
 
 def _row(comparison: Comparison, change: Change) -> str:
     old, new = comparison.positions(change)
-    host = ", ".join(side.value for side in change.sides)
     kind = f"{change.rule.category.value} `{change.rule.id}`"
     locations = [markdown_text(f"{at.file}:{at.line}") for at in (old, new)]
     frames = "<br>".join(_examples(change))
-    return f"| {' | '.join([str(change.item), change.says(escape=markdown_text), frames, kind, host, *locations])} |"
+    return f"| {' | '.join([str(change.item), change.says(escape=markdown_text), frames, kind, _host(change), *locations])} |"
 
 
 def _changelog(comparison: Comparison) -> str:
@@ -261,7 +270,8 @@ def _json(comparison: Comparison) -> dict[str, object]:
             "category": change.rule.category.value,
             "impact": change.impact.value,
             "fails": id(change) in failing,
-            "host": [side.value for side in change.sides],
+            "host": [side.value for side in change.verdicts],
+            "verdicts": {side.value: impact.value for side, impact in change.verdicts.items()},
             "item": {"kind": change.item.kind, "name": change.item.name},
             "message": change.says(),
             "used_by": list(change.used_by),
@@ -320,7 +330,7 @@ def _pull_request(comparison: Comparison) -> str:
         for change in broken:
             new = comparison.positions(change)[1]
             cells = [change.impact.value, str(change.item), change.says(escape=markdown_text)]
-            cells += [", ".join(side.value for side in change.sides), markdown_text(f"{new.file}:{new.line}")]
+            cells += [_host(change), markdown_text(f"{new.file}:{new.line}")]
             lines.append(f"| {' | '.join(cells)} |")
         lines.append("")
     others = [_bullet(change) for change in comparison.changes if change not in broken]

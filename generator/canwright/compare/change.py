@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
@@ -40,6 +40,11 @@ class Impact(str, Enum):
     """It runs as before, but has to be changed before it builds with the new bindings."""
     SAFE = "safe"
     """Nothing."""
+
+
+def worst(impacts: Iterable[Impact]) -> Impact:
+    """The worst of some impacts; safe without any."""
+    return min(impacts, key=list(Impact).index, default=Impact.SAFE)
 
 
 class Side(str, Enum):
@@ -100,8 +105,8 @@ class Item:
 class Change:
     """One change. `old` and `new` are its paths in the specs; `used_by` are the commands it affects.
 
-    `cases` are the parameter values under which it applies, all if empty. `witnesses` are the frames that demonstrate
-    it, the worst of each side first.
+    `verdicts` are the impacts on the sides that it affects. `cases` are the parameter values under which it applies, all
+    if empty. `witnesses` are the frames that demonstrate it, the worst of each side first.
     """
 
     rule: ChangeRule
@@ -109,11 +114,25 @@ class Change:
     facts: Mapping[str, Fact]
     old: DocumentPath | None
     new: DocumentPath | None
-    impact: Impact
-    sides: tuple[Side, ...]
+    verdicts: Mapping[Side, Impact]
     used_by: tuple[str, ...]
     cases: tuple[Assignment, ...] = ()
     witnesses: tuple[Witness, ...] = ()
+
+    @property
+    def impact(self) -> Impact:
+        """The worst impact on a side."""
+        return worst(self.verdicts.values())
+
+    @property
+    def sides(self) -> tuple[Side, ...]:
+        """The sides that it affects."""
+        return tuple(self.verdicts)
+
+    @property
+    def differs_by_side(self) -> bool:
+        """Whether its impacts on the sides differ."""
+        return len(set(self.verdicts.values())) > 1
 
     def says(
         self,

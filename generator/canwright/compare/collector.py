@@ -11,12 +11,10 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.types import Assignment, Text
 from .catalogue import CHANGES
-from .change import Change, Fact, Impact, Item, Side, Word
+from .change import Change, Fact, Impact, Item, Side, Word, worst
 from .exported_names import ExportedNames
 
 T = TypeVar("T")
-
-_ORDER = list(Impact)
 
 Places = tuple[DocumentPath, DocumentPath]
 """The path of something in the old and in the new edition."""
@@ -95,12 +93,13 @@ class Collector:
         old, new = self._original(places[0]), places[1]
         key = (rule, item, tuple((name, _frozen(fact)) for name, fact in facts.items()), old, new)
         known = self._changes.get(key)
-        change = Change(CHANGES[rule], item, facts, old, new, impact, use.sides, use.commands, cases)
+        verdicts = dict.fromkeys(use.sides, impact)
+        change = Change(CHANGES[rule], item, facts, old, new, verdicts, use.commands, cases)
         if known is not None:
-            worst = min(known.impact, impact, key=_ORDER.index)
-            sides = tuple(side for side in Side if side in (*known.sides, *use.sides))
+            both = known.verdicts, verdicts
+            verdicts = {s: worst(v[s] for v in both if s in v) for s in Side if any(s in v for v in both)}
             used_by = tuple(dict.fromkeys((*known.used_by, *use.commands)))
-            change = dataclasses.replace(change, impact=worst, sides=sides, used_by=used_by)
+            change = dataclasses.replace(change, verdicts=verdicts, used_by=used_by)
         self._changes[key] = change
 
     def attributes(

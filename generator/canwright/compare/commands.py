@@ -24,7 +24,11 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
     pairs = [(a.name, b.name) for a, b in layouts if a.shared and b.shared]
     types = [(a.name, b.name) for a, b in fields.type_pairs(layouts)]
     both = Editions(
-        old, new, match.renamed(types, old.types, new.types), match.renamed(pairs, old.layouts, new.layouts)
+        old,
+        new,
+        match.renamed(types, old.types, new.types),
+        match.renamed(pairs, old.layouts, new.layouts),
+        {one.name: other.name for one, other in matched.pairs},
     )
     kept = _tables(found, old, new)
     matched = dataclasses.replace(
@@ -97,13 +101,13 @@ def _code(command: Command) -> str:
 
 def _repurposed(found: Collector, old: Command, new: Command) -> None:
     use = Use(tuple(Side), (old.group,))
-    if old.entry and new.entry:
+    if old.entry and new.entry and old.group == new.group:
         facts = {"index": discriminators.index(old), "old": old.entry.name, "new": new.entry.name}
         places = paths(old.entry, new.entry)
         found.add("entry-repurposed", Item.of_entry(old.entry), places, Impact.SILENT, use, **facts)
         return
     facts = {"code": _code(old), "old": old.group, "new": new.group}
-    found.add("command-repurposed", _item(old), paths(old, new), Impact.SILENT, use, **facts, meaning=new.title)
+    found.add("command-repurposed", _item(old), paths(old, new), Impact.SILENT, use, **facts, meaning=new.group_title)
 
 
 def _removed(found: Collector, command: Command, new: Edition) -> None:
@@ -149,7 +153,8 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
             _OF_CONDITIONS, Item.of_entry(old.entry), paths(old.entry, new.entry), of_entry, new_of_entry, use
         )
     _texts(found, old, new)
-    _reply(found, old, new)
+    _reply(found, both, old, new)
+    _address(found, old, new)
     for direction, one, other in messages(old, new):
         used = Use((Side.of(direction),), (old.group,))
         _message(found, both, old, new, one, other, used)
@@ -158,12 +163,26 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
             fields.compare(found, both, old.group, one, other, used)
 
 
+def _address(found: Collector, old: Command, new: Command) -> None:
+    """Adds a change of the address of each message, or one of the command if both follow its address."""
+    moved = [one for one in messages(old, new) if one[1].id != one[2].id and one[1].address != one[2].address]
+    follows = all((a.address, b.address) == (old.address, new.address) for _, a, b in moved)
+    for group in [moved] if moved and follows else [[one] for one in moved]:
+        one, other = group[0][1:]
+        directions = [direction for direction, _, _ in group]
+        facts = {"direction": Word(" and ".join(d.value for d in directions)), "old": one.address, "new": other.address}
+        places = paths(old, new) if follows else paths(one, other)
+        use = Use(tuple(map(Side.of, directions)), (old.group,))
+        found.add("address-of-command-changed", _item(old), at(places, "address"), Impact.LOUD, use, **facts)
+
+
 def _layout_name(found: Collector, both: Editions, command: Command, old: Message, new: Message, use: Use) -> None:
     """Adds the change of where the same fields of a message are defined, which names its type in the bindings."""
     one, other = old.layout, new.layout
     same_place = _is_named(one) == _is_named(other)
     renamed = same_place and (not _is_named(one) or both.layouts.get(one.name, one.name) == other.name)
-    if renamed or match.content(one) != match.content(other):
+    keys = fields.constant_keys(old) | fields.constant_keys(new)
+    if renamed or match.content(one, keys) != match.content(other, keys):
         return
     of_entry = command.entry is not None and "tables" in (one.path[0], other.path[0])
     item = Item.of_entry(command.entry) if of_entry and command.entry else _item(command)
@@ -296,9 +315,16 @@ def _texts(found: Collector, old: Command, new: Command) -> None:
     found.section(item, places, old.manual, new.manual, Use((), (old.group,)))
 
 
-def _reply(found: Collector, old: Command, new: Command) -> None:
+def _reply(found: Collector, both: Editions, old: Command, new: Command) -> None:
     receiving, sending = (Use((side,), (old.group,)) for side in (Side.RECEIVING, Side.SENDING))
-    found.attributes(_OF_REPLY, _item(old), paths(old, new), old, new, receiving)
+    form = Attribute[Command](
+        "reply-form-changed",
+        "reply",
+        _shown_form,
+        _other_form,
+        lambda command: _form(command, both.commands if command is old else {}),
+    )
+    found.attributes((form, *_OF_REPLY), _item(old), paths(old, new), old, new, receiving)
     found.attributes(_OF_REQUEST, _item(old), paths(old, new), old, new, sending)
 
 
@@ -306,27 +332,25 @@ def _repliers(command: Command) -> Fact:
     return (Word("the nodes"), f" {listed(command.from_each)}") if command.from_each else Word("the node addressed")
 
 
-def _form(command: Command) -> str:
+def _form(command: Command, new_names: Mapping[str, str]) -> str:
     """What the reply is made of; whose layout the fields are in makes no difference."""
     for reply in command.replies:
         if isinstance(reply, OtherReply):
-            return f"of {reply.of}"
+            return f"of {new_names.get(reply.of, reply.of)}"
         return "echo" if isinstance(reply, EchoReply) else "fields"
     return "none"
 
 
 def _shown_form(command: Command) -> str:
-    return "".join(r.message.layout.name for r in command.replies if isinstance(r, SharedReply)) or _form(command)
+    shared = (r.message.layout for r in command.replies if isinstance(r, SharedReply))
+    return "".join(layout.name for layout in shared if _is_named(layout)) or _form(command, {})
 
 
 def _other_form(old: Command, new: Command) -> Impact:
     return Impact.LOUD if not new.replies else Impact.SAFE if not old.replies else Impact.SILENT
 
 
-_OF_REPLY = (
-    Attribute[Command]("reply-form-changed", "reply", _shown_form, _other_form, _form),
-    Attribute[Command]("repliers-changed", "reply", _repliers, Impact.LOUD),
-)
+_OF_REPLY = (Attribute[Command]("repliers-changed", "reply", _repliers, Impact.LOUD),)
 _OF_REQUEST = (
     Attribute[Command](
         "request-changed",
@@ -347,7 +371,6 @@ _REPLY_CODE = Attribute[Message](
     lambda m: discriminators.code(discriminators.code_sent(m)),
     lambda old, new: Impact.SAFE if discriminators.code_sent(new) in old.accept else Impact.LOUD,
 )
-_ADDRESS = Attribute[Message]("address-of-command-changed", "address", lambda m: m.address, Impact.LOUD)
 _DLC = Attribute[Message]("dlc-changed", "dlc", lambda m: str(m.dlc), Impact.LOUD)
 
 
@@ -360,8 +383,6 @@ def _message(
         new.code,
     ]:
         rows.insert(0, _REPLY_CODE)
-    if one.id != other.id:
-        rows.append(_ADDRESS)
     item, places, direction = _item(old), paths(one, other), Word(one.direction.value)
     if [one.dlc, other.dlc] == [edition.bus.dlc for edition in (both.old, both.new)]:
         item_of_bus: tuple[Item, Places] = Item("bus", ""), (("bus",), ("bus",))

@@ -13,18 +13,19 @@ from ..model.layout import Field, Layout, NodeRole, ReservedRole, Space
 from ..model.message import KeyRole, Message
 from ..model.types import Encoding, Type
 from . import match, quantities
-from .change import Category, Change, Fact, Impact, Item, Side, Word
+from .change import Category, Change, Fact, Impact, Item, Side, Word, worst
 from .collector import Attribute, Collector, Places, Use, at, listed, paths
 
 
 @dataclass(frozen=True)
 class Editions:
-    """Both editions, and which types and layouts of the old one have another name in the new one."""
+    """Both editions, and which types, layouts and commands of the old one have another name in the new one."""
 
     old: Edition
     new: Edition
     types: dict[str, str]
     layouts: dict[str, str]
+    commands: dict[str, str]
 
 
 def compare(found: Collector, both: Editions, command: str, one: Message, another: Message, use: Use) -> None:
@@ -118,7 +119,8 @@ def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field,
     if (old.title, new.title) != (old.type.title, new.type.title):
         found.title(item, at(places, "title"), (old.name, new.name), old.title, new.title)
     found.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)
-    _type(found, both, item, old, new, use)
+    if isinstance(old.role, ReservedRole) is isinstance(new.role, ReservedRole):  # reserved bits have no meaning
+        _type(found, both, item, old, new, use)
 
 
 def _constant(field: Field) -> Fact:
@@ -187,11 +189,11 @@ def _other_type(found: Collector, both: Editions, item: Item, old: Field, new: F
     if strong:
         wire = any(c.rule.category is Category.WIRE for c in strong)
         rule = "field-format-changed" if wire else "field-meaning-changed"
-        worst = min((c.impact for c in strong), key=list(Impact).index)
+        impact = worst(c.impact for c in strong)
         facts["changes"] = tuple(
             part for i, c in enumerate(strong) for part in ((", ", _difference(c)) if i else (_difference(c),))
         )
-        found.add(rule, item, places, worst, use, **facts)
+        found.add(rule, item, places, impact, use, **facts)
     elif old.type.path[0] == "types":  # a number without a type had no names
         found.renamed("type-of-field-changed", item, places, use, **facts)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
@@ -185,9 +185,9 @@ def _fields(message: Message | None) -> object:
     return message and content(message.layout)
 
 
-def content(layout: Layout) -> object:
-    """The bits of a layout with their meaning; not the names."""
-    return {(f.elements, f.only, f.fixed, f.demanded, _meaning(f.type)) for f in layout.fields}
+def content(layout: Layout, without: Collection[str] = ()) -> object:
+    """The bits of a layout with their meaning; not the names. The fields named in `without` do not count."""
+    return {(f.elements, f.only, f.fixed, f.demanded, _meaning(f.type)) for f in layout.fields if f.name not in without}
 
 
 def _meaning(type_: Type) -> tuple[object, ...]:

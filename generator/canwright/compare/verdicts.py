@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
+from ..model.refusal import Refusal
 from .catalogue import CHANGES
-from .change import Category, Change, Impact, Item, Side
+from .change import Category, Change, Impact, Item, Side, Word, worst
 from .witnesses import Aspect, Observation, Witness
 
 MOST_WITNESSES = 16
@@ -73,14 +74,18 @@ _EXPLAINS: dict[str, frozenset[Aspect]] = {
 """The aspects that each kind of change explains; other kinds have no witness."""
 _ADDITIONS = ("command-added", "entry-added", "address-added")
 _ANY_SIDE = (*_ADDITIONS, "command-removed", "entry-removed", "request-changed", "availability-changed")
+_OF_LENGTH = ("field-added", "field-removed", "field-replaced")
+"""Changes of fields that come with another length."""
 _WHOLE = ("reply-form-changed", "request-changed", "table-of-command-changed")
 """Changes that replace all fields of a command."""
 _ORDER = list(Impact)
+_WRONG_LENGTH = Word(Refusal.WRONG_LENGTH.value.replace("_", " "))
 
 
 def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tuple[Change, ...]:
     """The changes with their witnesses and impacts; observations that no change explains are changes of their own."""
     index = _Index(observations)
+    wrong_lengths = frozenset(_place(o) for o in observations if o.witness.facts.get("reason") == _WRONG_LENGTH)
     explained: set[int] = set()
     found: list[list[int] | None] = []
     for change in changes:
@@ -97,14 +102,23 @@ def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tu
     made = [
         change
         if numbers is None
-        else _with(change, _effective(change, [observations[n] for n in dict.fromkeys(numbers)]))
+        else _with(change, _effective(change, [observations[n] for n in dict.fromkeys(numbers)], wrong_lengths))
         for change, numbers in zip(changes, found, strict=True)
     ]
     return (*made, *_unexplained(o for n, o in enumerate(observations) if n not in explained))
 
 
-def _effective(change: Change, observations: Sequence[Observation]) -> list[Witness]:
-    """The witnesses of a change; where it replaces all fields, none of fields in frames that are rejected."""
+def _place(observation: Observation) -> tuple[Side, str]:
+    """The frames that an observation is about."""
+    return observation.witness.side, observation.commands[0]
+
+
+def _effective(
+    change: Change, observations: Sequence[Observation], wrong_lengths: Collection[tuple[Side, str]]
+) -> list[Witness]:
+    """The witnesses of a change; where it replaces fields, none of fields in frames that are rejected."""
+    if change.rule.id in _OF_LENGTH:
+        return [o.witness for o in observations if o.aspect not in _CONTENT or _place(o) not in wrong_lengths]
     rejected = {o.witness.side for o in observations if (o.aspect, o.witness.impact) == (Aspect.IDENTITY, Impact.LOUD)}
     without = rejected if change.rule.id in _WHOLE else ()
     return [o.witness for o in observations if not (o.witness.side in without and o.aspect in _CONTENT)]
@@ -181,15 +195,15 @@ class _Index:
 
 
 def _with(change: Change, witnesses: Sequence[Witness]) -> Change:
-    """A change with its witnesses, the worst of each side first; its impact is the worst, its sides those that have it."""
+    """A change with its witnesses, the worst of each side first, and with the verdicts that they give."""
     ordered = sorted(witnesses, key=lambda w: (_ORDER.index(w.impact), list(Side).index(w.side)))
-    impact = ordered[0].impact if ordered else Impact.SAFE
     first = dict.fromkeys((w.side, w.impact) for w in ordered)
     leading = [next(w for w in ordered if (w.side, w.impact) == kind) for kind in first]
     rest = [w for w in ordered if not any(w is one for one in leading)]
-    sides = tuple(side for side in Side if (side, impact) in first)
+    verdicts = {side: worst(w.impact for w in ordered if w.side is side) for side in Side}
+    verdicts = {side: impact for side, impact in verdicts.items() if impact is not Impact.SAFE}
     kept = tuple((*leading, *rest)[:MOST_WITNESSES])
-    return dataclasses.replace(change, impact=impact, sides=sides, witnesses=kept)
+    return dataclasses.replace(change, verdicts=verdicts, witnesses=kept)
 
 
 def _unexplained(observations: Iterable[Observation]) -> Iterator[Change]:
@@ -200,7 +214,7 @@ def _unexplained(observations: Iterable[Observation]) -> Iterator[Change]:
     for command, found in groups.items():
         item, path = Item("command", command), ("commands", command)
         facts = {"name": command}
-        change = Change(CHANGES["frames-affected"], item, facts, path, path, Impact.SAFE, (), (command,))
+        change = Change(CHANGES["frames-affected"], item, facts, path, path, {}, (command,))
         yield _with(change, [observation.witness for observation in found])
 
 

@@ -487,7 +487,7 @@ def _distinguishing(fitting: Sequence[Edition], seen: set[str], compared: Compar
     counts = Counter(
         name
         for change in changes
-        if Side.RECEIVING in change.sides and change.impact is not Impact.SAFE and change.rule.id != "range-changed"
+        if change.verdicts.get(Side.RECEIVING, Impact.SAFE) is not Impact.SAFE and change.rule.id != "range-changed"
         for name in change.used_by
     )
     known = [{c.group: c for c in edition.commands} for edition in fitting]

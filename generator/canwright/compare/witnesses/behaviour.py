@@ -104,7 +104,8 @@ class Behaviour:
             yield from self._identified(case, new.reply, old.reply)
             if old.request is not None and new.request is not None:
                 yield from self._answers(case, old.request, old.reply, new.reply)
-            yield from self._read(case, new.reply, old.reply)
+            if self._may_answer(case, new.reply, old.reply):
+                yield from self._read(case, new.reply, old.reply)
 
     def _available(self, case: _Case) -> Iterator[Observation]:
         """The parameter values under which only the old edition has a command."""
@@ -123,8 +124,31 @@ class Behaviour:
 
     def _read(self, case: _Case, sent: Message, read: Message) -> Iterator[Observation]:
         groups = tuple(dict.fromkeys((*(command.group for command in case.both), *self._owners(case))))
-        transfer = Transfer(case.side, groups, [command.only for command in case.both], sent, read)
+        available, same = [command.only for command in case.both], self._has_same_origin(case.side, sent, read)
+        transfer = Transfer(case.side, groups, available, sent, read, same)
         yield from self._reading.observations(transfer)
+
+    def _has_same_origin(self, side: Side, sent: Message, read: Message) -> bool:
+        """Whether two messages are the same one, not the replies of different commands, or an echo in one edition."""
+        sender, receiver = (e.command(m.command) for e, m in zip(self._editions[side], (sent, read), strict=True))
+        return self._counterparts.of(sender) is receiver and sender.is_echoed == receiver.is_echoed
+
+    def _may_answer(self, case: _Case, sent: Message, read: Message) -> bool:
+        """Whether the old host accepts a reply of another origin as an answer."""
+        old, new = case.both
+        if old.request is None or new.request is None or self._has_same_origin(case.side, sent, read):
+            return True
+        encoder = self._encoders.under(self._assignments.first)
+        node = _common_node(old.request.id, sent.id)
+        asked = next(iter(self._samples(encoder, old.request, node)), None)
+        if asked is None:
+            return True
+        ids = (sent.id, read.id) if sent.address == read.address else (sent.id, sent.id)
+        replies = [_moved(reply, *ids, node) for reply in self._replies(encoder, new, asked, node)]
+        host = self._decoders[Side.SENDING][0]
+        return not replies or any(
+            reply is not None and not isinstance(check_reply(host, asked, reply), Rejection) for reply in replies
+        )
 
     def _identified(self, case: _Case, sent: Message, read: Message | None) -> Iterator[Observation]:
         """The frames of a message that are another message, or none; with the correct id, and with the sender's."""
@@ -177,12 +201,16 @@ class Behaviour:
     def _frames(
         self, side: Side, encoder: Encoder, sent: Message, read: Message | None
     ) -> Iterator[tuple[Aspect, int | None, CanFrame]]:
-        """Frames of a message: with the ids of the receiver for all decisions, then with those of the sender."""
+        """Frames of a message: with the ids of the receiver for all decisions, then with those of the sender.
+
+        A message that uses another address is only tried with the ids of the sender.
+        """
         direction, receiver = sent.direction, self._decoders[side][1]
         common = _common_node(sent.id, read.id if read else sent.id)
         variable = candidates.variable_bits(encoder, sent)
         for frame in self._samples(encoder, sent, common):
-            placed = frame if read is None else _moved(frame, sent.id, read.id, common)
+            has_same_address = read is not None and read.address == sent.address
+            placed = _moved(frame, sent.id, read.id, common) if read is not None and has_same_address else frame
             if placed is None:
                 continue
             for one in candidates.reaching(receiver, direction, placed, variable):
@@ -287,8 +315,8 @@ class Behaviour:
             alone = own and candidates.message_of(receiver, Direction.REPLY, own)
             expected += [alone] if alone else []
         alone = candidates.message_of(sender, Direction.REPLY, frame)
-        if alone is not None and alone is not sent:
-            counterpart = self._counterparts.of(self._editions[side][0].command(alone.command))
+        for message in (sent, *((alone,) if alone is not None else ())):
+            counterpart = self._counterparts.of(self._editions[side][0].command(message.command))
             expected += [counterpart.reply] if counterpart and counterpart.reply else []
         return expected
 
@@ -307,7 +335,12 @@ class Behaviour:
             own = self._reply(encoder, old, asked, replier)
             if asked is None or own is None or isinstance(check_reply(host, asked, own), Rejection):
                 continue
-            for reply in self._replies(encoder, new, asked, replier):
+            replies = (
+                one
+                for reply in self._replies(encoder, new, asked, replier)
+                for one in (reply, *(candidates.with_first_key(sent, reply, code) for code in sent.accept))
+            )
+            for reply in replies:
                 placed = _moved(reply, sent.id, read.id, replier)
                 judged = None if placed is None else check_reply(host, asked, placed)
                 if placed is not None and isinstance(judged, Rejection):

@@ -35,7 +35,7 @@ def _raws(one: Type, other: Type, assignment: Assignment) -> Iterator[int]:
         }
         first = sorted(value for _, value in differing)
         values = list(dict.fromkeys((*first, *sorted(named))))[:MOST_MEMBERS]
-        yield from (values if one.enum else (1 << value for value in values if value < one.width))
+        yield from (values if one.enum else (1 << value for value in values if 0 <= value < one.width))
         if one.flags:
             yield from (0, sum(1 << m.value for m in one.flags))
         return

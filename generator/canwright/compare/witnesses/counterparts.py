@@ -20,6 +20,7 @@ class Counterparts:
         self.removed, self.added = matched.removed, matched.added
         self._fields: dict[tuple[Layout, Layout], list[tuple[Field, Field]]] = {}
         self._members: dict[tuple[Type, Type], Mapping[str, str]] = {}
+        self._former_members: dict[tuple[Type, Type], Mapping[str, str]] = {}
         self._same: dict[tuple[Type, Type], bool] = {}
         self._of: dict[Command, Command] = {}
         for one, other in matched.pairs:
@@ -41,6 +42,12 @@ class Counterparts:
             pairs = (*match.members(old.enum, new.enum).pairs, *match.members(old.flags, new.flags).pairs)
             self._members[old, new] = {one.name: other.name for one, other in pairs}
         return self._members[old, new]
+
+    def former_members(self, old: Type, new: Type) -> Mapping[str, str]:
+        """The names of the old members, by those of the new ones."""
+        if (old, new) not in self._former_members:
+            self._former_members[old, new] = {now: was for was, now in self.members(old, new).items()}
+        return self._former_members[old, new]
 
     def is_same_type(self, old: Type, new: Type) -> bool:
         """Whether two types give every raw integer the same value and allow the same ones."""

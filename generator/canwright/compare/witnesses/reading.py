@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
-from ...model.layout import Field
+from ...model.layout import ConstantRole, Field
 from ...model.message import Message
 from ...model.types import Assignment, Encoding, Type
 from ...semantics.decoder import Value, field_value, value_of
@@ -30,6 +30,8 @@ class Transfer:
     """The conditions of the command in both editions."""
     sent: Message
     read: Message
+    has_same_origin: bool
+    """Whether both are the same message, so that its fields can have been renamed."""
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -85,6 +87,8 @@ class Reading:
 
     def _sources(self, transfer: Transfer, every: Mapping[str, Field]) -> dict[str, str]:
         """The name of the field that is sent, by that of the field that is read."""
+        if not transfer.has_same_origin:
+            return {field.name: field.name for field in transfer.read.layout.fields if field.name in every}
         if transfer.side is Side.SENDING:
             pairs = self._counterparts.fields(transfer.sent.layout, transfer.read.layout)
             return {new.name: old.name for old, new in pairs if old.name in every}
@@ -98,7 +102,7 @@ class Reading:
         """The names of members that are read, by those that are sent."""
         if side is Side.SENDING:
             return self._counterparts.members(sent, read)
-        return {new: old for old, new in self._counterparts.members(read, sent).items()}
+        return self._counterparts.former_members(read, sent)
 
     def further(self, encoder: Encoder, known: Assignment, *fields: Field) -> Iterator[tuple[Assignment, Encoder]]:
         """`known` with every value of the further parameters that some fields depend on."""
@@ -188,7 +192,9 @@ class _Pair:
             yield self._misread(Aspect.MEMBER, assignment, encoder, frame, source, raw, target, raw, tuple(differing))
 
     def unset(self, target: Field, source: Field | None) -> Iterator[Observation]:
-        """A field that is read but not sent, or always sent as the same value."""
+        """A field that is read but not sent; not one that is always sent as the same value."""
+        if source is not None and isinstance(source.role, ConstantRole) and source.elements == target.elements:
+            return
         frame = self._frame({})
         if frame is None:
             return

@@ -110,7 +110,10 @@ def changes(
 
     def line(change: Change) -> ChangeLine:
         sentence = change.says(language, wording["sentences"].get(change.rule.id), wording["words"], markdown)
-        host = labels["listed"].join(labels[f"host_{side.value}"] for side in change.sides)
+        host = labels["listed"].join(
+            labels[f"host_{side.value}"] + (f": {labels[f'verdict_{impact.value}']}" if change.differs_by_side else "")
+            for side, impact in change.verdicts.items()
+        )
         what = f"{labels[f'item_{change.item.kind}']} {code(change.item.name)}".rstrip()
         return ChangeLine(
             what,
